@@ -14,8 +14,8 @@ from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
 from cycloid_mj.explore.figures import ANGLES, FIGURES
-from cycloid_mj.explore.measured import Options
-from cycloid_mj.explore.row import Row, Task, measured_row
+from cycloid_mj.explore.measured import MeasureSettings
+from cycloid_mj.explore.row import PointResult, Task, measured_row
 from cycloid_mj.explore.tolerances import balanced
 from cycloid_mj.reducer import Reducer
 
@@ -36,9 +36,9 @@ class Work:
     items: Sequence[Any]
 
 
-def nothing(_: int) -> Row:
+def nothing(_: int) -> PointResult:
     """Give a row of the size that statics gives, without any work."""
-    return Row({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
+    return PointResult({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
 
 
 def works(many: int, few: int) -> dict[str, Work]:
@@ -46,7 +46,7 @@ def works(many: int, few: int) -> dict[str, Work]:
     pin = PRESETS["pin"]
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
-        task = Task(Reducer(override(pin, changes)), (key,), (measure,), Options(real_pins=real_pins))
+        task = Task(Reducer(override(pin, changes)), (key,), (measure,), MeasureSettings(real_pins=real_pins))
         return Work(partial(measured_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
 
     made = override(pin, TOLERANCES)

@@ -5,11 +5,11 @@ closed form of everything but the crank is evaluated at the *measured* crank ang
 is judged once, in the crank's own line.
 """
 
-from cycloid_mj.analysis.curves import FIGURES, MICROMETRE, SIGNALS, Figure, Signal
+from cycloid_mj.analysis.curves import FIGURES, MICROMETRE, SIGNALS, Signal, SignalFigure
 from cycloid_mj.analysis.findings import Findings, condition
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
-from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table
+from cycloid_mj.analysis.table import GROUPS, FigureRow, RowGroup, groups, table
 
 __all__ = [
     "FIGURES",
@@ -17,13 +17,13 @@ __all__ = [
     "MICROMETRE",
     "SIGNALS",
     "Compared",
-    "Figure",
+    "FigureRow",
     "Findings",
-    "Group",
     "PinPath",
-    "Row",
+    "RowGroup",
     "Series",
     "Signal",
+    "SignalFigure",
     "analyze",
     "condition",
     "groups",

@@ -84,7 +84,7 @@ SIGNALS = {
 
 
 @dataclass(frozen=True)
-class Figure:
+class SignalFigure:
     """A figure of a run over time: its `panels` are keys of `SIGNALS`, above each other; `path` is one beside them."""
 
     name: str
@@ -99,58 +99,58 @@ class Figure:
 
 
 FIGURES = (
-    Figure(
+    SignalFigure(
         "transmission_error",
         "Transmission error",
         "Angle of output and gear less the ideal one at the measured crank angle: its swing is "
         "what the drive errs by, its mean is play that is taken up and, under load, wind-up.",
         ("output_te", "gear_te"),
     ),
-    Figure(
+    SignalFigure(
         "output_speed",
         "Speed of the output",
         "Closed form: Eq. 12 at the measured crank speed.",
         ("output_speed", "output_speed_error"),
     ),
-    Figure(
+    SignalFigure(
         "gear_speed",
         "Speed of the cycloid gear",
         "Fig. 6 of the paper; closed form: Eq. 12 at the measured crank speed.",
         ("gear_speed", "gear_speed_error"),
     ),
-    Figure(
+    SignalFigure(
         "q_path",
         "Path of the point q",
         "Fig. 7 of the paper: one crank turn, and the distance from Eq. 16 at the measured crank angle.",
         ("q_error",),
         path="q_path",
     ),
-    Figure(
+    SignalFigure(
         "q_speed",
         "Speed of the point q",
         "Fig. 8 of the paper; closed form: Eq. 18 at the measured crank.",
         ("q_speed", "q_speed_error"),
     ),
-    Figure(
+    SignalFigure(
         "pin_1",
         "Pin 1 in its socket",
         "Fig. 9 of the paper: one crank turn of its centre; the circle is the clearance.",
         ("pin_radial", "pin_spin"),
         path="pin_path",
     ),
-    Figure(
+    SignalFigure(
         "contact",
         "Contacts",
         "Contacts that carry a force, the largest force of one, and the deepest approach.",
         ("contacts", "peak_force", "penetration"),
     ),
-    Figure(
+    SignalFigure(
         "torque",
         "Torques",
         "The crank torque that the load would take without losses is load/ratio.",
         ("crank_torque", "load_torque"),
     ),
-    Figure(
+    SignalFigure(
         "crank",
         "Speed of the crank",
         "Fig. 5 of the paper; closed form: the law of the drive.",

@@ -36,7 +36,7 @@ DEEP = 0.5
 
 
 @dataclass(frozen=True)
-class Balance:
+class PowerBalance:
     """Mean powers of a run [W].
 
     Attributes
@@ -66,12 +66,12 @@ class Balance:
         return -min(self.crank, self.output) / supplied if supplied > 0.0 else float("nan")
 
 
-def balance(run: Run) -> Balance:
+def balance(run: Run) -> PowerBalance:
     """Give the mean powers of all samples of a run."""
     still = np.zeros(len(run))
     energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
     losses = [float(np.mean(run[name])) for name in run.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
-    return Balance(
+    return PowerBalance(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),
         lost=sum(losses),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from cycloid_mj.analysis.findings import Findings, PathFindings, SpeedFindings, TransmissionError, VelocityFindings
 
 
-class Row(NamedTuple):
+class FigureRow(NamedTuple):
     """One line of the table; a cell is "" where there is nothing to say."""
 
     quantity: str
@@ -20,11 +20,11 @@ class Row(NamedTuple):
     unit: str
 
 
-class Group(NamedTuple):
+class RowGroup(NamedTuple):
     """The rows about one part of the drive, one of `GROUPS`; `detail` says more of it, such as where a point is."""
 
     name: str
-    rows: tuple[Row, ...]
+    rows: tuple[FigureRow, ...]
     detail: str = ""
 
 
@@ -35,12 +35,12 @@ GROUPS = ("output", "gear", "path of q", "contacts", "pin 1", "torques and losse
 """Names of the groups, in their order."""
 
 
-def table(findings: Findings) -> list[Row]:
+def table(findings: Findings) -> list[FigureRow]:
     """Give the findings as rows: quantity, simulated, closed form, error, unit."""
     return [row for group in groups(findings) for row in group.rows]
 
 
-def groups(findings: Findings) -> list[Group]:
+def groups(findings: Findings) -> list[RowGroup]:
     """Give the rows of `table` by what they are about; a group without rows is left out."""
     rows = (
         _part("output", findings.output_speed, findings.output_transmission_error),
@@ -51,11 +51,11 @@ def groups(findings: Findings) -> list[Group]:
     x, y = findings.q_path.q_mm
     on = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
     details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{on}"}
-    found = [Group(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
+    found = [RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
     return [group for group in found if group.rows]
 
 
-def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[Row]:
+def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[FigureRow]:
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
     # a difference that is rounding beside its reference is none
     off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
@@ -66,40 +66,40 @@ def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: st
     yield _row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
 
 
-def _gears(findings: Findings) -> Iterator[Row]:
+def _gears(findings: Findings) -> Iterator[FigureRow]:
     if not findings.discs:
         yield from _part("gear", findings.gear_speed, findings.gear_transmission_error)
     for disc in findings.discs:
         yield from _part(disc.name.replace("_", " "), disc.speed, disc.transmission_error, "")
 
 
-def _point(findings: Findings) -> Iterator[Row]:
+def _point(findings: Findings) -> Iterator[FigureRow]:
     yield from _errors(findings.window.phase, findings.q_path, findings.q_speed)
     if findings.ramp and findings.window.phase == "hold":
         yield from _errors("ramp", findings.ramp.q_path, findings.ramp.q_speed)
 
 
-def _errors(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[Row]:
+def _errors(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[FigureRow]:
     yield _row(f"path of q, {phase}, rms error", "um", error=path.rms_error_um)
     yield _row(f"path of q, {phase}, largest error", "um", error=path.max_error_um)
     yield _row(f"velocity of q, {phase}, rms error", "mm/s", error=velocity.rms_error_mm_s)
     yield _row(f"velocity of q, {phase}, largest error", "mm/s", error=velocity.max_error_mm_s)
 
 
-def _contacts(findings: Findings) -> Iterator[Row]:
+def _contacts(findings: Findings) -> Iterator[FigureRow]:
     contact = findings.contact_summary
     yield _row("contacts in touch, mean", "1", contact.mean_active)
     yield _row("penetration, largest", "um", contact.max_penetration_um)
     yield _row("force of one contact, largest", "N", contact.peak_force_n)
 
 
-def _pin_1(findings: Findings) -> Iterator[Row]:
+def _pin_1(findings: Findings) -> Iterator[FigureRow]:
     if pin := findings.pin1:
         yield _row("pin 1, distance from where it is centred, largest", "um", pin.max_radial_um)
         yield _row("pin 1, spin, mean", "rad/s", pin.mean_spin_rad_s)
 
 
-def _torques(findings: Findings) -> Iterator[Row]:
+def _torques(findings: Findings) -> Iterator[FigureRow]:
     power = findings.power
     yield _row("load torque, mean", "N m", power.load_torque_nm)
     yield _row("crank torque, mean", "N m", power.crank_torque_nm)
@@ -110,7 +110,7 @@ def _torques(findings: Findings) -> Iterator[Row]:
         yield _row(f"loss by damping, {pair}", "W", loss.normal_w)
 
 
-def _energy(findings: Findings) -> Iterator[Row]:
+def _energy(findings: Findings) -> Iterator[FigureRow]:
     power, efficiency = findings.power, findings.efficiency
     yield _row("input power, mean", "W", power.input_w)
     yield _row("output power, mean", "W", power.output_w)
@@ -118,7 +118,7 @@ def _energy(findings: Findings) -> Iterator[Row]:
         yield _row("efficiency", "%", 100 * efficiency)
 
 
-def _crank(findings: Findings) -> Iterator[Row]:
+def _crank(findings: Findings) -> Iterator[FigureRow]:
     crank = findings.crank
     yield _row("crank speed, mean", "rad/s", crank.speed_rad_s)
     yield _row("crank speed against its law, largest, whole run", "1", error=crank.max_relative_error)
@@ -130,8 +130,8 @@ def _row(
     simulated: float | None = None,
     closed_form: float | None = None,
     error: float | None = None,
-) -> Row:
-    return Row(quantity, _text(simulated), _text(closed_form), _text(error), unit)
+) -> FigureRow:
+    return FigureRow(quantity, _text(simulated), _text(closed_form), _text(error), unit)
 
 
 def _text(value: float | None) -> str:

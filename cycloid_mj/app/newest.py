@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from nicegui import background_tasks
 
-from cycloid_mj.app.shown import Line
+from cycloid_mj.app.shown import FigureLine
 from cycloid_mj.app.workers import Work, Workers
 from cycloid_mj.design import Design
 
@@ -16,7 +16,7 @@ _log = logging.getLogger(__name__)
 class Newest:
     """Has works done on the newest design it is asked for, and shows what they give."""
 
-    def __init__(self, workers: Workers, shown: Mapping[Work, Callable[[tuple[Line, ...]], None]]) -> None:
+    def __init__(self, workers: Workers, shown: Mapping[Work, Callable[[tuple[FigureLine, ...]], None]]) -> None:
         """Take what shows the lines of each work; the longest works should come first."""
         self._workers, self._shown = workers, shown
         self._asked: Design | None = None
@@ -48,6 +48,6 @@ class Newest:
         except Exception as error:  # whatever goes wrong with one design, the page goes on
             reason = f"{type(error).__name__}: {error}"
             _log.error("error: %s of a design failed: %s", work.__name__, reason)
-            lines = (Line("failed", reason),)
+            lines = (FigureLine("failed", reason),)
         if asked_in == self._round:
             self._shown[work](lines)

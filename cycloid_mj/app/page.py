@@ -17,7 +17,7 @@ from cycloid_mj.app.local import LocalOnly
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.newest import Newest
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import Line, check_lines, error_lines, life_lines, refused, static_lines
+from cycloid_mj.app.shown import FigureLine, check_lines, error_lines, life_lines, refused, static_lines
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design, override
@@ -172,7 +172,7 @@ class Page:
             self._sound = True
             self._solved.ask(self._design)
 
-    def _draw(self) -> tuple[Line, ...]:
+    def _draw(self) -> tuple[FigureLine, ...]:
         """Draw the design, or give why it cannot be; what was drawn before then stays, but pale."""
         try:
             self._picture.set_content(mechanism_svg(self._design, self._crank))
@@ -184,9 +184,9 @@ class Page:
 
     def _fail(self, error: Exception) -> None:
         """Say what nobody has foreseen."""
-        self._refuse((Line("not possible", _named(error)),))
+        self._refuse((FigureLine("not possible", _named(error)),))
 
-    def _refuse(self, reasons: tuple[Line, ...]) -> None:
+    def _refuse(self, reasons: tuple[FigureLine, ...]) -> None:
         """Say why there are no figures."""
         self._sound = False
         self._solved.drop()
@@ -216,7 +216,7 @@ class Page:
         try:
             page = await run.io_bound(self._runner.run, self._design)
         except CycloidError as error:
-            self._outcome.set_content(_told((Line("failed", str(error)),)))
+            self._outcome.set_content(_told((FigureLine("failed", str(error)),)))
         else:
             number = str(len(self._reports) + 1)
             self._reports[number] = page or ""
@@ -271,11 +271,11 @@ def _html(name: str) -> ui.html:
     return ui.html("", sanitize=False).classes(f"w-full {name}").mark(name)
 
 
-def _tell(element: ui.html, lines: tuple[Line, ...]) -> None:
+def _tell(element: ui.html, lines: tuple[FigureLine, ...]) -> None:
     element.set_content(_told(lines))
 
 
-def _told(lines: tuple[Line, ...]) -> str:
+def _told(lines: tuple[FigureLine, ...]) -> str:
     return "".join(
         f"<div class=told><span>{escape(line.name)}</span>"
         f'<span title="{escape(line.note)}">{escape(line.value)}</span></div>'

@@ -8,7 +8,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import Design
-from cycloid_mj.life import Item, rate
+from cycloid_mj.life import RatedItem, rate
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.rated import is_bearing_life
 from cycloid_mj.reducer import Reducer
@@ -32,7 +32,7 @@ KEYS = {
 
 
 @dataclass(frozen=True)
-class Line:
+class FigureLine:
     """One figure as the page has it: name, value with unit, and what it stands on."""
 
     name: str
@@ -40,51 +40,53 @@ class Line:
     note: str = ""
 
 
-def refused(error: CycloidError) -> tuple[Line, ...]:
+def refused(error: CycloidError) -> tuple[FigureLine, ...]:
     """Give what stands in the place of figures and checks that an error leaves nothing of."""
-    return (Line("not possible", str(error).removeprefix("override: ")),)
+    return (FigureLine("not possible", str(error).removeprefix("override: ")),)
 
 
-def error_lines(design: Design) -> tuple[Line, ...]:
+def error_lines(design: Design) -> tuple[FigureLine, ...]:
     """Give the reasons for which a design cannot be built; none of a sound one."""
     return _broken(one for one in soundness(Reducer(design)) if one.severity == "error")
 
 
-def check_lines(design: Design) -> tuple[Line, ...]:
+def check_lines(design: Design) -> tuple[FigureLine, ...]:
     """Give the checks that do not hold, errors before warnings, or that all do."""
     ordered = sorted(check(design), key=lambda one: one.severity != "error")
-    return _broken(ordered) or (Line("checks", "all hold"),)
+    return _broken(ordered) or (FigureLine("checks", "all hold"),)
 
 
-def static_lines(design: Design) -> tuple[Line, ...]:
+def static_lines(design: Design) -> tuple[FigureLine, ...]:
     """Give the figures of a sound design by statics, at its load, or why there are none."""
     try:
         found = glance(Reducer(design), design.load.torque or None)
     except CycloidError as error:
-        return (Line("no figures by statics", str(error)),)
+        return (FigureLine("no figures by statics", str(error)),)
     quantities = [found.quantities[key] for key in KEYS if key in found.quantities]
-    head = Line("by statics, at", found.condition)
-    return (head, *(Line(KEYS[one.key], _written(one), one.note or found.condition) for one in quantities))
+    head = FigureLine("by statics, at", found.condition)
+    return (head, *(FigureLine(KEYS[one.key], _written(one), one.note or found.condition) for one in quantities))
 
 
-def life_lines(design: Design) -> tuple[Line, ...]:
+def life_lines(design: Design) -> tuple[FigureLine, ...]:
     """Give the weakest item of a sound design at its load and its shortest-lived bearing, or why there are none."""
     try:
         rating = rate(design, steady(design.load.torque or design.rated_torque, design.drive.speed))
     except CycloidError as error:
-        return (Line("no rating", str(error)),)
+        return (FigureLine("no rating", str(error)),)
     named = {f"weakest: {rating.weakest.name}": rating.weakest}
     bearings = (item for key, item in rating.items.items() if is_bearing_life(key))
     named |= {item.name: item for item in islice(bearings, 1)}
-    head = Line("by rating, at", rating.duty)
-    return (head, *(Line(name, _verdict(item), item.source) for name, item in named.items()))
+    head = FigureLine("by rating, at", rating.duty)
+    return (head, *(FigureLine(name, _verdict(item), item.source) for name, item in named.items()))
 
 
-def _broken(checks: Iterable[Check]) -> tuple[Line, ...]:
-    return tuple(Line(f"{one.severity}: {one.name}", str(one).partition(": ")[2]) for one in checks if not one.passed)
+def _broken(checks: Iterable[Check]) -> tuple[FigureLine, ...]:
+    return tuple(
+        FigureLine(f"{one.severity}: {one.name}", str(one).partition(": ")[2]) for one in checks if not one.passed
+    )
 
 
-def _verdict(one: Item) -> str:
+def _verdict(one: RatedItem) -> str:
     return f"safety {one.verdict}" if one.safety is not None else one.verdict
 
 

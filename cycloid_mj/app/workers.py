@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
-from cycloid_mj.app.shown import Line
+from cycloid_mj.app.shown import FigureLine
 from cycloid_mj.base.engine.parent import serve_parent
 from cycloid_mj.design import PRESETS, Design
 
-Work = Callable[[Design], tuple[Line, ...]]
+Work = Callable[[Design], tuple[FigureLine, ...]]
 
 COUNT = 2
 """Processes: two share what a page shows of a design about evenly."""
@@ -25,7 +25,7 @@ class Workers:
         self._works = tuple(works)
         self._pool = self._started()
 
-    async def do(self, work: Work, design: Design) -> tuple[Line, ...]:
+    async def do(self, work: Work, design: Design) -> tuple[FigureLine, ...]:
         """Give what a work makes of a design; if a process has died, as for want of memory, with new ones."""
         loop, pool = asyncio.get_running_loop(), self._pool
         try:

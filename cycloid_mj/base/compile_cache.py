@@ -61,7 +61,11 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no ty
     """The index and the data of one function: pickles, whose readers do not mind the digest behind them."""
 
     def _load_index(self) -> Any:
-        return super()._load_index() if self._whole(self._index_path) else {}
+        try:
+            return super()._load_index() if self._whole(self._index_path) else {}
+        except Exception:  # written for types that this release names otherwise
+            _say_damaged(self._cache_path)
+            return {}
 
     def _load_data(self, name: str) -> Any:
         return super()._load_data(name) if self._whole(self._data_path(name)) else None

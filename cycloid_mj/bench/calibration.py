@@ -12,9 +12,9 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import COVERED, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
-from cycloid_mj.bench.overlay import Bench, model_branches, put_all
+from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
-from cycloid_mj.bench.search import STEP, Search
+from cycloid_mj.bench.search import STEP, FitProblem
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
@@ -295,10 +295,10 @@ def calibrate(
     if not loops:
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
-    model, bench = Model(reducer, Losses(drag)), Bench(held, crank)
+    model, bench = Model(reducer, Losses(drag)), LoopCondition(held, crank)
     _require_units(model, loops, bench)
     chosen, counted = parameters(reducer, keys, loops), _counting(progress)
-    _require_answers(Search(model, chosen, tuple(loops), bench, counted))
+    _require_answers(FitProblem(model, chosen, tuple(loops), bench, counted))
     return _told(fit(model, chosen, loops, bench, counted))
 
 
@@ -468,7 +468,7 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) -> None:
+def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
     """Refuse a loop that is near the design's only if it was meant in N mm, in radians, or in minutes of arc."""
     rated = model.reducer.design.rated_torque
     for loop in loops:
@@ -497,7 +497,7 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) ->
             )
 
 
-def _require_answers(search: Search) -> None:
+def _require_answers(search: FitProblem) -> None:
     """Refuse values none of which any loop answers to."""
     own = np.array([one.place(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
     if not np.any(np.abs(search.slopes(own, range(len(search.parameters)), central=True)) > SILENT):

@@ -16,10 +16,10 @@ import numpy as np
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Bench, Branches, model_branches, put_all
+from cycloid_mj.bench.overlay import Branches, LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.bench.search import FAILED, LONG, SHORT, Search, offset_scales
-from cycloid_mj.bench.spread import Spread, memory, spread
+from cycloid_mj.bench.search import FAILED, LONG, SHORT, FitProblem, offset_scales
+from cycloid_mj.bench.spread import FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
 """Distance from a bound, on a value's scale, at which a value is at it."""
@@ -58,12 +58,12 @@ class Fitted:
 
     model: Model
     parameters: tuple[Parameter, ...]
-    bench: Bench
+    bench: LoopCondition
     loops: tuple[MeasuredLoop, ...]
     places: Array
     residuals: tuple[Array, ...]
     slopes: Array
-    spread: Spread
+    spread: FitUncertainty
     at_bound: Mask
     ends: Array
 
@@ -133,7 +133,7 @@ def fit(
     model: Model,
     parameters: Sequence[Parameter],
     loops: Sequence[MeasuredLoop],
-    bench: Bench,
+    bench: LoopCondition,
     told: Callable[[], None] = lambda: None,
     start: Array | None = None,
     intervals: bool = True,
@@ -147,7 +147,7 @@ def fit(
     RunError
         The model has no balance where the search begins, or where it ends.
     """
-    search = Search(model, tuple(parameters), tuple(loops), bench, told)
+    search = FitProblem(model, tuple(parameters), tuple(loops), bench, told)
     starts = search.starts() if start is None else [start]
     best, *others = sorted((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))
     place = best[1]
@@ -162,7 +162,7 @@ def fit(
     return found
 
 
-def _fitted(search: Search, places: Array) -> Fitted:
+def _fitted(search: FitProblem, places: Array) -> Fitted:
     """Give the fit at places, with the intervals of the straight neighbourhood."""
     low, high = search.bounds
     parts = search.parts(places)
@@ -191,7 +191,7 @@ def _fitted(search: Search, places: Array) -> Fitted:
     )
 
 
-def widen(search: Search, found: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+def widen(search: FitProblem, found: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
     """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less.
 
     `valleys` are where searches ended, each with its cost, the fit itself first: in each of them that explains the
@@ -218,7 +218,7 @@ def widen(search: Search, found: Fitted, valleys: Sequence[tuple[float, Array]])
 
 
 def _reach(
-    search: Search, found: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
+    search: FitProblem, found: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
 ) -> tuple[float, tuple[float, Array] | None]:
     """Give how far a value can be from where a valley has it, until the cost has risen by what is allowed.
 

@@ -25,7 +25,7 @@ Branches = list[tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class LoopCondition:
     """Under what the loops were taken: what was held, and at which crank angle [rad]."""
 
     held: Held
@@ -39,7 +39,7 @@ def put_all(model: Model, parameters: Sequence[Parameter], values: Array) -> Mod
     return model
 
 
-def model_branches(model: Model, bench: Bench, loop: MeasuredLoop, shift: float = 0.0) -> Branches:
+def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift: float = 0.0) -> Branches:
     """Give torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
 
     The course before the loop is a loop as large, so that its first branch is that of a loop which closes.

@@ -16,7 +16,7 @@ import numpy as np
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Bench, Branches, distances, model_branches, put_all
+from cycloid_mj.bench.overlay import Branches, LoopCondition, distances, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
 
 OUTLIER = 0.03
@@ -37,13 +37,13 @@ loop wide, are told apart by little, so that there is a valley between them in w
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class FitProblem:
     """The residuals of a model, and their slopes, by where all values are on their scales."""
 
     model: Model
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
-    bench: Bench
+    bench: LoopCondition
     told: Callable[[], None]
 
     @property

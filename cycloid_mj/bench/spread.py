@@ -34,7 +34,7 @@ def memory(residuals: Array) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class FitUncertainty:
     """How sure fitted values are.
 
     Attributes
@@ -80,7 +80,7 @@ class Spread:
         return float(t.ppf(0.5 + 0.5 * covered, min(max(freedom, 1.0), most)))
 
 
-def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> Spread:
+def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> FitUncertainty:
     """Tell how sure fitted values are.
 
     `slopes` (n, v) and `residuals` (n,) are those of each loop, weighted as in the sum of squares. Noise of a turn is
@@ -105,4 +105,4 @@ def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> S
         memories.append(np.full(len(part), alike))
     covariance = inverse @ noise @ inverse
     covariance[chosen] += UNKNOWN**2 * unseen @ unseen.T
-    return Spread(covariance, inverse, np.concatenate(influence), np.concatenate(memories))
+    return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(memories))

@@ -68,7 +68,7 @@ DesignsOrLogs = Annotated[
 
 
 @dataclass(frozen=True)
-class Options:
+class CompareOptions:
     """How designs are run, and what becomes of the comparison."""
 
     set_: SetFlag = ()
@@ -140,10 +140,10 @@ class Options:
         return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
 
 
-DEFAULT = Options()
+DEFAULT = CompareOptions()
 
 
-def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[Options, FLAT] = DEFAULT) -> int:
+def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[CompareOptions, FLAT] = DEFAULT) -> int:
     """Run designs at no load and under load and put them side by side.
 
     For each load a table: errors of gear speed, path and speed of q,
@@ -207,7 +207,7 @@ def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
     return [design.steady(settled, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
 
 
-def all_cases(designs: Sequence[Design], first: Design, options: Options) -> list[Design]:
+def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions) -> list[Design]:
     """Return every design under the settings of `first`, at no load and under load.
 
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
@@ -229,7 +229,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: Options) -> lis
 
 
 def _from_logs(
-    names: Sequence[str], q: tuple[float, float] | None, options: Options
+    names: Sequence[str], q: tuple[float, float] | None, options: CompareOptions
 ) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.comparison import compare as compared
 
@@ -242,7 +242,7 @@ def _from_logs(
 
 
 def _from_runs(
-    cases: Sequence[Design], q: tuple[float, float] | None, options: Options
+    cases: Sequence[Design], q: tuple[float, float] | None, options: CompareOptions
 ) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, Trial, Variation, all_started, sensitivities, varied

@@ -64,7 +64,7 @@ class Delivered:
 
 
 @dataclass(frozen=True)
-class Options:
+class MeasureOptions:
     """The options of one measure."""
 
     EXAMPLES: ClassVar[str] = ""
@@ -125,7 +125,7 @@ TurnsFlag = Annotated[
 
 
 @dataclass(frozen=True)
-class TransmissionError(Options):
+class TransmissionErrorOptions(MeasureOptions):
     """Measure the transmission error of gear and output against crank angle.
 
     Over whole crank turns, in both directions, unloaded and loaded, slow and
@@ -154,7 +154,7 @@ class TransmissionError(Options):
 
 
 @dataclass(frozen=True)
-class Backlash(Options):
+class BacklashOptions(MeasureOptions):
     """Measure the backlash of the output at locked crank angles.
 
     A small torque presses the output to either stop, at 8 crank angles over
@@ -174,7 +174,7 @@ class Backlash(Options):
 
 
 @dataclass(frozen=True)
-class LostMotion(Options):
+class LostMotionOptions(MeasureOptions):
     """Measure hysteresis, lost motion and torsional stiffness at locked crank angles.
 
     A slow torque at the output goes up to the rated torque and back, both
@@ -197,7 +197,7 @@ class LostMotion(Options):
 
 
 @dataclass(frozen=True)
-class Loads(Options):
+class LoadsOptions(MeasureOptions):
     """Measure the force on each pin, tooth, output pin and the cam against crank angle.
 
     At a given output torque and the design's speed, over a turn of the crank:
@@ -216,7 +216,7 @@ class Loads(Options):
 
 
 @dataclass(frozen=True)
-class Torque(Options):
+class TorqueOptions(MeasureOptions):
     """Measure the output torque under the rated input torque.
 
     The paper's test: the crank feels a given torque, a brake holds the
@@ -253,7 +253,7 @@ class Torque(Options):
 
 
 @dataclass(frozen=True)
-class Efficiency(Options):
+class EfficiencyOptions(MeasureOptions):
     """Measure the efficiency over torque and speed, and where the losses go.
 
     Friction by kind of pair and the work of the normal forces, which add up
@@ -290,7 +290,7 @@ class Efficiency(Options):
 
 
 @dataclass(frozen=True)
-class Vibration(Options):
+class VibrationOptions(MeasureOptions):
     """Measure the vibration of gear, output and housing over crank speed.
 
     The rms and the spectrum of the accelerations of the gear's centre and the
@@ -309,14 +309,14 @@ class Vibration(Options):
     quick: Annotated[bool, Parameter(help="At the design's speed only, and no runs with half the step.")] = False
 
 
-COMMANDS: Mapping[str, type[Options]] = {
-    "te": TransmissionError,
-    "backlash": Backlash,
-    "lost-motion": LostMotion,
-    "loads": Loads,
-    "torque": Torque,
-    "efficiency": Efficiency,
-    "vibration": Vibration,
+COMMANDS: Mapping[str, type[MeasureOptions]] = {
+    "te": TransmissionErrorOptions,
+    "backlash": BacklashOptions,
+    "lost-motion": LostMotionOptions,
+    "loads": LoadsOptions,
+    "torque": TorqueOptions,
+    "efficiency": EfficiencyOptions,
+    "vibration": VibrationOptions,
 }
 """Name, as in `cycloid_mj.measure.MEASURES`, -> options."""
 
@@ -332,23 +332,23 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def _command(name: str, options: type[Options]) -> Callable[..., int]:
+def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     """Make the command of a measure: its design, its own options, and what all measures share."""
 
-    def one(chosen: PresetOptions = PRESET, *, options: Options, delivered: Delivered) -> int:
+    def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: Delivered) -> int:
         return _measure(name, [chosen.sound(options.values())], options, delivered)
 
     def many(
         *designs: Annotated[DesignNames, Parameter(help=f"Designs: {NAMES}, or TOML files. Default: pin and nonpin.")],
         design: SeveralFlag = (),
         set_: SetFlag = (),
-        options: Options,
+        options: MeasureOptions,
         delivered: Delivered,
     ) -> int:
         found = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, found, options, delivered)
 
-    command: Any = many if options is Torque else one
+    command: Any = many if options is TorqueOptions else one
     shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": Delivered}
     flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
@@ -358,7 +358,7 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
     return made
 
 
-def _measure(name: str, designs: Sequence[Design], options: Options, delivered: Delivered) -> int:
+def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: Delivered) -> int:
     """Measure designs, and print and write what was found."""
     from cycloid_mj.cli.deliver import deliver, stem
     from cycloid_mj.cli.progress import counted

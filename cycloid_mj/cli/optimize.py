@@ -190,15 +190,15 @@ def _json(found: "Optimum", best: Path) -> dict[str, Any]:
 def _page(found: "Optimum") -> str:
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
-    from cycloid_mj.report.study import Part, study_page
+    from cycloid_mj.report.study import PageSection, study_page
 
     values, figures, *rest = tables(found)
     numbers = {"evaluations": str(found.evaluations), "keep all": str(len(found.feasible))}
     numbers |= {key: f"{value:.5g}" for key, value in found.best_figures.items()}
     parts = [
-        Part("The best design", tables=[values, figures]),
-        Part("The search", figures={SEARCHED: tradeoff_figure(found)}),
-        *(Part(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
-        Part("What the numbers stand on", notes=found.notes),
+        PageSection("The best design", tables=[values, figures]),
+        PageSection("The search", figures={SEARCHED: tradeoff_figure(found)}),
+        *(PageSection(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
+        PageSection("What the numbers stand on", notes=found.notes),
     ]
     return study_page(f"cycloid_mj: {found.task.reducer.design.name} optimised", [found.words], numbers, parts)

@@ -22,7 +22,7 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
-    from cycloid_mj.dynamics.run import Block, Contact, Schedule, Solver
+    from cycloid_mj.dynamics.run import Contact, SampleBlock, Schedule, Solver
     from cycloid_mj.log import LogWriter
 
 EXAMPLES = """Examples:
@@ -264,7 +264,7 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
         )
 
 
-def _record(samples: "Iterable[Block]", log: "LogWriter", progress: Progress) -> None:
+def _record(samples: "Iterable[SampleBlock]", log: "LogWriter", progress: Progress) -> None:
     """Write blocks of samples as they come; close the log as incomplete if the run fails or is stopped."""
     try:
         for block in samples:

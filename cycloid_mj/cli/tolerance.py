@@ -122,7 +122,7 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
     from cycloid_mj.plots.tolerance import tolerance_figures
-    from cycloid_mj.report.study import Part, study_page
+    from cycloid_mj.report.study import PageSection, study_page
 
     figures = tolerance_figures(found)
     shared = {
@@ -140,10 +140,12 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
         **({"tighten first": found.budget[0].source} if found.budget else {}),
     }
     parts = [
-        *(Part("Tighten this first", figures=ranked, tables=[table]) for table in tighten),
-        Part("Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]),
-        *(Part("In full dynamics", tables=[table]) for table in checked),
-        Part("What the numbers stand on", notes=[found.condition, *found.notes]),
+        *(PageSection("Tighten this first", figures=ranked, tables=[table]) for table in tighten),
+        PageSection(
+            "Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]
+        ),
+        *(PageSection("In full dynamics", tables=[table]) for table in checked),
+        PageSection("What the numbers stand on", notes=[found.condition, *found.notes]),
     ]
     page = study_page(f"cycloid_mj: tolerances of {found.design}", [found.words, found.condition], numbers, parts)
     name = found.design

@@ -10,8 +10,8 @@ from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 
 if TYPE_CHECKING:
-    from cycloid_mj.validate.ladder import Part
-    from cycloid_mj.validate.row import Row
+    from cycloid_mj.validate.ladder import RungPart
+    from cycloid_mj.validate.row import ValidationRow
 
 EXAMPLES = """Examples:
   cycloid-mj validate --quick
@@ -51,7 +51,7 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), json: JsonFlag = 
     return FAILURE if failed else 0
 
 
-def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
+def _climbed(parts: "tuple[RungPart, ...]", quick: bool) -> "list[ValidationRow]":
     """Run the parts and tell how far they are."""
     from cycloid_mj.validate.ladder import climb, in_order
 
@@ -65,10 +65,10 @@ def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
     return in_order(found)
 
 
-def _report(rows: "list[Row]", wall: float) -> None:
+def _report(rows: "list[ValidationRow]", wall: float) -> None:
     """Write the table, the notes below it, and the sum."""
     from cycloid_mj.validate.ladder import RUNGS
-    from cycloid_mj.validate.row import Outcome
+    from cycloid_mj.validate.row import RowOutcome
 
     numbers = {rung: number for number, rung in enumerate(RUNGS, start=1)}
     climbed = dict.fromkeys(row.rung for row in rows)
@@ -77,11 +77,11 @@ def _report(rows: "list[Row]", wall: float) -> None:
     for row in rows:
         if row.measured.note:
             say(f"{numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}")
-    counts = (f"{sum(row.verdict == each for row in rows)} {each}" for each in Outcome)
+    counts = (f"{sum(row.verdict == each for row in rows)} {each}" for each in RowOutcome)
     say(f"{', '.join(counts)}; {wall:.0f} s")
 
 
-def _line(number: int, row: "Row") -> tuple[str, ...]:
+def _line(number: int, row: "ValidationRow") -> tuple[str, ...]:
     """Give a row as text; the bound is in the error's unit."""
     one = row.measured
     return (

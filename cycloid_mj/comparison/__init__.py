@@ -10,7 +10,7 @@ from cycloid_mj.comparison.conditions import conditions, differences, total_play
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import RANKED, Ranked, Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities
-from cycloid_mj.comparison.starts import STARTS, Spread, all_started, gravity_turn, order, started
+from cycloid_mj.comparison.starts import STARTS, StartSpread, all_started, gravity_turn, order, started
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.trial import Trial
 
@@ -24,7 +24,7 @@ __all__ = [
     "Ranked",
     "Ranking",
     "Sensitivity",
-    "Spread",
+    "StartSpread",
     "Trial",
     "Variation",
     "Varied",

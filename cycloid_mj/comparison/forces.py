@@ -10,7 +10,7 @@ from cycloid_mj.comparison.fluctuation import turns
 
 
 @dataclass(frozen=True)
-class Forces:
+class ForceSummary:
     """Teeth that carry force, and forces [N], over whole crank turns.
 
     A tooth is a ring pin, or a lobe of the internal gear with all its contact lines. `tooth_mean_n` is the mean over
@@ -38,7 +38,7 @@ def cam_force(motion: Series) -> Array:
     return _sizes(motion, "cam")[:, motion.disc]
 
 
-def forces(motion: Series) -> Forces:
+def forces(motion: Series) -> ForceSummary:
     """Measure the forces of a run.
 
     Raises
@@ -51,7 +51,7 @@ def forces(motion: Series) -> Forces:
     teeth, cam = tooth_forces(motion)[rows], _sizes(motion, "cam")[rows]
     output = _sizes(motion, "output")[rows]
     loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
-    return Forces(
+    return ForceSummary(
         teeth_mean=float(loaded.mean()),
         teeth_least=int(loaded.min()),
         teeth_most=int(loaded.max()),

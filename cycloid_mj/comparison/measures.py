@@ -10,8 +10,8 @@ from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import require_hold
 from cycloid_mj.base.record import Run
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
-from cycloid_mj.comparison.forces import Forces, forces
-from cycloid_mj.comparison.vibration import Vibration, vibration
+from cycloid_mj.comparison.forces import ForceSummary, forces
+from cycloid_mj.comparison.vibration import VibrationLevels, vibration
 from cycloid_mj.dynamics.swing import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import gear_angle
@@ -32,8 +32,8 @@ class Measures:
 
     findings: Findings
     fluctuation: Fluctuation
-    vibration: Vibration
-    forces: Forces
+    vibration: VibrationLevels
+    forces: ForceSummary
 
 
 def settling(reducer: Reducer) -> float:

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.fluctuation import Level
 from cycloid_mj.comparison.measures import Measures
-from cycloid_mj.comparison.starts import ALIKE, STARTS, Spread, order
+from cycloid_mj.comparison.starts import ALIKE, STARTS, StartSpread, order
 from cycloid_mj.comparison.trial import Trial
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
@@ -88,8 +88,8 @@ class Ranking:
     nonpin: str
     pin_level: Level
     nonpin_level: Level
-    pin_starts: Spread
-    nonpin_starts: Spread
+    pin_starts: StartSpread
+    nonpin_starts: StartSpread
 
     @property
     def ratio(self) -> float:
@@ -183,5 +183,5 @@ def rankings(trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -
 
 def _ranking(quantity: Ranked, figure: str, pin: Trial, nonpin: Trial) -> Ranking:
     pins, others = ([quantity.level(start) for start in trial.starts] for trial in (pin, nonpin))
-    spreads = (Spread.of(level.rms for level in levels) for levels in (pins, others))
+    spreads = (StartSpread.of(level.rms for level in levels) for levels in (pins, others))
     return Ranking(quantity.name, figure, quantity.unit, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)

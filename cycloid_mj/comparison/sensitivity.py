@@ -24,7 +24,7 @@ UNDETERMINED = 2.0
 
 
 @dataclass(frozen=True)
-class Response:
+class SensitivityPoint:
     """What a figure becomes where one assumption has another value."""
 
     parameter: str
@@ -41,7 +41,7 @@ class Sensitivity:
     design: str
     load_nm: float
     figure: float
-    responses: tuple[Response, ...]
+    responses: tuple[SensitivityPoint, ...]
 
     @property
     def changes(self) -> tuple[float, ...]:
@@ -65,7 +65,7 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
             trial.load,
             figure,
             tuple(
-                Response(variation.parameter, variation.value, found)
+                SensitivityPoint(variation.parameter, variation.value, found)
                 for variation, others in changed.items()
                 if (found := measured(others[place].measures)) is not None
             ),

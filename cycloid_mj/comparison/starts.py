@@ -20,13 +20,13 @@ ALIKE = 1.05
 
 
 @dataclass(frozen=True)
-class Spread:
+class StartSpread:
     """One quantity of several independent starts: its `values`."""
 
     values: tuple[float, ...]
 
     @classmethod
-    def of(cls, values: Iterable[float]) -> "Spread":
+    def of(cls, values: Iterable[float]) -> "StartSpread":
         """Collect the values."""
         return cls(tuple(float(value) for value in values))
 
@@ -64,13 +64,13 @@ class Spread:
         """Number of different values: starts that agree to the last bit are copies of one."""
         return len(set(self.values))
 
-    def over(self, other: "Spread") -> "Spread":
+    def over(self, other: "StartSpread") -> "StartSpread":
         """Give the ratio to another quantity: of the means, and the least and most that starts of both make."""
         pairs = ((self.mean, other.mean), (self.low, other.high), (self.high, other.low))
-        return Spread(tuple(one / below if below else math.inf for one, below in pairs))
+        return StartSpread(tuple(one / below if below else math.inf for one, below in pairs))
 
 
-def order(one: Spread, other: Spread) -> int:
+def order(one: StartSpread, other: StartSpread) -> int:
     """Say which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
 
     Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds

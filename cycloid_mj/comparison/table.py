@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 from cycloid_mj.base.result import Table
 from cycloid_mj.comparison.measures import Measures
-from cycloid_mj.comparison.starts import Spread
+from cycloid_mj.comparison.starts import StartSpread
 from cycloid_mj.comparison.trial import Trial
 
 
-class Figure(NamedTuple):
+class ComparedFigure(NamedTuple):
     """A figure of a run: `of` gives it from the run's measures, None where the run has none."""
 
     words: str
@@ -25,55 +25,61 @@ def _spin(measures: Measures) -> float | None:
     return measures.findings.pin1.mean_spin_rad_s if measures.findings.pin1 else None
 
 
-OUTPUT_ERROR = Figure(
+OUTPUT_ERROR = ComparedFigure(
     "transmission error of the output, p-p", "arcsec", lambda m: m.findings.transmission_error.peak_to_peak_arcsec
 )
-OUTPUT_SPEED = Figure("output speed error, rms", "rad/s", lambda m: m.findings.output_speed.rms_error_rad_s)
-OUTPUT_VIBRATION = Figure(
+OUTPUT_SPEED = ComparedFigure("output speed error, rms", "rad/s", lambda m: m.findings.output_speed.rms_error_rad_s)
+OUTPUT_VIBRATION = ComparedFigure(
     "vibration of the output, rms acceleration", "rad/s^2", lambda m: m.vibration.output_rad_s2.rms
 )
-EFFICIENCY = Figure("efficiency", "%", _efficiency)
-GEAR_ERROR = Figure(
+EFFICIENCY = ComparedFigure("efficiency", "%", _efficiency)
+GEAR_ERROR = ComparedFigure(
     "transmission error of the gear, p-p", "arcsec", lambda m: m.findings.gear_transmission_error.peak_to_peak_arcsec
 )
-GEAR_SPEED = Figure("gear speed error, rms", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s.rms)
-CENTRE_VIBRATION = Figure(
+GEAR_SPEED = ComparedFigure("gear speed error, rms", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s.rms)
+CENTRE_VIBRATION = ComparedFigure(
     "vibration of the gear centre, rms acceleration", "m/s^2", lambda m: m.vibration.gear_centre_m_s2.rms
 )
-Q_PATH = Figure("q path error, rms, without steady shifts", "um", lambda m: m.fluctuation.q_path_um.rms)
-Q_VELOCITY = Figure("q velocity error, rms, without steady shifts", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s.rms)
-TOOTH_FORCE = Figure("force on the most loaded tooth, peak", "N", lambda m: m.forces.tooth_peak_n)
+Q_PATH = ComparedFigure("q path error, rms, without steady shifts", "um", lambda m: m.fluctuation.q_path_um.rms)
+Q_VELOCITY = ComparedFigure(
+    "q velocity error, rms, without steady shifts", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s.rms
+)
+TOOTH_FORCE = ComparedFigure("force on the most loaded tooth, peak", "N", lambda m: m.forces.tooth_peak_n)
 
 ROWS = (
     OUTPUT_ERROR,
-    Figure("play and wind-up of the output, mean", "arcsec", lambda m: m.findings.transmission_error.mean_arcsec),
+    ComparedFigure(
+        "play and wind-up of the output, mean", "arcsec", lambda m: m.findings.transmission_error.mean_arcsec
+    ),
     OUTPUT_SPEED,
     OUTPUT_VIBRATION,
     EFFICIENCY,
     GEAR_ERROR,
-    Figure("play and wind-up of the gear, mean", "arcsec", lambda m: m.findings.gear_transmission_error.mean_arcsec),
+    ComparedFigure(
+        "play and wind-up of the gear, mean", "arcsec", lambda m: m.findings.gear_transmission_error.mean_arcsec
+    ),
     GEAR_SPEED,
-    Figure("gear speed error, peak", "rad/s", lambda m: m.findings.gear_speed.peak_error_rad_s),
+    ComparedFigure("gear speed error, peak", "rad/s", lambda m: m.findings.gear_speed.peak_error_rad_s),
     CENTRE_VIBRATION,
-    Figure("q path error, rms", "um", lambda m: m.findings.q_path.rms_error_um),
+    ComparedFigure("q path error, rms", "um", lambda m: m.findings.q_path.rms_error_um),
     Q_PATH,
-    Figure("q speed error, rms", "mm/s", lambda m: m.findings.q_speed_magnitude.rms_error_mm_s),
+    ComparedFigure("q speed error, rms", "mm/s", lambda m: m.findings.q_speed_magnitude.rms_error_mm_s),
     Q_VELOCITY,
-    Figure("contacts in touch, mean", "1", lambda m: m.findings.contact_summary.mean_active),
-    Figure("teeth that carry force, mean", "1", lambda m: m.forces.teeth_mean),
-    Figure("teeth that carry force, least", "1", lambda m: m.forces.teeth_least),
-    Figure("teeth that carry force, most", "1", lambda m: m.forces.teeth_most),
-    Figure("force on the most loaded tooth, mean", "N", lambda m: m.forces.tooth_mean_n),
+    ComparedFigure("contacts in touch, mean", "1", lambda m: m.findings.contact_summary.mean_active),
+    ComparedFigure("teeth that carry force, mean", "1", lambda m: m.forces.teeth_mean),
+    ComparedFigure("teeth that carry force, least", "1", lambda m: m.forces.teeth_least),
+    ComparedFigure("teeth that carry force, most", "1", lambda m: m.forces.teeth_most),
+    ComparedFigure("force on the most loaded tooth, mean", "N", lambda m: m.forces.tooth_mean_n),
     TOOTH_FORCE,
-    Figure("force of the cam, mean", "N", lambda m: m.forces.cam_mean_n),
-    Figure("force of the cam, peak", "N", lambda m: m.forces.cam_peak_n),
-    Figure("force of one output pin, peak", "N", lambda m: m.forces.output_pin_peak_n),
-    Figure("penetration, largest", "um", lambda m: m.findings.contact_summary.max_penetration_um),
+    ComparedFigure("force of the cam, mean", "N", lambda m: m.forces.cam_mean_n),
+    ComparedFigure("force of the cam, peak", "N", lambda m: m.forces.cam_peak_n),
+    ComparedFigure("force of one output pin, peak", "N", lambda m: m.forces.output_pin_peak_n),
+    ComparedFigure("penetration, largest", "um", lambda m: m.findings.contact_summary.max_penetration_um),
 )
 
 DYNAMIC = (
     *(OUTPUT_ERROR, OUTPUT_SPEED, OUTPUT_VIBRATION, GEAR_ERROR, GEAR_SPEED, CENTRE_VIBRATION, Q_PATH, Q_VELOCITY),
-    *(TOOTH_FORCE, Figure("spin of pin 1, mean", "rad/s", _spin), EFFICIENCY),
+    *(TOOTH_FORCE, ComparedFigure("spin of pin 1, mean", "rad/s", _spin), EFFICIENCY),
 )
 """Those that depend on the motion's detail."""
 
@@ -97,5 +103,5 @@ def table(trials: Sequence[Trial]) -> Table:
     return Table(f"{findings.condition}: {span}{over}{of}", header, tuple(rows))
 
 
-def _words(found: Spread) -> str:
+def _words(found: StartSpread) -> str:
     return f"{found.mean:.4g}" if len(found.values) == 1 else f"{found.words} ({found.mean:.3g})"

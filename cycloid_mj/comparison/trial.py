@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cycloid_mj.comparison.measures import Measures
-from cycloid_mj.comparison.starts import Spread
+from cycloid_mj.comparison.starts import StartSpread
 from cycloid_mj.design import Design
 
 
@@ -41,7 +41,7 @@ class Trial:
         """Measures of every start."""
         return (self.measures, *self.others)
 
-    def over_starts(self, figure: Callable[[Measures], float | None]) -> Spread | None:
+    def over_starts(self, figure: Callable[[Measures], float | None]) -> StartSpread | None:
         """Give a figure of every start that has it; None where none has."""
         values = [value for each in self.starts if (value := figure(each)) is not None]
-        return Spread.of(values) if values else None
+        return StartSpread.of(values) if values else None

@@ -54,7 +54,7 @@ class OctaveBand:
 
 
 @dataclass(frozen=True)
-class Vibration:
+class VibrationLevels:
     """The rms accelerations about the closed form up to `band_hz`, half the log rate, and by whole octaves.
 
     A mean between samples reads what is near half of the log rate 36 % too low; octaves make that good.
@@ -93,10 +93,10 @@ def spectrum(motion: Series) -> Spectrum:
     return Spectrum(frequency, power[:, :2].sum(axis=1), power[:, 2])
 
 
-def vibration(motion: Series) -> Vibration:
+def vibration(motion: Series) -> VibrationLevels:
     """Measure the vibration of a run."""
     found, parts = acceleration(motion), turns(motion)
-    return Vibration(
+    return VibrationLevels(
         gear_centre_m_s2=level(found.centre, parts),
         output_rad_s2=level(found.output, parts),
         band_hz=0.5 / _sampling(motion),

@@ -13,7 +13,7 @@ from cycloid_mj.design import Friction
 from cycloid_mj.dynamics.timestep import passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
-from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactLaw, leads, pair_stiffness
+from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactParameters, leads, pair_stiffness
 from cycloid_mj.statics.structure import pin_flexibility
 from cycloid_mj.statics.working import working_force
 
@@ -50,7 +50,7 @@ class Compiled(Protocol):
         """Every mating pair."""
 
     @property
-    def laws(self) -> Mapping[str, ContactLaw]:
+    def laws(self) -> Mapping[str, ContactParameters]:
         """The contact law of each kind of pair."""
 
 
@@ -104,7 +104,7 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
         )
 
 
-def steps_ratio(law: ContactLaw, step: float) -> float:
+def steps_ratio(law: ContactParameters, step: float) -> float:
     """Give K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
     return law.stiffness * step**2 / law.effective_mass
 
@@ -119,7 +119,7 @@ def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
             )
 
 
-def _resolution(reducer: Reducer, kind: str, law: ContactLaw, step: float) -> Iterator[str]:
+def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float) -> Iterator[str]:
     """Tell of a contact that the step does not resolve."""
     most, ratio = resolved(reducer, kind), steps_ratio(law, step)
     if ratio > most * (1.0 + 1e-9):

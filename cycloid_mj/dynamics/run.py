@@ -97,7 +97,7 @@ _no_log_file = Shared(
 
 
 @dataclass(frozen=True)
-class Block:
+class SampleBlock:
     """Consecutive samples: times [s], shape (k,), and one array (k, columns) for each topic."""
 
     time: Array
@@ -227,7 +227,7 @@ def simulate(
     reducer = Reducer(design)
     compiled = compiled or build(reducer.design)
     groups = columns(compiled, reducer)
-    samples, run = schedule(reducer, compiled.timestep).samples, list[Block]()
+    samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
     for block in blocks(compiled, reducer, course):
         run.append(block)
         progress(sum(len(one.time) for one in run), samples)
@@ -298,7 +298,7 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     return Deferred(own | {name: partial(bytes, content) for name, content in assets.items()})
 
 
-def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> Generator[Block, None, None]:
+def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> Generator[SampleBlock, None, None]:
     """Run a model over a course, by default the design's own, and give its samples block by block.
 
     Raises
@@ -338,7 +338,9 @@ def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> G
                 raise RunError(problem)
 
 
-def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorder", at_once: int) -> tuple[Block, str]:
+def _advance(
+    plan: Schedule, course: Course, samples: range, recorder: "_Recorder", at_once: int
+) -> tuple[SampleBlock, str]:
     """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
@@ -353,7 +355,7 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
             break
     rows = np.concatenate(taken)
     time = time[-1 - (len(samples) - 1) * plan.stride :: plan.stride]
-    return Block(time[: len(rows)], recorder.tables(rows)), problem
+    return SampleBlock(time[: len(rows)], recorder.tables(rows)), problem
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cycloid_mj.base.types import Array, Integers
-from cycloid_mj.explore.draw import WAVE, Block
+from cycloid_mj.explore.draw import WAVE, Batch
 from cycloid_mj.explore.zone import Zone
 
 SAMPLES = 512
@@ -48,10 +48,10 @@ class Share:
     ci95: tuple[float, float]
 
 
-def budget_blocks(zones: Mapping[str, Zone], samples: int = SAMPLES) -> dict[str, Block]:
+def budget_blocks(zones: Mapping[str, Zone], samples: int = SAMPLES) -> dict[str, Batch]:
     """Give the sets that are compared by name: two, and the first with one tolerance at a time of the second."""
-    swapped = {key: Block(0, samples, compared=True, second=(key,)) for key in zones}
-    both = {name: Block(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
+    swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
+    both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
     return both | swapped
 
 

@@ -78,7 +78,7 @@ def tolerances(reducer: Reducer) -> dict[str, Zone]:
 
 
 @dataclass(frozen=True)
-class Block:
+class Batch:
     """Samples that are drawn and balanced together: a piece of work.
 
     Attributes
@@ -102,21 +102,21 @@ class Block:
     second: tuple[str, ...] = ()
 
 
-def blocks(samples: int) -> list[Block]:
+def blocks(samples: int) -> list[Batch]:
     """List the blocks of so many samples; the first `BEGINNING` of them are one of their own."""
-    whole = [Block(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
+    whole = [Batch(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
     begun, *others = whole
     if begun.count <= BEGINNING:
         return whole
-    return [Block(0, BEGINNING), Block(0, begun.count - BEGINNING, BEGINNING), *others]
+    return [Batch(0, BEGINNING), Batch(0, begun.count - BEGINNING, BEGINNING), *others]
 
 
-def drawn(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
+def drawn(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> Samples:
     """Draw the samples of a block."""
     return put(reducer, alike(reducer, block.count), departures(reducer, zones, seed, block))
 
 
-def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
     """Draw by how much the samples of a block depart from the design [m], by tolerance, shape (samples, ...).
 
     A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
@@ -129,7 +129,7 @@ def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Bl
     return found
 
 
-def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
     """Give for each number that is drawn the share of parts that lie below it, by tolerance."""
     shapes = {key: _shape(reducer, key) for key in zones}
     if not block.compared:
@@ -235,7 +235,7 @@ def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number
     """
     block, row = divmod(number, BLOCK)
     return as_design(
-        reducer, drawn(reducer, zones, seed, Block(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
+        reducer, drawn(reducer, zones, seed, Batch(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
     )
 
 

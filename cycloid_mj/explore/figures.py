@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.samples import Figures, Samples, backlash, solve_samples
+from cycloid_mj.statics.samples import SampleFigures, Samples, backlash, solve_samples
 
 ANGLES = 360
 """Crank angles at which every sample is balanced."""
@@ -94,7 +94,7 @@ def figures_of(
     bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
     needed = [state for state in STATES if any(state in FIGURES[key].states for key in keys)]
     torques = [STATES[state] * reducer.design.rated_torque for state in needed]
-    solved: dict[State, Figures] = dict(zip(needed, solve_samples(bare, made, torques, angles), strict=True))
+    solved: dict[State, SampleFigures] = dict(zip(needed, solve_samples(bare, made, torques, angles), strict=True))
     return {key: FIGURES[key].value(*(solved[state] for state in FIGURES[key].states)) for key in keys}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
-from cycloid_mj.explore.draw import Block, departures, put, unchecked_design
+from cycloid_mj.explore.draw import Batch, departures, put, unchecked_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import tightest
@@ -49,7 +49,7 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
     Parts are rigid there, and lie where the least is pressed. Each tolerance is taken away alone, to see whether all of
     these samples then go together.
     """
-    found = departures(reducer, zones, seed, Block(0, SEEN))
+    found = departures(reducer, zones, seed, Batch(0, SEEN))
     depths, shares = _interference(reducer, found)
     if max(depths) <= 0.0:
         return "rigid parts go together in the first of them: contacts press without a load, or find no balance"

@@ -14,7 +14,7 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.replacing import as_own
 from cycloid_mj.base.whole import write_whole
-from cycloid_mj.explore.row import Row
+from cycloid_mj.explore.row import PointResult
 
 SWEEP = "sweep"
 """Name of a study, and of its files."""
@@ -61,12 +61,12 @@ def forget(into: Path, study: str) -> None:
 class Journal:
     """Rows in a file, a line each, in the order they came."""
 
-    def __init__(self, path: Path, stream: IO[bytes], rows: dict[int, Row]) -> None:
+    def __init__(self, path: Path, stream: IO[bytes], rows: dict[int, PointResult]) -> None:
         self.path = path
         self.rows = rows
         self._stream = stream
 
-    def add(self, place: int, row: Row) -> None:
+    def add(self, place: int, row: PointResult) -> None:
         """Keep the row of a point, counted from 0.
 
         Raises
@@ -146,16 +146,16 @@ def _lock(stream: IO[bytes], into: Path, study: str) -> None:
         raise UsageError(f"another process is at work on the {study} in {into}: wait for it, or end it") from problem
 
 
-def _read(stream: IO[bytes]) -> dict[int, Row]:
+def _read(stream: IO[bytes]) -> dict[int, PointResult]:
     """Give the rows that are whole; half a line at the end, of a process that was killed or a full disk, is cut off."""
     stream.seek(0)
-    rows: dict[int, Row] = {}
+    rows: dict[int, PointResult] = {}
     end = 0
     for line in stream.read().split(b"\n")[:-1]:
         try:
             fields: dict[str, Any] = json.loads(line)
             place = fields.pop("point") - 1
-            rows[place] = Row(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
+            rows[place] = PointResult(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
         except (ValueError, AttributeError, KeyError, TypeError):
             break
         end += len(line) + 1

@@ -18,7 +18,7 @@ from cycloid_mj.statics.working import own_load
 
 
 @dataclass(frozen=True)
-class Options:
+class MeasureSettings:
     """How measures are taken: `quick` as their flag of that name; whether runs keep `real_pins` under a load."""
 
     quick: bool = False
@@ -52,20 +52,20 @@ def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
     return Measured({name: one.value for name, one in named.items()}, units, **more)
 
 
-def _statics(reducer: Reducer, _: Options) -> Measured:
+def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
     from cycloid_mj.statics.sheet import sheet
 
     found = sheet(reducer)
     return _of_quantities(found.quantities.values(), assumptions=found.assumptions)
 
 
-def _measure(name: str, reducer: Reducer, options: Options) -> Measured:
+def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
     found = MEASURES[name](reducer.design, quick=options.quick)
     warned = {text: None for run in found.runs.values() for text in run.warnings}
     return _of_quantities(found.quantities.values(), assumptions=found.assumptions, warnings=tuple(warned))
 
 
-def _simulate(reducer: Reducer, options: Options) -> Measured:
+def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
     """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.dynamics.run import MOST_STEPS, schedule, simulate
@@ -95,7 +95,7 @@ def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cel
                     yield from _flat({name: part for name, part in one.items() if name != "pair"}, f"{one['pair']}_")
 
 
-def _mass(reducer: Reducer, _: Options) -> Measured:
+def _mass(reducer: Reducer, _: MeasureSettings) -> Measured:
     from cycloid_mj.figures.geometry import masses
 
     parts = masses(reducer)
@@ -103,7 +103,7 @@ def _mass(reducer: Reducer, _: Options) -> Measured:
     return Measured(dict(values), dict.fromkeys(values, "kg"))
 
 
-def _checks(reducer: Reducer, _: Options) -> Measured:
+def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
     """Give the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
     from cycloid_mj.checks import check
 
@@ -144,7 +144,7 @@ def _summed_up(reducer: Reducer) -> Measured:
     return Measured({**measured.values, "weakest": found.weakest}, measured.units)
 
 
-MEASURED: Mapping[str, Callable[[Reducer, Options], Measured]] = {
+MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
     "statics": _statics,
     **{name: partial(_measure, name) for name in MEASURES},
     "simulate": _simulate,

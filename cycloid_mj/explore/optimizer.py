@@ -18,7 +18,7 @@ from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.optimum import Checked, Optimum
 from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, evaluated, problem
-from cycloid_mj.explore.row import Row
+from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.search import Point, searched
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.explore.verify import verified
@@ -173,11 +173,11 @@ def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: i
         searched(task, work.rows_of, figure, each, starts if place < 2 else 1, [seed, place], first, **more)
 
 
-def _weighted(task: Problem, rows: Sequence[Row], weight: float) -> Callable[[Row], float]:
+def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
     """Give both objectives as one: the larger of the two, weighted, each over its reach so far (Chebyshev's norm)."""
     kept = [row for row in rows if row.values[FEASIBLE]]
 
-    def costs(row: Row) -> tuple[float, ...]:
+    def costs(row: PointResult) -> tuple[float, ...]:
         return tuple(one.sign * float(row.values[one.key]) for one in task.objectives)
 
     both = [costs(row) for row in kept] or [(0.0, 0.0)]
@@ -185,7 +185,7 @@ def _weighted(task: Problem, rows: Sequence[Row], weight: float) -> Callable[[Ro
     best = [min(both), min(both, key=lambda cost: cost[1])]
     reach = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
 
-    def figure(row: Row) -> float:
+    def figure(row: PointResult) -> float:
         shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(costs(row))]
         weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
         # at the ends of a front the other objective counts slightly
@@ -194,7 +194,7 @@ def _weighted(task: Problem, rows: Sequence[Row], weight: float) -> Callable[[Ro
     return figure
 
 
-def _point(task: Problem, row: Row) -> Point:
+def _point(task: Problem, row: PointResult) -> Point:
     return tuple(row.values[key] for key in task.keys)
 
 
@@ -207,11 +207,11 @@ class _Work:
         self._slow = False
 
     @property
-    def in_order(self) -> list[Row]:
+    def in_order(self) -> list[PointResult]:
         """All rows up to the first that is missing."""
         return [self._rows.found[place] for place in range(self._count) if place in self._rows.found]
 
-    def rows_of(self, points: Sequence[Point]) -> list[Row]:
+    def rows_of(self, points: Sequence[Point]) -> list[PointResult]:
         """Give the rows of points."""
         first = self._count
         self._count += len(points)
@@ -237,21 +237,21 @@ class _Work:
         return True
 
 
-def _lost(_: int, why: str) -> Row:
+def _lost(_: int, why: str) -> PointResult:
     raise RunError(f"a point could not be evaluated: {why}")
 
 
 class _Rows:
     """Rows by place, in memory alone or in a file as well."""
 
-    def __init__(self, found: dict[int, Row], add: Callable[[int, Row], None]) -> None:
+    def __init__(self, found: dict[int, PointResult], add: Callable[[int, PointResult], None]) -> None:
         self.found, self.add = found, add
 
 
 @contextmanager
 def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
     if out is None:
-        rows: dict[int, Row] = {}
+        rows: dict[int, PointResult] = {}
         yield _Rows(rows, rows.__setitem__)
         return
     plan = {

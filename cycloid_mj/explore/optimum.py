@@ -15,7 +15,7 @@ from cycloid_mj.design import Design, declared
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.explore.problem import FEASIBLE, REFUSED, VIOLATION, Problem
 from cycloid_mj.explore.quantities import catalogue
-from cycloid_mj.explore.row import Row
+from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
 from cycloid_mj.explore.verify import Verified, table_rows
 from cycloid_mj.statics.sheet import Sheet
@@ -55,7 +55,7 @@ class Optimum(Tabular):
     """
 
     task: Problem
-    rows: Sequence[Row]
+    rows: Sequence[PointResult]
     seed: int
     checked: Checked | None = None
 
@@ -99,7 +99,7 @@ class Optimum(Tabular):
         return min(self.front, key=worse)
 
     @property
-    def start(self) -> Row:
+    def start(self) -> PointResult:
         """The design that it started from, as it was judged."""
         return self.rows[0]
 
@@ -216,7 +216,7 @@ class Optimum(Tabular):
             "tolerances": None if checked.tolerances is None else checked.tolerances.as_json(),
         }
 
-    def _costs(self, row: Row) -> tuple[float, ...]:
+    def _costs(self, row: PointResult) -> tuple[float, ...]:
         return tuple(one.sign * float(row.values[one.key]) for one in self.task.objectives)
 
 

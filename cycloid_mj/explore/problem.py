@@ -12,7 +12,7 @@ from cycloid_mj.explore.followers import Follower, by_themselves, followed, foll
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
-from cycloid_mj.explore.row import Row, one_line
+from cycloid_mj.explore.row import PointResult, one_line
 from cycloid_mj.reducer import Reducer
 
 MOST_OBJECTIVES = 2
@@ -42,7 +42,7 @@ class Objective:
 
 
 @dataclass(frozen=True)
-class Range:
+class SearchRange:
     """A real number between two bounds [unit of the file]."""
 
     key: str
@@ -81,7 +81,7 @@ class Problem:
     """
 
     reducer: Reducer
-    ranges: tuple[Range, ...]
+    ranges: tuple[SearchRange, ...]
     choices: tuple[Choice, ...]
     objectives: tuple[Objective, ...]
     limits: tuple[FigureLimit, ...]
@@ -90,7 +90,7 @@ class Problem:
     followers: tuple[Follower, ...] = ()
 
     @property
-    def variables(self) -> tuple[Range | Choice, ...]:
+    def variables(self) -> tuple[SearchRange | Choice, ...]:
         """What varies: real numbers first."""
         return (*self.ranges, *self.choices)
 
@@ -123,7 +123,7 @@ class Problem:
         """Tell whether values lie in their ranges, as those of the start need not."""
         held = zip(self.variables, values, strict=True)
         return all(
-            one.low <= float(value) <= one.high if isinstance(one, Range) else value in one.values
+            one.low <= float(value) <= one.high if isinstance(one, SearchRange) else value in one.values
             for one, value in held
         )
 
@@ -152,7 +152,7 @@ def problem(
     if not vary:
         raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
     made = [_variable(key, wanted) for key, wanted in vary.items()]
-    ranges = tuple(one for one in made if isinstance(one, Range))
+    ranges = tuple(one for one in made if isinstance(one, SearchRange))
     choices = tuple(one for one in made if isinstance(one, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
     there = catalogue(reducer)
@@ -177,7 +177,7 @@ def problem(
     return found
 
 
-def _variable(key: str, wanted: Wanted) -> Range | Choice:
+def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
     """Read what a key may be: a range of real numbers, or values one by one."""
     if declared(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
         wanted = f"{wanted[0]}:{wanted[1]}"
@@ -186,10 +186,10 @@ def _variable(key: str, wanted: Wanted) -> Range | Choice:
         return Choice(key, all_values(axis))
     if axis.field.annotation is int:
         return Choice(key, tuple(range(int(axis.low), int(axis.high) + 1)))
-    return Range(key, axis.low, axis.high)
+    return SearchRange(key, axis.low, axis.high)
 
 
-def evaluated(task: Problem, values: Sequence[Value]) -> Row:
+def evaluated(task: Problem, values: Sequence[Value]) -> PointResult:
     """Judge one point: its figures, and what it breaks. Whatever goes wrong there is told in its row."""
     start = time.thread_time()
     with warnings.catch_warnings():
@@ -198,7 +198,7 @@ def evaluated(task: Problem, values: Sequence[Value]) -> Row:
     violation = level + sum(broken.values()) if broken else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
     cells = {**inputs, **found, FEASIBLE: not broken, VIOLATION: violation, REFUSED: "; ".join(broken)}
-    return Row(values=cells, error=error, cpu=time.thread_time() - start)
+    return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
 def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import CycloidError, CycloidWarning
 from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
 from cycloid_mj.explore.followers import Follower, followed, values_of
-from cycloid_mj.explore.measured import MEASURED, Measured, Options
+from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer
 
@@ -35,7 +35,7 @@ class Task:
     reducer: Reducer
     keys: tuple[str, ...]
     measures: tuple[str, ...]
-    options: Options
+    options: MeasureSettings
     followers: tuple[Follower, ...] = ()
 
     def column(self, measure: str, name: str) -> str:
@@ -44,7 +44,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Row:
+class PointResult:
     """What came of a point.
 
     Attributes
@@ -70,14 +70,14 @@ class Row:
     followed: dict[str, Cell] = field(default_factory=dict)
 
 
-def measured_row(task: Task, values: Sequence[Value]) -> Row:
+def measured_row(task: Task, values: Sequence[Value]) -> PointResult:
     """Measure the design at a point; whatever goes wrong is told in its row, since other points may go well."""
     start = time.thread_time()
     try:
         changed = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
         design = followed(task.reducer, Reducer(changed), task.followers)
     except CycloidError as error:
-        return Row(error=one_line(error), cpu=time.thread_time() - start)
+        return PointResult(error=one_line(error), cpu=time.thread_time() - start)
     found: dict[str, Measured] = {}
     errors = []
     for name in task.measures:
@@ -86,7 +86,7 @@ def measured_row(task: Task, values: Sequence[Value]) -> Row:
         except Exception as error:
             words = one_line(error) if isinstance(error, CycloidError) else f"{type(error).__name__}: {one_line(error)}"
             errors.append(words if len(task.measures) == 1 else f"{name}: {words}")
-    return Row(
+    return PointResult(
         values={task.column(name, key): cell for name, one in found.items() for key, cell in one.values.items()},
         units={task.column(name, key): unit for name, one in found.items() for key, unit in one.units.items()},
         error="; ".join(errors),
@@ -97,7 +97,7 @@ def measured_row(task: Task, values: Sequence[Value]) -> Row:
     )
 
 
-def _measured(name: str, reducer: Reducer, options: Options) -> Measured:
+def _measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
     from cycloid_mj.checks import require_sound
 
     if name != "checks":

@@ -16,7 +16,7 @@ from cycloid_mj.base.digits import significant
 from cycloid_mj.base.types import Array
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
-from cycloid_mj.explore.row import Row
+from cycloid_mj.explore.row import PointResult
 
 WIDTH, LOCAL_WIDTH = 0.25, 0.03
 """First standard deviation of a search, and of one about the best point, as shares of the ranges."""
@@ -37,11 +37,11 @@ WORST = 1e20
 """Score of points that break something, times their violation; no figure is so large."""
 
 Point = tuple[Value, ...]
-Evaluate = Callable[[Sequence[Point]], list[Row]]
-Score = Callable[[Row], float]
+Evaluate = Callable[[Sequence[Point]], list[PointResult]]
+Score = Callable[[PointResult], float]
 
 
-class Search:
+class EvolutionSearch:
     """One evolution strategy at one combination of values."""
 
     def __init__(self, task: Problem, combination: Point, start: Array, width: float, seed: Sequence[int]) -> None:
@@ -100,7 +100,7 @@ def shares_of(ranges: Sequence[Any], values: Sequence[Value]) -> Array:
     return np.clip([(float(value) - one.low) / (one.high - one.low) for one, value in pairs], 0.0, 1.0)
 
 
-def score(row: Row, figure: Callable[[Row], float]) -> float:
+def score(row: PointResult, figure: Callable[[PointResult], float]) -> float:
     """Give a row's score: its figure, where it keeps all; else by how much it does not."""
     if row.values[FEASIBLE]:
         return figure(row)
@@ -110,7 +110,7 @@ def score(row: Row, figure: Callable[[Row], float]) -> float:
 def searched(
     task: Problem,
     evaluate: Evaluate,
-    figure: Callable[[Row], float],
+    figure: Callable[[PointResult], float],
     budget: int,
     starts: int,
     seed: Sequence[int],
@@ -142,7 +142,7 @@ def searched(
     used = repeats = 0
     best: tuple[float, Point] | None = None
 
-    def generation(searches: Sequence[Search]) -> None:
+    def generation(searches: Sequence[EvolutionSearch]) -> None:
         nonlocal used, best
         asked = [one.ask() for one in searches]
         rows = evaluate([point for points in asked for point in points])
@@ -157,7 +157,7 @@ def searched(
             if best is None or own[least] < best[0]:
                 best = own[least], points[least]
 
-    def run(searches: Sequence[Search], until: int, each: float = math.inf) -> None:
+    def run(searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
         begun = {id(one): one.used for one in searches}
         while live := [one for one in searches if not one.done and one.used - begun[id(one)] < each]:
             generation(live)
@@ -166,7 +166,7 @@ def searched(
 
     combinations = list(product(*(one.values for one in task.choices)))
     at = shares_of(task.ranges, here)
-    live = [Search(task, one, at, width, [*seed, place, 0]) for place, one in enumerate(combinations)]
+    live = [EvolutionSearch(task, one, at, width, [*seed, place, 0]) for place, one in enumerate(combinations)]
     rounds = math.ceil(math.log2(len(live))) if len(live) > 1 else 0
     for number in range(rounds):
         run(live, round(COMPETING * budget * (number + 1) / rounds), COMPETING * budget / rounds / len(live))
@@ -176,7 +176,7 @@ def searched(
         return
     anywhere = np.random.default_rng([*seed, len(combinations)]).random((max(starts, 1), len(task.ranges)))
     chosen = live[0].combination
-    others = [Search(task, chosen, x, WIDTH, [*seed, 0, 1 + i]) for i, x in enumerate(anywhere[: starts - 1])]
+    others = [EvolutionSearch(task, chosen, x, WIDTH, [*seed, 0, 1 + i]) for i, x in enumerate(anywhere[: starts - 1])]
     rivals = [live[0], *others]
     if others:
         run(rivals, used + round(COMPETING * (budget - used)))
@@ -185,6 +185,6 @@ def searched(
         repeats += 1
         last, before = best[1], best[0]
         near = shares_of(task.ranges, last)
-        run([Search(task, last[len(task.ranges) :], near, LOCAL_WIDTH, [*seed, 0, starts + repeats])], budget)
+        run([EvolutionSearch(task, last[len(task.ranges) :], near, LOCAL_WIDTH, [*seed, 0, starts + repeats])], budget)
         if best[0] >= before:
             break

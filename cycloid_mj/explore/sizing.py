@@ -59,7 +59,7 @@ WIDENINGS = 12
 
 
 @dataclass(frozen=True)
-class Made:
+class ProcessLimits:
     """What a process is good for.
 
     Attributes
@@ -77,8 +77,8 @@ class Made:
     reasons: Mapping[str, str]
 
 
-PROCESSES: dict[Process, Made] = {
-    "steel": Made(
+PROCESSES: dict[Process, ProcessLimits] = {
+    "steel": ProcessLimits(
         clearance=5e-6,
         changes={"material": {"name": "tempered steel"}, "pin_material": {"name": "bearing steel"}},
         reasons={
@@ -87,7 +87,7 @@ PROCESSES: dict[Process, Made] = {
             "clearance.pin_gear": "ground parts leave a few micrometres",
         },
     ),
-    "printed": Made(
+    "printed": ProcessLimits(
         clearance=1e-4,
         changes={
             "material": {"name": "PLA"},

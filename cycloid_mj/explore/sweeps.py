@@ -17,9 +17,9 @@ from cycloid_mj.design import Design, declared, dump
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.explore.followers import following
 from cycloid_mj.explore.journal import journal
-from cycloid_mj.explore.measured import Options, require_measures
+from cycloid_mj.explore.measured import MeasureSettings, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
-from cycloid_mj.explore.row import Row, Task, measured_row
+from cycloid_mj.explore.row import PointResult, Task, measured_row
 from cycloid_mj.reducer import Reducer
 
 POINT, WARNINGS, ERROR, CPU, VERSIONS = "point", "warnings", "error", "cpu_s", "versions"
@@ -51,7 +51,7 @@ class Sweep(Tabular):
 
     task: Task
     points: Points
-    rows: Mapping[int, Row]
+    rows: Mapping[int, PointResult]
 
     @property
     def failed(self) -> int:
@@ -161,7 +161,7 @@ def sweep(
     where = chosen(vary, table, sample, points, seed)
     task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow)
     if out is None:
-        rows: dict[int, Row] = {}
+        rows: dict[int, PointResult] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
         return Sweep(task, where, rows)
     return in_folder(task, where, _made(Path(out)), engine, progress)
@@ -183,7 +183,7 @@ def task_of(
         There is no such measure, or no such key to follow.
     """
     names = require_measures(name.strip() for words in measures for name in words.split(","))
-    options = Options(quick, real_pins or "ring.pins" in points.keys)
+    options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys)
     return Task(reducer, points.keys, names, options, following(reducer, follow, points.keys))
 
 
@@ -202,7 +202,7 @@ def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: 
     with journal(into, _plan(task, points)) as kept:
         due = monotonic() + SECONDS_BETWEEN_TABLES
 
-        def keep(place: int, row: Row) -> None:
+        def keep(place: int, row: PointResult) -> None:
             nonlocal due
             # they are much the same in all rows
             kept.add(place, replace(row, assumptions=()) if any(one.assumptions for one in kept.rows.values()) else row)
@@ -224,15 +224,15 @@ def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: 
 def _fill(
     task: Task,
     points: Points,
-    rows: Mapping[int, Row],
-    keep: Callable[[int, Row], None],
+    rows: Mapping[int, PointResult],
+    keep: Callable[[int, PointResult], None],
     engine: Engine,
     progress: Progress,
 ) -> None:
     """Measure the points that have no row yet."""
     missing = [place for place in range(len(points)) if place not in rows]
     work = partial(measured_row, task)
-    found = engine.stream(work, [points.rows[place] for place in missing], lambda _, why: Row(error=why))
+    found = engine.stream(work, [points.rows[place] for place in missing], lambda _, why: PointResult(error=why))
     for done, (item, row) in enumerate(found, 1):
         keep(missing[item], row)
         progress(done, len(missing))

@@ -18,7 +18,7 @@ from cycloid_mj.explore.budget import Share, budget_blocks, shares
 from cycloid_mj.explore.draw import (
     BEGINNING,
     SOURCES,
-    Block,
+    Batch,
     blocks,
     departures,
     drawn,
@@ -327,15 +327,15 @@ class _Study:
         return self.limits[0].key if self.limits else "backlash_arcmin"
 
     @cached_property
-    def main(self) -> list[Block]:
+    def main(self) -> list[Batch]:
         return blocks(self.samples)
 
     @cached_property
-    def compared(self) -> dict[str, Block]:
+    def compared(self) -> dict[str, Batch]:
         return budget_blocks(self.zones, BUDGET_SAMPLES) if len(self.zones) > 1 else {}
 
     @cached_property
-    def work(self) -> list[tuple[Block, tuple[str, ...]]]:
+    def work(self) -> list[tuple[Batch, tuple[str, ...]]]:
         """Every block with the figures that it is balanced for: those of the samples, then those of the budget."""
         keys = tuple(dict.fromkeys((self.of, *PRELOADS, *PRELOADS.values())))
         budget = [(block, keys) for block in self.compared.values()]
@@ -380,7 +380,7 @@ class _Study:
 
 
 def balanced(
-    reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Block, Sequence[str]]
+    reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Batch, Sequence[str]]
 ) -> dict[str, Array]:
     """Balance the samples of a block; give the figures that are asked for by key, shape (samples,) each."""
     block, keys = work

@@ -14,7 +14,7 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.samples import Figures, Samples, alike, backlash, solve_samples
+from cycloid_mj.statics.samples import SampleFigures, Samples, alike, backlash, solve_samples
 
 ANGLES = 360
 """Crank angles at which every sample is balanced."""
@@ -42,7 +42,9 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 """The backlash of samples: their balance under `TOUCH` is within 0.2 % of the one that torque leads to at zero."""
 
 
-def solved(reducer: Reducer, made: Samples, states: Collection[State], angles: int = ANGLES) -> dict[State, Figures]:
+def solved(
+    reducer: Reducer, made: Samples, states: Collection[State], angles: int = ANGLES
+) -> dict[State, SampleFigures]:
     """Balance samples in some of `STATES`: without friction, weight and inertia."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
@@ -60,7 +62,7 @@ def condition(reducer: Reducer) -> str:
 
 
 @once
-def _as_designed(reducer: Reducer, state: State) -> Figures:
+def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
     return solved(reducer, alike(reducer, 1), [state])[state]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.types import Array
 from cycloid_mj.life import rolling
 from cycloid_mj.life.hours import hours
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.pressure import roller_radius
@@ -23,7 +23,7 @@ SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
 
 
 @dataclass(frozen=True)
-class Row:
+class RollerRow:
     """A row of rollers side by side: their number, and diameter, length and pitch diameter [m]."""
 
     rollers: int
@@ -52,13 +52,13 @@ class Seat:
 
     key: str
     name: str
-    row: Row
+    row: RollerRow
     dynamic: float
     static: float
     where: str
 
 
-def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterator[Item]:
+def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
     """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
     design = reducer.design
     crank = np.array([abs(one.point.speed) * one.point.share for one in found])
@@ -81,7 +81,7 @@ def cam_seat(reducer: Reducer) -> Seat:
     """Give the bearing of each cam, whose outer ring is the gear's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
-    row = Row(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)
+    row = RollerRow(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)
     where = "side by side on the cam's circle, the gear's bore as outer ring"
     return Seat("cam_bearing", "cam bearing", row, bearing.dynamic_capacity, bearing.static_capacity, where)
 
@@ -90,7 +90,7 @@ def _shaft_seat(reducer: Reducer, name: str) -> Seat:
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     size = SHAFT_ROLLER_SHARE * radius
     low, high = shaft_measures(reducer).bearings[0]
-    row = Row(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
+    row = RollerRow(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
     ratings = bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity
     return Seat(
         f"shaft_bearing_{name}",
@@ -106,14 +106,14 @@ def _output_seat(reducer: Reducer) -> Seat:
     output, bearing = design.output, design.bearing
     needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
-    row = Row(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
+    row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
     ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
     return Seat("output_rollers", "rollers of the output pins", row, *ratings, "round the core of a pin")
 
 
 def _rated(
     reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, found: Sequence[Loading], peak: float
-) -> Iterator[Item]:
+) -> Iterator[RatedItem]:
     """Rate one bearing, the most loaded of those alike.
 
     `force` (m,) or (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
@@ -132,11 +132,11 @@ def _rated(
             f"assumed: {seat.row} {seat.where}, b_m {rolling.MACHINED:g} "
             f"(b_m 1 leaves C {plain:.0f} N and {hours(less)}), service factor {bearing.service_factor:g}"
         )
-    yield Item(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
+    yield RatedItem(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
     worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(found), strict=True))
     standing = seat.static or seat.row.static
     given = "C0 of the design file" if seat.static else f"assumed: {seat.row} {seat.where}"
-    yield Item(
+    yield RatedItem(
         f"{seat.key}_static",
         f"{seat.name}, static factor",
         worst,

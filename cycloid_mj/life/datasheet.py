@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design
 from cycloid_mj.life.duty import steady
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import STOPS, is_bearing_life, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties
@@ -92,7 +92,7 @@ def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
     return Datasheet(design, life, groups, curves, _notes(reducer, life, static))
 
 
-def momentary_torque(reducer: Reducer) -> tuple[float, Item]:
+def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
     """Give the torque [N m] that is held once with a safety of 1, and the item that ends it.
 
     Forces go with the torque from those at the rated torque of the drive.
@@ -105,7 +105,7 @@ def momentary_torque(reducer: Reducer) -> tuple[float, Item]:
 
 
 def _ratings(
-    reducer: Reducer, life: float, lasting: tuple[float, Item], once: tuple[float, Item]
+    reducer: Reducer, life: float, lasting: tuple[float, RatedItem], once: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
     design = reducer.design
     speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.design import PARTNERS, PARTS
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.reducer import Reducer
 
@@ -29,7 +29,7 @@ REFERENCE = 20.0
 """Temperature [°C] at which clearances are as drawn (ISO 1)."""
 
 
-def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
+def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
     design = reducer.design
     service = design.service
@@ -38,7 +38,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     limits = sorted(hottest(reducer), key=lambda one: one.hottest)
     first = limits[0]
-    yield Item(
+    yield RatedItem(
         "power_lost",
         "power lost",
         lost,
@@ -53,7 +53,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
     rise, room = hot - service.ambient_temperature, first.hottest - service.ambient_temperature
-    yield Item(
+    yield RatedItem(
         "temperature",
         f"housing temperature, {first.name}",
         hot,
@@ -71,7 +71,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
         grown = clearance_growth(reducer, kind) * (hot - REFERENCE)
         clearance = getattr(design.clearance, kind)
         made = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
-        yield Item(
+        yield RatedItem(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
             0.0 - 1e6 * grown,
@@ -120,7 +120,7 @@ def clearance_growth(reducer: Reducer, kind: str) -> float:
 
 
 @dataclass(frozen=True)
-class Limit:
+class HeatLimit:
     """What ends first when a reducer gets hot: its name, the temperature it bears [°C], and where that is from."""
 
     name: str
@@ -128,7 +128,7 @@ class Limit:
     source: str
 
 
-def hottest(reducer: Reducer) -> Iterator[Limit]:
+def hottest(reducer: Reducer) -> Iterator[HeatLimit]:
     """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
     design = reducer.design
     for name, given, source in (
@@ -136,10 +136,10 @@ def hottest(reducer: Reducer) -> Iterator[Limit]:
         ("seals", design.service.seal_temperature, SEALS),
     ):
         usual = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
-        yield Limit(name, given, source if given == usual else "of the design file")
+        yield HeatLimit(name, given, source if given == usual else "of the design file")
     parts: dict[str, list[str]] = {}
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)
     for material, made in parts.items():
         entry, name = MATERIALS.get(material), f"{' and '.join(made)}, {material or 'a material without a name'}"
-        yield Limit(name, entry.hottest, "library") if entry else Limit(name, HOTTEST, "assumed")
+        yield HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, HOTTEST, "assumed")

@@ -11,7 +11,7 @@ from cycloid_mj.life.hours import LONGEST, hours, plain_life, written
 
 
 @dataclass(frozen=True)
-class Item:
+class RatedItem:
     """One thing that can fail, or a figure that a designer asks for beside it.
 
     Attributes
@@ -113,12 +113,12 @@ class Rating:
     design: str
     duty: str
     life: float
-    items: Mapping[str, Item]
+    items: Mapping[str, RatedItem]
     assumptions: tuple[str, ...]
     cam_give: CamGive | None = None
 
     @property
-    def weakest(self) -> Item:
+    def weakest(self) -> RatedItem:
         """The item nearest to failing."""
         return next(iter(self.items.values()))
 

@@ -14,7 +14,7 @@ from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.springs import turn_evenly
-from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
+from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 
 POSES = 181
 """Crank angles of a loading."""
@@ -153,7 +153,7 @@ def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
     )
 
 
-def _shaft_forces(reducer: Reducer, shaft: Shaft, crank: Array, cam: Array) -> tuple[Array, Array]:
+def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: Array) -> tuple[Array, Array]:
     """Give places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
 
     The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
@@ -16,7 +16,7 @@ KINDS["peak_dents"] = ("lasting dents", HARDNESS_PRESSURE, "tensile_strength", "
 """Pressures that are held once: what happens beyond, over which strength, and its source."""
 
 
-def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
+def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     """Rate a peak torque [N m] by what each part holds once; forces go with the torque of the worst loading."""
     design = reducer.design
     torque = abs(worst.point.torque)
@@ -35,7 +35,7 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
     planes = 1 if output.support == "cantilever" else 2
     shear, strength = force / (planes * math.pi * radius**2), made.yield_strength / math.sqrt(3.0)
-    yield Item(
+    yield RatedItem(
         "peak_pin_shear",
         "emergency stop, shear of an output pin",
         1e-6 * shear,
@@ -47,7 +47,7 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
         f"{planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
     bent = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
-    yield Item(
+    yield RatedItem(
         "peak_pin_bending",
         "emergency stop, bending of an output pin",
         1e-6 * bent,
@@ -69,5 +69,5 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
     )
 
 
-def _torque_item(key: str, what: str, peak: float, held: float, source: str, note: str) -> Item:
-    return Item(key, f"emergency stop, {what}", peak, held, "N m", held / peak, None, source, note)
+def _torque_item(key: str, what: str, peak: float, held: float, source: str, note: str) -> RatedItem:
+    return RatedItem(key, f"emergency stop, {what}", peak, held, "N m", held / peak, None, source, note)

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.duty import steady
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.reducer import Reducer
 
@@ -30,7 +30,7 @@ STOPS, NOT_COUNTED = "peak_", ("_wear", "_static")
 
 def rated_torque(
     reducer: Reducer, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
-) -> tuple[float, Item]:
+) -> tuple[float, RatedItem]:
     """Give the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
     `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
@@ -43,7 +43,7 @@ def rated_torque(
     """
     design = reducer.design
     decides, rated = counts or _counts, design.rated_torque
-    found: dict[float, Item] = {}
+    found: dict[float, RatedItem] = {}
 
     def margin(logarithm: float) -> float:
         """Give the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""

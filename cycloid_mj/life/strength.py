@@ -9,7 +9,7 @@ from cycloid_mj.base.names import family
 from cycloid_mj.base.types import Array
 from cycloid_mj.checks.strength import Wall, walls
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.surfaces import SOFTEST_STEEL
@@ -28,7 +28,7 @@ MADE = {studied: part for part, studied in HOLED.items()}
 """Part of a wall -> its name in that study, and the other way round."""
 
 
-def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
+def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[RatedItem]:
     """Rate every part against endless repetition of the largest load; `ranges` are those of a study, by part."""
     yield output_pin(reducer, worst.output)
     yield _shoulder(reducer, worst)
@@ -41,7 +41,7 @@ def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | 
             yield _wall(reducer, wall, worst)
 
 
-def output_pin(reducer: Reducer, force: Array) -> Item:
+def output_pin(reducer: Reducer, force: Array) -> RatedItem:
     """Rate the root of an output pin under the forces of the discs on it [N], shape (..., discs, pins), which pulsate.
 
     A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
@@ -56,7 +56,7 @@ def output_pin(reducer: Reducer, force: Array) -> Item:
     fatigue = Fatigue(half, half, _endurance(reducer, made.tensile_strength, 2.0 * radius), made.tensile_strength)
     held = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
     given = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
-    return Item(
+    return RatedItem(
         "output_pin_fatigue",
         "output pin at its root, fatigue",
         1e-6 * nominal,
@@ -77,14 +77,14 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
     return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
 
 
-def _shoulder(reducer: Reducer, worst: Loading) -> Item:
+def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
     """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
     design = reducer.design
     shaft, made, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
     endurance = _endurance(reducer, made.tensile_strength, 2.0 * shaft.radius)
-    found: list[tuple[float, Item]] = []
+    found: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
         factors = [
             notch_factor(shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, made.tensile_strength)
@@ -97,7 +97,7 @@ def _shoulder(reducer: Reducer, worst: Loading) -> Item:
         mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
         used = int(np.argmax(amplitude / endurance + mean / made.tensile_strength))
         fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, made.tensile_strength)
-        item = Item(
+        item = RatedItem(
             "shaft_fatigue",
             f"shaft, {shoulder.name}, fatigue",
             1e-6 * float(mean[used] + amplitude[used]),
@@ -113,14 +113,14 @@ def _shoulder(reducer: Reducer, worst: Loading) -> Item:
     return min(found, key=lambda one: one[0])[1]
 
 
-def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> Item:
+def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> RatedItem:
     """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
     made = reducer.design.material_of(MADE[family(part)])
     scale = torque / found.load
     endurance = _endurance(reducer, made.tensile_strength, 0.0)
     fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
     scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
-    return Item(
+    return RatedItem(
         f"{part}_fatigue",
         f"{STUDIED[family(part)]}, fatigue",
         1e-6 * scale * (found.amplitude + max(found.mean, 0.0)),
@@ -133,7 +133,7 @@ def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> 
     )
 
 
-def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> Item:
+def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
     design = reducer.design
     made = design.material_of(wall.part)
@@ -145,7 +145,7 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> Item:
     sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
     half = 0.5 * max(bent, sheared)
     safety = Fatigue(half, half, _endurance(reducer, made.tensile_strength, wall.thickness), made.tensile_strength)
-    return Item(
+    return RatedItem(
         f"{wall.name}_fatigue",
         f"wall {wall.where}, fatigue",
         2e-6 * half,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
@@ -35,7 +35,7 @@ NAMES = {
 }
 
 
-def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
+def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum."""
     for kind, name in NAMES.items():
         pressure = max((one.pressures.get(kind, 0.0) for one in found), default=0.0)
@@ -47,7 +47,7 @@ def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
             ("shakedown", "shakedown", SHAKEDOWN_PRESSURE, "p0 = 4 k = 2.31 Y, rolling line (Johnson 1985, 9.2)"),
         ):
             limit = factor * strength
-            yield Item(
+            yield RatedItem(
                 f"{kind}_{key}",
                 f"{name}, {what}",
                 1e-6 * pressure,
@@ -62,7 +62,7 @@ def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
             yield _pitting(reducer, found, kind, pressure)
 
 
-def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: float) -> Item:
+def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
     tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
     allowed = pitting_pressure(tensile)
     damage, hourly, on_pins = 0.0, 0.0, 0.0
@@ -78,7 +78,7 @@ def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: fl
     )
     if life * hourly < FEWEST:
         note += "; below 10^4 loads the curve is drawn on"
-    return Item(
+    return RatedItem(
         f"{kind}_pitting",
         f"{NAMES[kind]}, pitting",
         1e-6 * pressure,

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.geometry import profile
-from cycloid_mj.life.item import Item
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.reducer import Reducer
 
@@ -21,7 +21,7 @@ NAMES = {
 }
 
 
-def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
+def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate wear by Archard, k F s spread over the whole surface that slides, and give p v and the way slid."""
     coefficient = reducer.design.service.wear_coefficient
     for kind in found[0].rubs:
@@ -31,7 +31,7 @@ def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
         depth = coefficient * power * 3600.0 * HOURS / _face(reducer, kind)
         limit = getattr(reducer.design.clearance, kind)
         way = speed * 3.6 * HOURS
-        yield Item(
+        yield RatedItem(
             f"{kind}_wear",
             f"wear of {NAMES[kind]}, per {HOURS:.0f} h",
             1e6 * depth,
@@ -60,8 +60,8 @@ def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
         )
 
 
-def _figure(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> Item:
-    return Item(key, name, value, math.nan, unit, None, None, source, note)
+def _figure(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> RatedItem:
+    return RatedItem(key, name, value, math.nan, unit, None, None, source, note)
 
 
 def _face(reducer: Reducer, kind: str) -> float:

@@ -32,10 +32,10 @@ first sample at or after each multiple of 1/rate; the rate [Hz] is in the channe
 follow from the columns, so that a log loses nothing without them: `write` makes them anew.
 """
 
-from cycloid_mj.log.encoding import FORMAT, Group
+from cycloid_mj.log.encoding import FORMAT, ColumnGroup
 from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.reader import Log, Shown, load, read
 from cycloid_mj.log.viewer import Viewer
 from cycloid_mj.log.writer import LogWriter, write
 
-__all__ = ["FORMAT", "Group", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "write"]
+__all__ = ["FORMAT", "ColumnGroup", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "write"]

@@ -25,7 +25,7 @@ _SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 @dataclass(frozen=True)
-class Group:
+class ColumnGroup:
     """Columns that are logged together, one message per sample.
 
     Attributes
@@ -128,7 +128,7 @@ class Group:
         return {"units": json.dumps(dict(self.units))}
 
 
-def group_of(channel: Any, schema: Any) -> Group:
+def group_of(channel: Any, schema: Any) -> ColumnGroup:
     """Give the group that an MCAP `channel` with its `schema` describes.
 
     Raises
@@ -142,7 +142,7 @@ def group_of(channel: Any, schema: Any) -> Group:
     (file,) = FileDescriptorSet.FromString(schema.data).file
     (message,) = file.message_type
     fields = [(field.name, field.number, field.type) for field in message.field]
-    group = Group(channel.topic, {name: str(units[name]) for name, _, _ in fields[1:]})
+    group = ColumnGroup(channel.topic, {name: str(units[name]) for name, _, _ in fields[1:]})
     if fields != group.fields or channel.message_encoding != "protobuf":
         raise LogError(f"the schema of {channel.topic} is not a flat message of doubles that starts with the time")
     return group

@@ -21,7 +21,7 @@ class LogTakenError(LogError):
     """There is a log of this name already."""
 
 
-class Place:
+class LogFile:
     """A log's file while it is written.
 
     Attributes

@@ -16,7 +16,7 @@ from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.log import container
-from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
+from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, ColumnGroup, group_of
 from cycloid_mj.log.preamble import PROVENANCE, lost
 from cycloid_mj.log.viewer import RATE
 
@@ -64,7 +64,7 @@ class _Contents:
     attachments: dict[str, bytes] = field(default_factory=dict)
     schemas: dict[int, Any] = field(default_factory=dict)
     channels: dict[int, Any] = field(default_factory=dict)
-    groups: dict[int, Group] = field(default_factory=dict)
+    groups: dict[int, ColumnGroup] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
     blocks: dict[int, list[Bytes]] = field(default_factory=lambda: defaultdict(list))
 
@@ -187,7 +187,7 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _table(group: Group, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:
+def _table(group: ColumnGroup, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:
     """Give the records of a group, shape (n,), none of which is missing before the last."""
     if not blocks:
         return np.empty(0, dtype=group.record)

@@ -17,8 +17,8 @@ from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
-from cycloid_mj.log.encoding import PACKAGE, Group
-from cycloid_mj.log.place import LogTakenError, Place, unwritable
+from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
+from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 
@@ -298,9 +298,9 @@ def _started(
     hidden: bool,
     first: Metadata,
     attachments: Mapping[str, bytes],
-) -> tuple[Place, Writer]:
+) -> tuple[LogFile, Writer]:
     """Open the log and write what comes before the samples; leave no trace if that fails."""
-    place = Place(path, force, hidden)
+    place = LogFile(path, force, hidden)
     try:
         return place, _begun(place.stream, first, attachments)
     except BaseException as problem:
@@ -341,7 +341,7 @@ def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
     }
 
 
-def _checked(groups: Groups) -> list[Group]:
+def _checked(groups: Groups) -> list[ColumnGroup]:
     """Give the groups in order; raise LogError if there is none or a column occurs twice."""
     if not groups:
         raise LogError("a log needs at least one group of columns: give {'/topic': [(column, unit), ...]}")
@@ -351,7 +351,7 @@ def _checked(groups: Groups) -> list[Group]:
             if name in seen:
                 raise LogError(f"column {name!r} of {topic} is in {seen[name]} too: give each column its own name")
             seen[name] = topic
-    return [Group(topic, dict(columns)) for topic, columns in groups.items()]
+    return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]
 
 
 def _rows(block: npt.NDArray[np.uint8]) -> list[bytes]:

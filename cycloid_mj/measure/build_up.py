@@ -6,14 +6,14 @@ from typing import Any
 from cycloid_mj.base.names import DRAGS
 from cycloid_mj.base.result import Table
 from cycloid_mj.measure.published import Published
-from cycloid_mj.measure.steady import Powers
+from cycloid_mj.measure.steady import MeanPowers
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 DAMPING = "damping of all contacts"
 NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and window leave of elastic energy"}
 
 
-def build_up(found: Powers) -> dict[str, float]:
+def build_up(found: MeanPowers) -> dict[str, float]:
     """Give the loss of each part as a share of the input power [1], and the damping of all contacts."""
     parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
     friction = {part: sum(found.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
@@ -21,7 +21,7 @@ def build_up(found: Powers) -> dict[str, float]:
     return {part: power / found.supplied for part, power in losses.items()}
 
 
-def table(found: Powers, published: Sequence[Published], error: float) -> Table:
+def table(found: MeanPowers, published: Sequence[Published], error: float) -> Table:
     """Give the build-up as a table in percent of the input, with the published rates below it.
 
     `error` is the numerical error of the efficiency [1].
@@ -43,7 +43,7 @@ def table(found: Powers, published: Sequence[Published], error: float) -> Table:
     )
 
 
-def as_json(found: Powers, published: Sequence[Published]) -> dict[str, Any]:
+def as_json(found: MeanPowers, published: Sequence[Published]) -> dict[str, Any]:
     """Give the build-up for a program: shares of the input power."""
     frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}

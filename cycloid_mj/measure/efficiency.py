@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import drag_told
-from cycloid_mj.measure.efficiency_map import Found, Point, run_map
+from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.published import Published
@@ -98,7 +98,7 @@ def efficiency(
     )
 
 
-def _rated(reducer: Reducer, found: Found) -> list[Quantity]:
+def _rated(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
     ours, load = 1e2 * found.rated.powers.efficiency, found.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error = 1e2 * found.error
@@ -164,7 +164,7 @@ def _losses(rated: Point) -> list[Quantity]:
     ]
 
 
-def _driven(reducer: Reducer, found: Found) -> list[Quantity]:
+def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
     """Give what turns the reducer without a load, and from its output."""
     design = reducer.design
     ratio, rest = design.reduction, found.rest
@@ -221,14 +221,14 @@ def _driven(reducer: Reducer, found: Found) -> list[Quantity]:
     ]
 
 
-def _back_driving(found: Found) -> tuple[float, float]:
+def _back_driving(found: EfficiencyMap) -> tuple[float, float]:
     """Give the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
     if found.backward is None or found.backward.powers.crank > 0.0:
         return 0.0, 0.0
     return found.backward.powers.efficiency, found.backward.shift
 
 
-def _tables(found: Found) -> tuple[Table, ...]:
+def _tables(found: EfficiencyMap) -> tuple[Table, ...]:
     """Give the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
     for point in found.grid:
@@ -255,7 +255,7 @@ def _shares(point: Point) -> dict[str, float]:
     return {name: 1e2 * power / found.supplied for name, power in losses.items()}
 
 
-def _curves(found: Found) -> tuple[Curve, ...]:
+def _curves(found: EfficiencyMap) -> tuple[Curve, ...]:
     """Give the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
     x, rest = "output torque [N m]", found.rest.run
     speeds = list(dict.fromkeys(point.speed for point in found.grid))

@@ -14,7 +14,7 @@ from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
-from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
+from cycloid_mj.measure.steady import SETTLED, MeanPowers, first_half, powers, steady, whole_periods
 from cycloid_mj.reducer import Reducer
 
 
@@ -36,8 +36,8 @@ class Point:
 
     torque: float
     speed: float
-    powers: Powers
-    shorter: Powers
+    powers: MeanPowers
+    shorter: MeanPowers
     run: Run
 
     @property
@@ -57,7 +57,7 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class EfficiencyMap:
     """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver.
 
     `by_input` is the rated point's efficiency with each assumed input varied, `by_friction` that by the friction of the
@@ -84,7 +84,7 @@ class Found:
 
 def run_map(
     reducer: Reducer, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, progress: Progress
-) -> Found:
+) -> EfficiencyMap:
     """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
 
     The map, and the rated point with an input varied, are of massless pins where pins move.
@@ -119,7 +119,7 @@ def run_map(
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
     points = run_all(tasks, progress)
     rates = {key: points[key].powers.efficiency for key in varied}
-    return Found(
+    return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),
         rated=points["rated"],
         halved=points.get("halved"),

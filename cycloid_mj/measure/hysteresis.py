@@ -44,7 +44,7 @@ LEAD = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class HysteresisLoop:
     """One period of the loop, from one peak of the torque to the next.
 
     Attributes
@@ -143,12 +143,12 @@ def signal(rated: float, period: float) -> course.Signal:
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
 
 
-def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0) -> Loop:
+def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0) -> HysteresisLoop:
     """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
     duration, samples = (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES)
     run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer)
     whole = run.select(run.time >= LEAD * period)
-    return Loop(
+    return HysteresisLoop(
         crank=crank,
         rated=rated,
         phase=whole.time / period,

@@ -18,7 +18,7 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
+from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
@@ -56,7 +56,7 @@ RIGID_CAM = (
 )
 _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 
-Kinds = Mapping[str, Pressed]
+Kinds = Mapping[str, ContactPressures]
 
 
 def loads(design: Design, load: float | None = None, quick: bool = False, progress: Progress = silent) -> Measurement:
@@ -127,7 +127,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     )
 
 
-def _missed(reducer: Reducer, one: Pressed) -> float:
+def _missed(reducer: Reducer, one: ContactPressures) -> float:
     """Give by which share a kind's largest force over the turn exceeds that of the samples in ideal sharing.
 
     It is 0 where the samples sweep the turn.
@@ -172,7 +172,9 @@ def _capacity(
     )
 
 
-def _of_kind(reducer: Reducer, found: Pressed, coarse: Pressed, fine: Pressed, missed: float) -> Iterator[Quantity]:
+def _of_kind(
+    reducer: Reducer, found: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
+) -> Iterator[Quantity]:
     """Give the numbers of one kind.
 
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
@@ -254,7 +256,7 @@ def _curves(found: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     return (*single, *cams, *_around(found[reducer.design.tooth_pair], reducer))
 
 
-def _contacts(one: Pressed, reducer: Reducer) -> Iterator[Curve]:
+def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Give the force on some of the contacts of a kind that carry, the most loaded among them.
 
     Of teeth that one beside ideal sharing.
@@ -279,7 +281,7 @@ def _named(reducer: Reducer, contacts: int, place: int) -> str:
     return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
-def _cam(one: Pressed, disc: int, phase: float) -> Iterator[Curve]:
+def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
     """Give size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
     degrees, (x, y) = np.degrees(one.angle), one.vector[:, disc].T
     name = f"disc {disc + 1}" if one.vector.shape[1] > 1 else ""
@@ -289,7 +291,7 @@ def _cam(one: Pressed, disc: int, phase: float) -> Iterator[Curve]:
     yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
 
 
-def _around(teeth: Pressed, reducer: Reducer) -> Iterator[Curve]:
+def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Give the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     disc = int(np.argmax(teeth.force[row])) // count

@@ -3,7 +3,7 @@
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import Design
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
+from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.reducer import Reducer
@@ -59,7 +59,9 @@ def lost_motion(
     jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
     loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, progress)
     checks, loops = loops[:4], loops[4:]
-    found = Found(reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated))
+    found = LostMotionLoops(
+        reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)
+    )
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
@@ -80,7 +82,7 @@ def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup
         return []
 
 
-def _assumptions(found: Found, period: float) -> tuple[str, ...]:
+def _assumptions(found: LostMotionLoops, period: float) -> tuple[str, ...]:
     steps = [bench.steps_told(one.run for one in loops) for loops in (found.service, found.ideal)]
     checks = [bench.steps_told([loops[0].run]) for loops in (found.service_checks, found.ideal_checks)]
     beyond = () if found.statics else (LEFT_OUT,)

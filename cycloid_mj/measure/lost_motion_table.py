@@ -10,7 +10,7 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, play
-from cycloid_mj.measure.hysteresis import Loop
+from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
@@ -22,7 +22,7 @@ _OF_SPRINGS = {**_PARTS, "output": "output pins, with all that bends and twists"
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class LostMotionLoops:
     """Loops and static solutions at some crank angles.
 
     Attributes
@@ -38,14 +38,14 @@ class Found:
     """
 
     reducer: Reducer
-    service: list[Loop]
-    ideal: list[Loop]
-    service_checks: list[Loop]
-    ideal_checks: list[Loop]
+    service: list[HysteresisLoop]
+    ideal: list[HysteresisLoop]
+    service_checks: list[HysteresisLoop]
+    ideal_checks: list[HysteresisLoop]
     statics: list[Windup]
 
 
-def quantities(found: Found) -> dict[str, Quantity]:
+def quantities(found: LostMotionLoops) -> dict[str, Quantity]:
     """Give every number of the measurement."""
     return keyed(_motions(found), _stiffness(found), _friction(found))
 
@@ -53,9 +53,9 @@ def quantities(found: Found) -> dict[str, Quantity]:
 def _quantity(
     key: str,
     name: str,
-    read: Callable[[Loop], float],
-    loops: list[Loop],
-    checks: list[Loop],
+    read: Callable[[HysteresisLoop], float],
+    loops: list[HysteresisLoop],
+    checks: list[HysteresisLoop],
     unit: str = "arcmin",
     closed: Sequence[float] | Array = (),
     source: str = "",
@@ -69,7 +69,7 @@ def _quantity(
     return Quantity(key, name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
 
 
-def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop]) -> float:
+def _error(read: Callable[[HysteresisLoop], float], loops: list[HysteresisLoop], checks: list[HysteresisLoop]) -> float:
     """Give what the checks change of a reading at the first crank angle, together."""
     return sum(abs(read(check) - read(loops[0])) for check in checks)
 
@@ -77,9 +77,9 @@ def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop])
 def _extremes(
     key: str,
     name: str,
-    read: Callable[[Loop], float],
-    loops: list[Loop],
-    checks: list[Loop],
+    read: Callable[[HysteresisLoop], float],
+    loops: list[HysteresisLoop],
+    checks: list[HysteresisLoop],
     unit: str,
     known: Known | None = None,
 ) -> list[Quantity]:
@@ -91,22 +91,22 @@ def _extremes(
     ]
 
 
-def lost_motion(loop: Loop) -> float:
+def lost_motion(loop: HysteresisLoop) -> float:
     """Give the lost motion at +-3 % of the rated torque [arcmin]."""
     return loop.lost_motion / ARCMINUTE
 
 
-def offset(loop: Loop) -> float:
+def offset(loop: HysteresisLoop) -> float:
     """Give the middle of the loop [rad]."""
     return loop.offset
 
 
-def stiffness(loop: Loop) -> float:
+def stiffness(loop: HysteresisLoop) -> float:
     """Give the torsional stiffness [N m/arcmin]."""
     return loop.stiffness * ARCMINUTE
 
 
-def _motions(found: Found) -> Iterator[Quantity]:
+def _motions(found: LostMotionLoops) -> Iterator[Quantity]:
     solved = [one.lost_motion / ARCMINUTE for one in found.statics]
     known = _rigid(found)
     rigid = known.turn if known is not None else ()
@@ -124,7 +124,7 @@ def _motions(found: Found) -> Iterator[Quantity]:
         )
 
 
-def _rigid(found: Found) -> Known | None:
+def _rigid(found: LostMotionLoops) -> Known | None:
     """Give the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
     if not play.has_linear_gaps(found.reducer):
         return None
@@ -132,7 +132,7 @@ def _rigid(found: Found) -> Known | None:
     return Known(play.total(found.reducer, cranks) / ARCMINUTE, play.over_a_turn(found.reducer)[1] / ARCMINUTE)
 
 
-def _stiffness(found: Found) -> Iterator[Quantity]:
+def _stiffness(found: LostMotionLoops) -> Iterator[Quantity]:
     unit = "N m/arcmin"
     solved = [ARCMINUTE / one.compliance(one.turn) for one in found.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
@@ -145,19 +145,19 @@ def _stiffness(found: Found) -> Iterator[Quantity]:
     for part in SERIES:
         closed = [one.series(found.reducer)[part] / ARCMINUTE for one in found.statics]
 
-        def compliance(loop: Loop, part: str = part) -> float:
+        def compliance(loop: HysteresisLoop, part: str = part) -> float:
             return loop_series(found.reducer, loop)[part] / ARCMINUTE
 
         name = f"compliance of {called[part]}, in series, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
 
 
-def loop_series(reducer: Reducer, loop: Loop) -> dict[str, float]:
+def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
     """Give the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
     return in_series(reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
 
 
-def _friction(found: Found) -> list[Quantity]:
+def _friction(found: LostMotionLoops) -> list[Quantity]:
     pair = found.service, found.service_checks
     damped = float(np.mean([loop.width for loop in found.ideal])) / ARCMINUTE
     viscous = (
@@ -196,7 +196,7 @@ def _friction(found: Found) -> list[Quantity]:
     ]
 
 
-def curves(found: Found) -> tuple[Curve, ...]:
+def curves(found: LostMotionLoops) -> tuple[Curve, ...]:
     """Give the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
     loop, ideal = found.service[0], found.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
@@ -232,11 +232,11 @@ def curves(found: Found) -> tuple[Curve, ...]:
     return tuple(drawn)
 
 
-def _cut(loop: Loop, rows: Mask) -> tuple[Array, Array]:
+def _cut(loop: HysteresisLoop, rows: Mask) -> tuple[Array, Array]:
     return loop.torque[rows], loop.turn[rows] / ARCMINUTE
 
 
-def by_angle(found: Found) -> list[dict[str, Any]]:
+def by_angle(found: LostMotionLoops) -> list[dict[str, Any]]:
     """Give the readings at each crank angle, for a program."""
     rows: list[dict[str, Any]] = []
     for place, (service, ideal) in enumerate(zip(found.service, found.ideal, strict=True)):

@@ -17,7 +17,7 @@ CARRIES = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Pressed:
+class ContactPressures:
     """The contacts of one kind over the samples of a run.
 
     Attributes
@@ -73,13 +73,13 @@ class Pressed:
         return float(self.carries.sum(axis=1).mean())
 
     @property
-    def halves(self) -> tuple["Pressed", "Pressed"]:
+    def halves(self) -> tuple["ContactPressures", "ContactPressures"]:
         """The first and the second half of the samples."""
         middle = max(1, len(self.angle) // 2)
         return self._part(slice(0, middle)), self._part(slice(len(self.angle) - middle, None))
 
-    def _part(self, rows: slice) -> "Pressed":
-        return Pressed(self.kind, self.angle[rows], self.vector[rows], self.pressure[rows], self.holds[rows])
+    def _part(self, rows: slice) -> "ContactPressures":
+        return ContactPressures(self.kind, self.angle[rows], self.vector[rows], self.pressure[rows], self.holds[rows])
 
     @property
     def peak_pressure(self) -> float:
@@ -88,7 +88,7 @@ class Pressed:
         return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
 
 
-def pressed(run: Run, reducer: Reducer) -> dict[str, Pressed]:
+def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Give the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
@@ -98,7 +98,7 @@ def pressed(run: Run, reducer: Reducer) -> dict[str, Pressed]:
         curvature = relative_curvature(reducer, kind, against_ring(reducer.design, crank))
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(reducer, kind)
         pressure, holds = hertz_pressure(reducer, kind, force, curvature), hertz_holds(reducer, kind, force, curvature)
-        found[kind] = Pressed(kind, angle, vector, pressure, holds)
+        found[kind] = ContactPressures(kind, angle, vector, pressure, holds)
     return found
 
 

@@ -26,7 +26,7 @@ PERIODS = 8
 
 
 @dataclass(frozen=True)
-class Variation:
+class FrictionVariant:
     """One row: how the ring's pins are held, the pair whose friction is set, its coefficient [1], and the design."""
 
     pins: str
@@ -35,7 +35,7 @@ class Variation:
     design: Design
 
 
-def variations(reducer: Reducer, quick: bool = False) -> list[Variation]:
+def variations(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
     """Give the rows of a design's table: its own friction first, then one pair at a time, then all together."""
     kinds = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in kinds for row in _of_ring(kind, quick)]
@@ -84,12 +84,12 @@ def slope(rates: Mapping[float, float]) -> float:
     return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
 
 
-def common_rates(found: Mapping[Variation, float], pins: str) -> dict[float, float]:
+def common_rates(found: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
     """Give common friction -> rate, for one way of holding the pins."""
     return {row.friction: rate for row, rate in found.items() if row.pair == EVERY and row.pins == pins}
 
 
-def table(reducer: Reducer, found: Mapping[Variation, float]) -> Table:
+def table(reducer: Reducer, found: Mapping[FrictionVariant, float]) -> Table:
     """Give the sensitivity as a table, each row beside the row of the design's own friction."""
     ideal = reducer.design.rated_torque
     own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
@@ -110,7 +110,7 @@ def table(reducer: Reducer, found: Mapping[Variation, float]) -> Table:
     )
 
 
-def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> list[Curve]:
+def curves(found: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
     """Compute the rate over the common friction, with the published rates that lie on it."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     drawn = []
@@ -125,27 +125,27 @@ def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> 
     return drawn
 
 
-def _of_ring(reducer: Reducer, quick: bool) -> list[Variation]:
+def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
-    rows = [Variation(pins, OWN, design.friction_of(design.tooth_pair), design)]
+    rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick:
         rows += [
-            Variation(pins, pair, value, reducer.but(friction={pair: value}).design)
+            FrictionVariant(pins, pair, value, reducer.but(friction={pair: value}).design)
             for pair in pairs
             for value in SLIDING
         ]
-    return rows + [Variation(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
+    return rows + [FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
 
 
-def _of_bearings(reducer: Reducer) -> list[Variation]:
+def _of_bearings(reducer: Reducer) -> list[FrictionVariant]:
     """Give the rows of the rolling bearings, and of sliding in their place."""
     rows, pins = [], pins_of(reducer)
     plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
     for pair in [pair for pair in plain if pair not in sliding_pairs(reducer)]:
         for value in ROLLING:
             changed = reducer.but(friction={f"{pair}_rolling": value})
-            rows.append(Variation(pins, f"{pair}, rolling", value, changed.design))
+            rows.append(FrictionVariant(pins, f"{pair}, rolling", value, changed.design))
         sliding = reducer.but(**plain[pair])
-        rows.append(Variation(pins, f"{pair}, sliding", sliding.design.friction_of(pair), sliding.design))
+        rows.append(FrictionVariant(pins, f"{pair}, sliding", sliding.design.friction_of(pair), sliding.design))
     return rows

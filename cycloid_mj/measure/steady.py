@@ -78,7 +78,7 @@ def first_half(run: Run) -> Run:
 
 
 @dataclass(frozen=True)
-class Powers:
+class MeanPowers:
     """Mean powers [W].
 
     Attributes
@@ -123,10 +123,10 @@ class Powers:
         return friction | {f"{kind}_normal": power / self.supplied for kind, power in self.normal.items()}
 
 
-def powers(run: Run) -> Powers:
+def powers(run: Run) -> MeanPowers:
     """Give the mean powers of a run's samples."""
     energy = run["kinetic_energy"] + run["potential_energy"]
-    return Powers(
+    return MeanPowers(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),
         friction={kind: float(np.mean(power)) for kind, power in run.by_stem(FRICTION_POWER).items()},

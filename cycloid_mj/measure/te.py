@@ -18,7 +18,7 @@ from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
+from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, own, trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics import transmission_error
@@ -76,7 +76,8 @@ def te(
     paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
     ways = {"forward": 1.0, "reverse": -1.0}
     cases = [
-        Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
+        TraceCondition(one, way, pace, torques[one], ways[way] * paces[pace])
+        for pace, one, way in product(paces, torques, ways)
     ]
     reducer = working_at(reducer, torques["loaded"])
     runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick)
@@ -97,8 +98,8 @@ def te(
 
 
 def _traces(
-    reducer: Reducer, cases: list[Case], turns: float, progress: Progress, check: bool
-) -> Mapping[tuple[Case, float], Trace]:
+    reducer: Reducer, cases: list[TraceCondition], turns: float, progress: Progress, check: bool
+) -> Mapping[tuple[TraceCondition, float], Trace]:
     """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
     half = halved(reducer)
     models = {1.0: (reducer, build(reducer.design), turns)}
@@ -112,14 +113,14 @@ def _traces(
     return dict(zip(work, traces, strict=True))
 
 
-def _statics(reducer: Reducer, case: Case, turns: int) -> Errors:
+def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
     """Solve a case in statics."""
     design = reducer.design
     points = SOLVED * design.ring.teeth * turns + 1
     crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
     turning = reducer.but(drive={"speed": case.speed})
     found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
-    return Errors(crank, found[:, 0], found[:, 1])
+    return ErrorCurves(crank, found[:, 0], found[:, 1])
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.types import Array
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.measure.trace import Case, Errors, Trace
+from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 
@@ -24,10 +24,10 @@ _PACES = {"slow": "slow", "speed": "at speed"}
 _PLACES = {"gear": "gear", "stage": "output against the gear"}
 
 
-Found = Mapping[Case, Trace]
+Found = Mapping[TraceCondition, Trace]
 Finer = Mapping[tuple[str, str], Trace]
 """Load and pace -> the start of the run forward, with half the step."""
-Statics = Mapping[Case, Errors]
+Statics = Mapping[TraceCondition, ErrorCurves]
 
 
 def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
@@ -88,7 +88,7 @@ def details(reducer: Reducer, found: Found) -> dict[str, Any]:
     }
 
 
-def chosen(found: Found) -> list[Case]:
+def chosen(found: Found) -> list[TraceCondition]:
     """Give the cases whose orders are told: forward, at the first pace that was run."""
     first = next(iter(found)).pace
     return [case for case in found if case.way == "forward" and case.pace == first]
@@ -159,11 +159,11 @@ def _bases(reducer: Reducer) -> dict[str, float]:
     return {cause.place: cause.base for cause in causes(reducer)}
 
 
-def _spectrum(reducer: Reducer, errors: Errors, place: str, base: float) -> Orders:
+def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) -> Orders:
     return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * reducer.design.ring.teeth)
 
 
-def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) -> float | None:
+def _step_error(found: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
     """Give by how much half the step changes a level, and half of what it changes from one half turn to the other."""
     if not finer:
         return None
@@ -173,12 +173,12 @@ def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) 
     return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
-def _mean_change(found: Found, finer: Finer, case: Case, place: str) -> float:
+def _mean_change(found: Found, finer: Finer, case: TraceCondition, place: str) -> float:
     coarse, fine = _change(found, finer, case, place)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _change(found: Found, finer: Finer, case: Case, place: str) -> tuple[Array, Array]:
+def _change(found: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
     """Give the errors of the run forward under a case's load, and with half the step, where both have them."""
     fine = finer[case.load, case.pace]
     coarse = found[next(one for one in found if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]

@@ -20,9 +20,9 @@ from cycloid_mj.measure.conditions import drag_told, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
-from cycloid_mj.measure.sensitivity import Variation
+from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
-from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
+from cycloid_mj.measure.steady import MeanPowers, first_half, powers, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_at, working_forces_told
 
@@ -31,11 +31,11 @@ PERIODS, QUICK_PERIODS = 12, 4
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class BrakedRun:
     """One braked run, its mean powers, and the sizes of its mean output and input torque [N m]."""
 
     run: Run
-    powers: Powers
+    powers: MeanPowers
     output: float
     input: float
 
@@ -68,7 +68,7 @@ def torque(
     main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(reducer, quick)
     assumed = spread.inputs(own)
-    tasks: dict[Hashable, Callable[[], Outcome]] = {"own": partial(rated_test, own, main)}
+    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, own, main)}
     if not quick:
         tasks["halved"] = partial(rated_test, halved(own), main)
     tasks |= {
@@ -106,11 +106,11 @@ def torque(
     )
 
 
-def rated_test(reducer: Reducer, periods: int) -> Outcome:
+def rated_test(reducer: Reducer, periods: int) -> BrakedRun:
     """Run the test under the rated torque over so many mesh periods."""
     run = braked_run(reducer, reducer.design.drive.torque, periods)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
-    return Outcome(run, powers(run), output, crank)
+    return BrakedRun(run, powers(run), output, crank)
 
 
 def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
@@ -118,14 +118,14 @@ def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
     return powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
 
 
-def rate_error(ours: Outcome, finer: Outcome | None) -> float:
+def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
     """Give the numerical error of the rate: half the average, and half the step where it was run."""
     others = [powers(first_half(ours.run)), *([finer.powers] if finer else [])]
     return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
 
 
 def with_friction(
-    published: Sequence[Published], reducer: Reducer, found: Mapping[Variation, float], error: float | None
+    published: Sequence[Published], reducer: Reducer, found: Mapping[FrictionVariant, float], error: float | None
 ) -> list[Published]:
     """Give published torques with the friction that gives each of them.
 
@@ -150,7 +150,7 @@ def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
 
 
 def _quantities(
-    reducer: Reducer, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
+    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, held: float, by_input: Sequence[Moved]
 ) -> list[Quantity]:
     ideal = reducer.design.rated_torque
     found, closed = ours.powers, ideal_efficiency(reducer, ours.output)
@@ -208,7 +208,7 @@ def _quantities(
     ]
 
 
-def _curves(reducer: Reducer, ours: Outcome) -> tuple[Curve, ...]:
+def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
     """Give the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])

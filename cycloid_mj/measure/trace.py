@@ -26,7 +26,7 @@ PRESSED = 0.016
 
 
 @dataclass(frozen=True)
-class Case:
+class TraceCondition:
     """One condition.
 
     Attributes
@@ -57,7 +57,7 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Errors:
+class ErrorCurves:
     """Errors of gear and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each."""
 
     crank: Array
@@ -71,7 +71,7 @@ class Errors:
 
 
 @dataclass(frozen=True, eq=False)
-class Trace(Errors):
+class Trace(ErrorCurves):
     """The errors of a run, and the run."""
 
     run: Run
@@ -98,7 +98,7 @@ def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Cou
     return Course(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
-def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: Case) -> Trace:
+def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: TraceCondition) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
     per_second = SAMPLES * reducer.design.mesh_periods * abs(case.speed) / (2.0 * np.pi)

@@ -27,7 +27,7 @@ GROUP = "cycloid_mj.papers"
 
 
 @dataclass(frozen=True)
-class Vibration:
+class PublishedVibration:
     """Where a paper finds that a pin design fluctuates more than a nonpin one: its `source`, and quantity -> figure."""
 
     source: str = "none is installed"
@@ -61,7 +61,7 @@ class Paper:
     command: str
     examples: str
     torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
-    vibration: Vibration | None = None
+    vibration: PublishedVibration | None = None
     stress_references: Callable[["Design"], "Mapping[str, Reference]"] = lambda design: {}
     stress_claims: Callable[["Sequence[StressStudy]"], "Sequence[Claim]"] = lambda studies: ()
 
@@ -82,9 +82,9 @@ def published_torques(reducer: "Reducer") -> "list[Published]":
     return [one for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for one in torques]
 
 
-def vibration() -> Vibration:
+def vibration() -> PublishedVibration:
     """Find where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
-    return next((paper.vibration for paper in papers() if paper.vibration), Vibration())
+    return next((paper.vibration for paper in papers() if paper.vibration), PublishedVibration())
 
 
 def stress_references(reducer: "Reducer") -> "dict[str, Reference]":

@@ -12,7 +12,7 @@ from cycloid_mj.analysis import Series, series
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
-from cycloid_mj.plots.stage import Script, Stage, set_stage, show
+from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
@@ -97,7 +97,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 
 
-def _frames(script: Script, stage: Stage, crank_angle: Array, time: Array) -> Iterator[Image]:
+def _frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
     canvas = FigureCanvasAgg(stage.figure)
     for row, now in enumerate(time.tolist()):
         show(stage, script, row)

@@ -49,7 +49,7 @@ SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "z
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class AnimatedFigure:
     """The figure and everything on it that changes from frame to frame."""
 
     figure: Figure
@@ -84,7 +84,7 @@ class Script:
     ideal: Array | None
 
 
-def set_stage(script: Script, width: int) -> Stage:
+def set_stage(script: Script, width: int) -> AnimatedFigure:
     """Draw everything once, `width` pixels wide."""
     design, acting = script.reducer.design, script.acting
     reducer = Reducer(design)
@@ -102,10 +102,10 @@ def set_stage(script: Script, width: int) -> Stage:
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
     bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
-    return Stage(figure, axes, clock, parts, wall, arrows, bars, steps)
+    return AnimatedFigure(figure, axes, clock, parts, wall, arrows, bars, steps)
 
 
-def show(stage: Stage, script: Script, row: int) -> None:
+def show(stage: AnimatedFigure, script: Script, row: int) -> None:
     """Set the stage for a frame."""
     drawn = script.drawn
     _move(stage, GEAR, [drawn.gear[row]])
@@ -120,7 +120,7 @@ def show(stage: Stage, script: Script, row: int) -> None:
     _show_forces(stage, script, row)
 
 
-def _move(stage: Stage, part: str, places: Any) -> None:
+def _move(stage: AnimatedFigure, part: str, places: Any) -> None:
     """Move copies of a part to their places: x [m], y [m] and perhaps an angle [rad]."""
     for artists, (x, y, *angle) in zip(stage.parts[part], places, strict=False):
         moved = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
@@ -128,7 +128,7 @@ def _move(stage: Stage, part: str, places: Any) -> None:
             artist.set_transform(moved)
 
 
-def _show_forces(stage: Stage, script: Script, row: int) -> None:
+def _show_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
     """Set arrows and bars."""
     for kind, arrows in stage.arrows.items():
         these = script.acting.of(kind)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.analysis import FIGURES, SIGNALS, Figure, Series
+from cycloid_mj.analysis import FIGURES, SIGNALS, Series, SignalFigure
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.types import Array
 from cycloid_mj.report.encode import decimated, encoded
@@ -26,7 +26,7 @@ HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 """Number of panels of a figure -> height of each, so that figures side by side are about as high."""
 
 
-def figures(reviewed: Sequence[Reviewed]) -> list[Figure]:
+def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
     """Give the figures over time that the runs have something to show in."""
     return [figure for figure in FIGURES if any(figure.shows(item.motion) for item in reviewed)]
 

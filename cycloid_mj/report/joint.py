@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Table as Result
 from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.report.page import environment
-from cycloid_mj.report.tables import Table
+from cycloid_mj.report.tables import TextTable
 from cycloid_mj.robot.against import Against
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.study import Tried, recommended_table
@@ -71,16 +71,16 @@ def _numbers(reduced: ReducedJoint) -> dict[str, str]:
     }
 
 
-def _quantities(reduced: ReducedJoint) -> Table:
+def _quantities(reduced: ReducedJoint) -> TextTable:
     rows = [
         (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}")
         for one in reduced.quantities.values()
     ]
-    return Table([("quantity", "value", "unit", "numerical error")], rows)
+    return TextTable([("quantity", "value", "unit", "numerical error")], rows)
 
 
-def _texts(found: Result) -> Table:
-    return Table([found.header], found.cells)
+def _texts(found: Result) -> TextTable:
+    return TextTable([found.header], found.cells)
 
 
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
@@ -101,7 +101,7 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
     return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": drawn}
 
 
-def _dynamics(reduced: ReducedJoint) -> Table:
+def _dynamics(reduced: ReducedJoint) -> TextTable:
     """Give what a format with nothing but a constant friction and a damping can hold, at the joint."""
     slow, fast = reduced.friction.speeds[0], reduced.friction.speeds[-1]
     low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
@@ -111,7 +111,7 @@ def _dynamics(reduced: ReducedJoint) -> Table:
         torque = share * reduced.rated_torque
         ways = [reduced.ratio * reduced.friction.torque(torque, reduced.rated_speed, way) for way in (True, False)]
         rows.append((f"right at {share:.0%} of the rated torque", *(f"{way:.4g}" for way in ways), f"{damping:.3g}"))
-    return Table([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
+    return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
 def _efficiency(reduced: ReducedJoint) -> Result:
@@ -127,7 +127,7 @@ def _efficiency(reduced: ReducedJoint) -> Result:
     return Result("Efficiency", tuple(header), tuple(map(tuple, rows)))
 
 
-def _harmonics(reduced: ReducedJoint) -> Table:
+def _harmonics(reduced: ReducedJoint) -> TextTable:
     """Give the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated = [one for one in reduced.ripple.harmonics(reduced.way, reduced.rated_torque) if one["load_nm"] == load]
@@ -141,13 +141,13 @@ def _harmonics(reduced: ReducedJoint) -> Table:
         if max(one["value"] for one in both) >= least
     ]
     head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
-    return Table([head], rows)
+    return TextTable([head], rows)
 
 
-def _bam(bam: Mapping[str, Any]) -> Table:
+def _bam(bam: Mapping[str, Any]) -> TextTable:
     models = [bam["m3"], bam["m5"]]
     keys = [key for key in models[1] if key != "model"]
     keys = list(dict.fromkeys([*(key for key in models[0] if key != "model"), *keys]))
     rows = [(key, *(f"{model[key]:.5g}" if key in model else "" for model in models)) for key in keys]
     rows.append(("largest error of friction [N m]", *(f"{bam['largest_error_nm'][key]:.3g}" for key in ("m3", "m5"))))
-    return Table([("parameter", "M3", "M5")], rows)
+    return TextTable([("parameter", "M3", "M5")], rows)

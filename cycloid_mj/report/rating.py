@@ -1,8 +1,8 @@
 """The page of a rating: what the template ``assets/rating.html`` is filled with."""
 
-from cycloid_mj.life import Item, Rating
+from cycloid_mj.life import RatedItem, Rating
 from cycloid_mj.report.page import environment
-from cycloid_mj.report.tables import Table
+from cycloid_mj.report.tables import TextTable
 
 NEAR = 1.5
 """Margin below which an item that holds is shown as near its limit."""
@@ -11,7 +11,7 @@ NEAR = 1.5
 def rating_page(found: Rating) -> str:
     """Give a rating as one page that needs no other file."""
 
-    def state(item: Item) -> str:
+    def state(item: RatedItem) -> str:
         margin = item.margin(found.life)
         return "figure" if item.verdict == "" else "fails" if margin < 1.0 else "near" if margin < NEAR else "holds"
 
@@ -26,7 +26,7 @@ def rating_page(found: Rating) -> str:
             header=table.header,
             rows=list(zip(map(state, found.items.values()), table.cells, strict=True)),
             failing=failing,
-            give=None if give is None else Table([give.header], give.cells),
+            give=None if give is None else TextTable([give.header], give.cells),
             give_title=give.title if give else "",
         )
     )

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from cycloid_mj.base.result import Table
 from cycloid_mj.plots.save import drawn
 from cycloid_mj.report.page import environment
-from cycloid_mj.report.tables import Table as Texts
+from cycloid_mj.report.tables import TextTable as Texts
 
 
 @dataclass(frozen=True)
-class Part:
+class PageSection:
     """One section of the page: its title, a paragraph, figures by what their captions say, tables, and notes."""
 
     title: str
@@ -23,7 +23,7 @@ class Part:
     notes: Sequence[str] = ()
 
 
-def study_page(title: str, about: Sequence[str], numbers: Mapping[str, str], parts: Sequence[Part]) -> str:
+def study_page(title: str, about: Sequence[str], numbers: Mapping[str, str], parts: Sequence[PageSection]) -> str:
     """Give a study as one page that needs no other file.
 
     Parameters

@@ -4,13 +4,13 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from cycloid_mj.analysis import GROUPS, Row, groups
+from cycloid_mj.analysis import GROUPS, FigureRow, groups
 from cycloid_mj.checks import check
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
 from cycloid_mj.report.reviewed import Reviewed
 
 
-class Table(NamedTuple):
+class TextTable(NamedTuple):
     """Texts: the first cell of a row names it, and a row of one cell is the heading of those below.
 
     A cell of the head that is followed by empty ones spans them.
@@ -30,14 +30,14 @@ class Table(NamedTuple):
         return [(row[start], end - start) for start, end in pairwise([*starts, len(row)])]
 
 
-def setup(reviewed: Sequence[Reviewed]) -> Table:
+def setup(reviewed: Sequence[Reviewed]) -> TextTable:
     """Give the table of what was run: one column for each run."""
     columns = [dict(_facts(item)) for item in reviewed]
     rows = [(name, *(column[name] for column in columns)) for name in columns[0]]
-    return Table([("", *(item.name for item in reviewed))], rows)
+    return TextTable([("", *(item.name for item in reviewed))], rows)
 
 
-def findings(reviewed: Sequence[Reviewed]) -> Table:
+def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     """Give the table simulated / closed form / error in its groups, with the columns of each run side by side."""
     tables = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
@@ -54,10 +54,10 @@ def findings(reviewed: Sequence[Reviewed]) -> Table:
         rows += [
             (name, _unit(unit), *(c for found in each for c in _cells(found.get(name)))) for name, unit in units.items()
         ]
-    return Table(head, rows)
+    return TextTable(head, rows)
 
 
-def losses(reviewed: Sequence[Reviewed]) -> Table:
+def losses(reviewed: Sequence[Reviewed]) -> TextTable:
     """Give the table of where the power goes; without rows if no run lost any."""
     rows = []
     for item in reviewed:
@@ -66,14 +66,14 @@ def losses(reviewed: Sequence[Reviewed]) -> Table:
             share = f"{100 * (loss.friction_w + loss.normal_w) / power:.3g}" if power > 0 else ""
             pair = loss.pair.replace("_", "-")
             rows.append((pair, item.name, f"{loss.friction_w:.4g}", f"{loss.normal_w:.4g}", share))
-    return Table([("mating pair", "run", "friction [W]", "damping [W]", "share of the input [%]")], rows)
+    return TextTable([("mating pair", "run", "friction [W]", "damping [W]", "share of the input [%]")], rows)
 
 
-def provenance(item: Reviewed) -> Table:
+def provenance(item: Reviewed) -> TextTable:
     """Give what a run stands on: versions, settings and files."""
     run = item.motion.run
     files = ", ".join(f"{file} ({len(data):,} bytes)" for file, data in run.attachments.items())
-    return Table([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
+    return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
 
 
 def warnings(item: Reviewed) -> list[str]:
@@ -119,6 +119,6 @@ def _unit(unit: str) -> str:
     return {"um": "µm", "1": ""}.get(unit, unit)
 
 
-def _cells(row: Row | None) -> list[str]:
+def _cells(row: FigureRow | None) -> list[str]:
     cells = (row.simulated, row.closed_form, row.error) if row else ("", "", "")
     return [cell.replace("-", "\N{MINUS SIGN}") for cell in cells]

@@ -17,7 +17,7 @@ from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.study import vibration
 from cycloid_mj.robot.transmission import error, waves
-from cycloid_mj.robot.trial import Bench, bench
+from cycloid_mj.robot.trial import TrialScene, bench
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
@@ -295,7 +295,7 @@ def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) 
     return rows, list(_te_curves(reducer, own, angle, length, name))
 
 
-def _followed(on: Bench, count: int) -> tuple[Array, Array]:
+def _followed(on: TrialScene, count: int) -> tuple[Array, Array]:
     """Give crank angle and L over so many steps, shape (count,)."""
     found = np.empty((count, 2))
     for i in range(count):

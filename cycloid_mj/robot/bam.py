@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from cycloid_mj.base.types import Array
-from cycloid_mj.robot.friction import Friction
+from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import ReducedJoint
 
 FITTED = 0.25
@@ -68,7 +68,7 @@ def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
 
     The motor's is what the crank gives or takes, times the ratio; negative where it must help a reducer that locks.
     """
-    friction: Friction = reduced.friction
+    friction: FrictionMap = reduced.friction
     torques = np.array([at for at in friction.torques if FITTED <= at / reduced.rated_torque <= 1.0 + 1e-9])
     rows = []
     for driving, sign in ((True, 1.0), (False, -1.0)):

@@ -10,7 +10,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
-class Friction:
+class FrictionMap:
     """A map of friction; between its points straight lines, beyond its largest torque the last of them goes on.
 
     Attributes

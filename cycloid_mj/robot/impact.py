@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.robot.trial import Bench
+from cycloid_mj.robot.trial import TrialScene
 
 FREQUENCY = 3.0
 """Of the load [Hz]; halved until the output has crossed the play when the load is at its largest."""
@@ -31,7 +31,7 @@ LENGTH = 0.75
 
 
 @dataclass(frozen=True)
-class Impact:
+class ImpactLoad:
     """The load rated cos(2 pi f t) on the output, from rest on the upper stop.
 
     Attributes
@@ -52,7 +52,7 @@ class Impact:
 
 
 @lru_cache(maxsize=64)
-def impact(reduced: ReducedJoint, inertia: float) -> Impact:
+def impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """Solve the impact of a joint with an inertia on its output [kg m2] at its level, by LSODA instead of MuJoCo.
 
     J x'' = T cos(2 pi f t) - spring(x) - c x', J being all that turns with the output and c the damping: at the level
@@ -67,12 +67,12 @@ def impact(reduced: ReducedJoint, inertia: float) -> Impact:
         frequency = FREQUENCY / 2.0**halving
         crossed, peak = _swing(reduced, inertia, frequency)
         if crossed <= 0.5 / frequency:
-            return Impact(frequency, peak)
+            return ImpactLoad(frequency, peak)
     raise RunError(f"{reduced.name}: the rated load does not carry {inertia:.4g} kg m2 across the play in a minute")
 
 
-def peak_of(on: Bench, struck: Impact) -> float | None:
-    """Run an impact in MuJoCo and give its largest wind-up [rad], as `Impact.peak`; None where the joint runs away."""
+def peak_of(on: TrialScene, struck: ImpactLoad) -> float | None:
+    """Compute the largest wind-up [rad] of an impact by MuJoCo, `ImpactLoad.peak`; None where the joint runs away."""
     reduced, pulse = on.reduced, 2.0 * np.pi * struck.frequency
     on.hold()
     on.press(reduced.rated_torque)

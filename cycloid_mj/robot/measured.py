@@ -24,7 +24,7 @@ from cycloid_mj.measure import spread
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, member
-from cycloid_mj.robot.friction import Friction
+from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Spring
 from cycloid_mj.robot.transmission import ripple, works
 from cycloid_mj.statics.balance import loads, powers
@@ -210,7 +210,7 @@ def inertias(reducer: Reducer) -> tuple[float, float]:
     return crank, float(masses[HOUSING].inertia[2, 2]) + pins
 
 
-def _friction(reducer: Reducer, told: Callable[[], None]) -> Friction:
+def _friction(reducer: Reducer, told: Callable[[], None]) -> FrictionMap:
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in SPEEDS:
@@ -221,7 +221,7 @@ def _friction(reducer: Reducer, told: Callable[[], None]) -> Friction:
             rows.append((idle, *(_lost(turning, way * torque * rated, told) for torque in TORQUES)))
     torques = (0.0, *(torque * rated for torque in TORQUES))
     speeds = tuple(share * abs(speed) for share in SPEEDS)
-    return Friction(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
+    return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
 
 
 def _idle(reducer: Reducer) -> float:

@@ -19,7 +19,7 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
-from cycloid_mj.robot.friction import Friction
+from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.ripple import Ripple
 
 Level = Literal["rigid", "backlash", "full"]
@@ -46,7 +46,7 @@ class Spring:
     stiffness: float
 
 
-class Place(NamedTuple):
+class JointAddresses(NamedTuple):
     """Where a model has one joint with this reducer: addresses of crank and output, and the tendons between them."""
 
     output_angle: int
@@ -100,7 +100,7 @@ class ReducedJoint:
     damping: float
     rotor_inertia: float
     output_inertia: float
-    friction: Friction
+    friction: FrictionMap
     ripple: Ripple
     quantities: Mapping[str, Quantity] = field(default_factory=dict, compare=False, repr=False)
 
@@ -232,7 +232,7 @@ class ReducedJoint:
                 data.qpos[place.crank_angle] = (self.middle - data.qpos[place.output_angle]) / self.coefficient
                 data.qvel[place.crank_speed] = -data.qvel[place.output_speed] / self.coefficient
 
-    def places(self, model: Any) -> Iterator[Place]:
+    def places(self, model: Any) -> Iterator[JointAddresses]:
         """Find the joints of a model that carry this reducer.
 
         Raises
@@ -250,7 +250,7 @@ class ReducedJoint:
         for start, size in starts:
             output, *others = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = others or [output]
-            yield Place(
+            yield JointAddresses(
                 int(model.jnt_qposadr[output]),
                 int(model.jnt_dofadr[output]),
                 int(model.jnt_qposadr[crank]),
@@ -258,7 +258,7 @@ class ReducedJoint:
                 tuple(tendons),
             )
 
-    def _step_between(self, model: Any, data: Any, place: Place) -> None:
+    def _step_between(self, model: Any, data: Any, place: JointAddresses) -> None:
         """Serve a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
         angle, dof = float(data.qpos[place.crank_angle]), place.crank_speed
         length = float(data.qpos[place.output_angle]) + self.coefficient * angle
@@ -272,7 +272,7 @@ class ReducedJoint:
         turning = speed if abs(speed) > AT_REST else pulled + data.qfrc_actuator[dof] + data.qfrc_applied[dof]
         model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=pulled * turning < 0.0)
 
-    def _step_rigid(self, model: Any, data: Any, place: Place) -> None:
+    def _step_rigid(self, model: Any, data: Any, place: JointAddresses) -> None:
         """Serve a joint without springs: what the crank's balance of the last step says that it passes on."""
         import mujoco
 
@@ -320,7 +320,7 @@ class ReducedJoint:
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
             values["springs"] = tuple(Spring(float(one["start"]), float(one["stiffness"])) for one in values["springs"])
-            values["friction"] = Friction.from_json(values["friction"])
+            values["friction"] = FrictionMap.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])
             made = cls(**values)
         except (KeyError, TypeError, ValueError) as problem:

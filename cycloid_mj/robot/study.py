@@ -16,7 +16,7 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
-from cycloid_mj.robot.trial import INTEGRATORS, Bench, Integrator, bench
+from cycloid_mj.robot.trial import INTEGRATORS, Integrator, TrialScene, bench
 
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 """Time steps of the study [s]."""
@@ -162,7 +162,7 @@ def tried(
 ) -> Tried:
     """Try one step [s] of an integrator with an inertia on the output [kg m2], at the reducer's level."""
 
-    def on() -> Bench:
+    def on() -> TrialScene:
         return bench(reduced, inertia, timestep, integrator)
 
     run = reduced.level, integrator, load, timestep, inertia
@@ -235,7 +235,7 @@ def table(found: tuple[Tried, ...]) -> Table:
     return Table("Error of the peak of an impact by step, crank held, load rated cos(2 pi f t)", header, cells)
 
 
-def vibration(on: Bench, inertia: float) -> tuple[bool, float, float]:
+def vibration(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Put the rated torque on the output at once, the crank held; read where it comes to rest and how it vibrates.
 
     The result is whether it is stable, the relative error of the wind-up, and of the frequency against sqrt(k/J).
@@ -276,7 +276,7 @@ def _by_step(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: 
             return
 
 
-def _stays(on: Bench, inertia: float) -> bool:
+def _stays(on: TrialScene, inertia: float) -> bool:
     """Tell whether the joint vibrates no more than at the start with its crank free, the motor holding the torque.
 
     Crank and output move against each other then, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
@@ -297,7 +297,7 @@ def _steps(frequency: float, step: float) -> int:
     return max(FEWEST, math.ceil(2.0 * np.pi * PERIODS / frequency / step))
 
 
-def _rigid(on: Bench, inertia: float) -> tuple[bool, float, float]:
+def _rigid(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Put the rated input torque on the motor; the speed is that of the whole inertia less its friction."""
     reduced, step = on.reduced, float(on.model.opt.timestep)
     on.data.ctrl[:] = reduced.rated_torque / reduced.ratio

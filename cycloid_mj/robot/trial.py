@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.base.types import Array
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-from cycloid_mj.robot.reducer import Place, ReducedJoint
+from cycloid_mj.robot.reducer import JointAddresses, ReducedJoint
 
 Integrator = Literal["implicitfast", "discrete"]
 
@@ -23,7 +23,7 @@ RUNAWAY = 100.0
 
 
 @dataclass(frozen=True)
-class Bench:
+class TrialScene:
     """A scene that is ready to step.
 
     Attributes
@@ -39,7 +39,7 @@ class Bench:
     reduced: ReducedJoint
     model: Any
     data: Any
-    place: Place
+    place: JointAddresses
 
     @property
     def length(self) -> float:
@@ -115,10 +115,12 @@ class Bench:
         return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.place.crank_speed]))
 
 
-def bench(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete") -> Bench:
+def bench(
+    reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete"
+) -> TrialScene:
     """Build the scene of a reducer at its level with an inertia [kg m2] on the output; `timestep` in seconds."""
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})
     # what runs away is told by its values, not by a file of warnings in the user's folder
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    return Bench(reduced, model, mujoco.MjData(model), next(reduced.places(model)))
+    return TrialScene(reduced, model, mujoco.MjData(model), next(reduced.places(model)))

@@ -6,7 +6,7 @@ MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and
 
 from cycloid_mj.scene.drawing import (
     Drawing,
-    Gaps,
+    Separations,
     drawing,
     drawn_radii,
     fitting_magnification,
@@ -23,8 +23,8 @@ __all__ = [
     "RATE",
     "ContactForces",
     "Drawing",
-    "Gaps",
     "Scene",
+    "Separations",
     "cams",
     "contact_forces",
     "drawing",

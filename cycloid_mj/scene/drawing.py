@@ -45,7 +45,7 @@ class Radii:
 
 
 @dataclass(frozen=True, eq=False)
-class Gaps:
+class Separations:
     """What separates the parts at n times, measured against the ideal mesh at the same crank angle.
 
     Attributes
@@ -104,7 +104,7 @@ class Drawing:
 
     magnification: float
     radii: Radii
-    gaps: Gaps
+    gaps: Separations
     gear: Array
     shaft: Array
     ring: Array
@@ -123,7 +123,7 @@ def largest_magnification(reducer: Reducer) -> float:
     )
 
 
-def widest_gap(reducer: Reducer, measured: Gaps) -> float:
+def widest_gap(reducer: Reducer, measured: Separations) -> float:
     """Return the widest gap that any two mating parts have in any of the samples [m]."""
     design = reducer.design
     return max(
@@ -176,7 +176,7 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
     )
 
 
-def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
+def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
     """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units.
 
     Raises
@@ -193,7 +193,7 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
     if pin(1) in place:
         pins = np.stack([place[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
         pins[..., :2] -= nominal
-    return Gaps(
+    return Separations(
         disc=disc,
         gear=ideal,
         deviation=gear - ideal,
@@ -214,7 +214,7 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
-def drawing(reducer: Reducer, measured: Gaps, magnification: float = 1.0) -> Drawing:
+def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
     """Place everything by its gaps.
 
     Raises

@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
-class Impact:
+class ImpactLaw:
     """Parameters of the law.
 
     Attributes
@@ -41,12 +41,12 @@ class Impact:
         acting = damper(self.depth_under(force), self.damping, self.depth)
         return float(acting / (2.0 * math.sqrt(self.secant(force) * mass)))
 
-    def in_series(self) -> "Impact":
+    def in_series(self) -> "ImpactLaw":
         """Give the law of two such contacts in series, which share the depth and bear the same force."""
-        return Impact(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
+        return ImpactLaw(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
 
 
-def impact_of(reducer: Reducer, kind: str = "") -> Impact | None:
+def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
     """Give the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
 
     Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
@@ -56,7 +56,7 @@ def impact_of(reducer: Reducer, kind: str = "") -> Impact | None:
     if contact.law != "impact":
         return None
     stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
-    own = Impact(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
+    own = ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
     through = design.ring.has_massless_pins and kind == design.tooth_pair
     return own.in_series() if through else own
 

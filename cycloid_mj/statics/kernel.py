@@ -102,7 +102,7 @@ _FIRST: int = np.int64(0)  # type: ignore[assignment]
 """Arguments: for a literal, Python's own, numba would compile what is called once more."""
 
 
-class Springs(NamedTuple):
+class KernelSprings(NamedTuple):
     """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
     For the meaning of most of them see ``gaps.Gaps``; `room` [m] has the play of the pins in it. Shapes: `room` (n,)
@@ -182,10 +182,10 @@ class State(NamedTuple):
 class Effects(NamedTuple):
     """How far the curves of a contact are moved by errors of the parts, per error [1], [1], [1], [m/rad].
 
-    `distance` and `shift`, shape (k, n, 4), as in ``kernel.Springs``: by the place of its pin or hole in x and y, the
-    gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the eccentricity,
-    `turned` (k, 2) cosine and sine of the crank angle. `waves` (k, n, w) [1] is that of `distance` by the waves of the
-    gear's profile.
+    `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the place of its pin or hole in x and y,
+    the gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the
+    eccentricity, `turned` (k, 2) cosine and sine of the crank angle. `waves` (k, n, w) [1] is that of `distance` by the
+    waves of the gear's profile.
     """
 
     distance: Array
@@ -195,7 +195,7 @@ class Effects(NamedTuple):
     waves: Array
 
 
-class Made(NamedTuple):
+class SampleDeviations(NamedTuple):
     """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m], and that of cams (s, D, 2).
 
     `waves` (s, w) [m] are those of the profile. The rest has the shape (s,): `pin_circle` [m], `rotation` [rad],
@@ -271,7 +271,7 @@ class _Apart(NamedTuple):
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
+def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
@@ -312,7 +312,9 @@ def _lead(z: Array, k: int, near: bool) -> None:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _search(springs: Springs, k: int, load: Array, here: Array, start: Array, keep: bool, system: _System) -> Left:
+def _search(
+    springs: KernelSprings, k: int, load: Array, here: Array, start: Array, keep: bool, system: _System
+) -> Left:
     """Solve for the departures `here` (u,) [m] by Newton's method from where they are; else along a path.
 
     Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
@@ -361,13 +363,13 @@ def _search(springs: Springs, k: int, load: Array, here: Array, start: Array, ke
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _depth(springs: Springs, plays: float) -> float:
+def _depth(springs: KernelSprings, plays: float) -> float:
     """Give how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
     return min(plays * _play(springs), 0.1 * springs.trochoid[1])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _hardest(springs: Springs, k: int) -> float:
+def _hardest(springs: KernelSprings, k: int) -> float:
     """Give the largest stiffness of all contacts and cams [N/m]."""
     hardest = springs.cam_stiffness
     for i in range(springs.disc.size):
@@ -376,7 +378,7 @@ def _hardest(springs: Springs, k: int) -> float:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _play(springs: Springs) -> float:
+def _play(springs: KernelSprings) -> float:
     """Give the largest play of all contacts and cams [m]."""
     play = max(abs(springs.cam_clearance), 1e-6)
     for i in range(springs.disc.size):
@@ -386,7 +388,7 @@ def _play(springs: Springs) -> float:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _newton(
-    springs: Springs,
+    springs: KernelSprings,
     k: int,
     load: Array,
     here: Array,
@@ -450,7 +452,7 @@ def _clear(values: Array) -> None:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left:
+def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array) -> Left:
     """Balance crank angles that follow each other closely: `balance`, with every disc where its cam is at first."""
     for k in range(len(z)):
         _clear(z[k])
@@ -461,7 +463,7 @@ def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance_samples(
-    ideal: Springs, effects: Effects, made: Made, load: Array, first: int, last: int, out: Array
+    ideal: KernelSprings, effects: Effects, made: SampleDeviations, load: Array, first: int, last: int, out: Array
 ) -> None:
     """Balance samples `first` to `last` under a load (k, u) [N] at crank angles that follow each other.
 
@@ -487,7 +489,7 @@ def balance_samples(
                 out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
                 cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
                 cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
-        springs = Springs(
+        springs = KernelSprings(
             ideal.radius,
             ideal.disc,
             ideal.turning,
@@ -515,7 +517,7 @@ def balance_samples(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
+def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
     """Give the figures of one sample, but the last."""
     count, discs = len(z), springs.cam_place.shape[1]
     for part in range(2):
@@ -546,20 +548,20 @@ def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
+def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Curved:
     """Give a gap at departures z [m], shape (u,)."""
     pose = _pose(springs, springs.disc[i], z)
     return _curved(springs, k, i, pose, _apart(springs, k, i, pose), _NO)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def is_open(springs: Springs, k: int, i: int, z: Array) -> bool:
+def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
     """Tell whether a gap is surely open at departures z [m], shape (u,), without its width."""
     return _is_open(springs, k, i, _apart(springs, k, i, _pose(springs, springs.disc[i], z)), _NO)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def state(springs: Springs, k: int, load: Array, z: Array) -> State:
+def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance.
 
     Without friction.
@@ -570,7 +572,7 @@ def state(springs: Springs, k: int, load: Array, z: Array) -> State:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _system(springs: Springs) -> _System:
+def _system(springs: KernelSprings) -> _System:
     number = springs.slope.shape[2]
     return _System(
         np.zeros(number),
@@ -590,7 +592,7 @@ def _system(springs: Springs) -> _System:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _pose(springs: Springs, disc: int, z: Array) -> _Pose:
+def _pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
     """Give where a disc and the output are at departures z [m], shape (u,)."""
     x, radius = 3 * disc, springs.radius
     turned, output = z[x + 2], z[z.size - 1]
@@ -598,7 +600,7 @@ def _pose(springs: Springs, disc: int, z: Array) -> _Pose:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
+def _apart(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
     """Give how far two curves are apart.
 
     Finite turns count to the second order: a curve that turns with its disc by phi sees its mate's place turn the other
@@ -620,7 +622,7 @@ def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
-def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
+def _curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
     """Give a gap and its derivatives from what `_apart` gives."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
@@ -733,7 +735,7 @@ def _foot(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _is_open(springs: Springs, k: int, i: int, apart: _Apart, exact: bool) -> bool:
+def _is_open(springs: KernelSprings, k: int, i: int, apart: _Apart, exact: bool) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
     q, p = apart.q, apart.p
     bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
@@ -748,7 +750,7 @@ def _is_open(springs: Springs, k: int, i: int, apart: _Apart, exact: bool) -> bo
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _assemble(
-    springs: Springs, k: int, load: Array, z: Array, soft: float, friction: float, exact: bool, system: _System
+    springs: KernelSprings, k: int, load: Array, z: Array, soft: float, friction: float, exact: bool, system: _System
 ) -> float:
     """Put together the system at departures z, of springs that are `soft` and a share of the friction.
 
@@ -842,13 +844,13 @@ def _assemble(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _straight(springs: Springs) -> int:
+def _straight(springs: KernelSprings) -> int:
     """Count the contacts that no other moves: all, or all but those of output pins that bend under several discs."""
     return springs.disc.size - springs.pins * springs.bending.shape[0]
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _bend(springs: Springs, k: int, z: Array, soft: float, friction: float, system: _System) -> float:
+def _bend(springs: KernelSprings, k: int, z: Array, soft: float, friction: float, system: _System) -> float:
     """Add output pins that bend, at departures z, to a system.
 
     Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
@@ -958,7 +960,7 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _cam(springs: Springs, k: int, disc: int, z: Array) -> _Cam:
+def _cam(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     """Give how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
     reach, clearance = math.sqrt(x * x + y * y), springs.cam_clearance
@@ -970,7 +972,7 @@ def _cam(springs: Springs, k: int, disc: int, z: Array) -> _Cam:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _drag(springs: Springs, k: int, friction: float, system: _System) -> None:
+def _drag(springs: KernelSprings, k: int, friction: float, system: _System) -> None:
     """Add the friction of contacts that slide, in proportion to their normal forces, to a system."""
     o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_straight(springs)):
@@ -1097,7 +1099,7 @@ class _Step(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def follow_path(
-    springs: Springs, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
+    springs: KernelSprings, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
 ) -> tuple[Left, int]:
     """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
 
@@ -1161,7 +1163,7 @@ def follow_path(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def state_after(springs: Springs, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
+def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
     """Give a step of a path from rest by way of departures `before` to z (u,) [m] under a load (u,) [N].
 
     Neither need be a balance. Friction's limits follow from the normal forces at z, as `follow_path` has them; or they
@@ -1209,7 +1211,7 @@ def _memory(elements: int, number: int) -> _Memory:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
+def _slips(springs: KernelSprings, rubbing: Rubbing, at: _Memory) -> None:
     """Put how far each surface slides with the unknowns into `at`: on a cam that turns with the way of its disc."""
     for i in range(len(at.slip)):
         _copy(rubbing.slip[i], at.slip[i])
@@ -1220,7 +1222,7 @@ def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _leap(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
+def _leap(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
     """Look for the balance by Newton's method on springs and friction at once: quick, where it gets there; [N]."""
     _copy(old.z, new.z)
     longest = _NEAR / _largest(springs.bend[0])
@@ -1237,7 +1239,7 @@ def _leap(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
+def _settle(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
     """Look for the balance with friction's limits held, whose energy falls with every step, and renew them; [N]."""
     _copy(old.z, new.z)
     longest = _NEAR / _largest(springs.bend[0])
@@ -1312,7 +1314,7 @@ def _renew(rubbing: Rubbing, one: _Step, at: _Memory, share: float) -> None:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _weigh(
-    springs: Springs, rubbing: Rubbing, given: bool, one: _Step, old: _Memory, new: _Memory
+    springs: KernelSprings, rubbing: Rubbing, given: bool, one: _Step, old: _Memory, new: _Memory
 ) -> tuple[float, float]:
     """Put together what is left of the load at the departures of `new`; give the largest of it [N] and the energy [J].
 

@@ -42,7 +42,7 @@ LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
 
 
 @dataclass(frozen=True)
-class ContactLaw:
+class ContactParameters:
     """The law of one contact.
 
     Attributes
@@ -240,7 +240,7 @@ class SolverParameters:
 
 def contact_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
-) -> ContactLaw:
+) -> ContactParameters:
     """Give the law of a contact between two bodies of a given effective mass.
 
     Parameters
@@ -267,10 +267,10 @@ def contact_law(
     squared = stiffness * timestep**2
     beta = max(1.0 / 12.0, 0.25 - 0.5 * effective_mass / squared)
     added = beta * squared + 0.5 * damping * timestep
-    return ContactLaw(stiffness, damping, added, friction, creep, effective_mass)
+    return ContactParameters(stiffness, damping, added, friction, creep, effective_mass)
 
 
-def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]], timestep: float) -> float:
+def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
     """Give the ``impratio`` of a model that MuJoCo's lift is taken off (`lift`), for the laws of a design's discs.
 
     As the normal force has the added mass 1/R, friction has impratio/R, which acts on the acceleration along the
@@ -285,7 +285,7 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]], timeste
     return significant(max(least))
 
 
-def leads(reducer: Reducer, laws: Mapping[str, ContactLaw], impratio: float) -> dict[str, float]:
+def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
     """Give the tangent of the angle by which friction leads its sliding, on teeth, cam and the seats of moving pins.
 
     Parts that circle on the eccentricity c at w slide with c w and accelerate by c w^2; on the cam, of radius r, they
@@ -301,7 +301,7 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactLaw], impratio: float) -> 
     return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in found.items()}
 
 
-def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]]) -> float:
+def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
     """Give the ``impratio`` of a model for stock MuJoCo, which lifts what slides: `IMPRATIO`, or what `LEAD` allows."""
     allowed = [
         (LEAD_OF_PINS if kind == reducer.design.seat_pair else LEAD) / lead
@@ -312,7 +312,7 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]]) -
     return significant(min([IMPRATIO, *allowed]))
 
 
-def solver_parameters(law: ContactLaw, inverse_weight: float, impratio: float = IMPRATIO) -> SolverParameters:
+def solver_parameters(law: ContactParameters, inverse_weight: float, impratio: float = IMPRATIO) -> SolverParameters:
     """Translate a contact law for MuJoCo.
 
     Parameters

@@ -21,7 +21,7 @@ from cycloid_mj.geometry.kinematics import gear_rotation
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import kernel
-from cycloid_mj.statics.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
+from cycloid_mj.statics.kernel import BALANCED, FIGURES, Effects, SampleDeviations, balance_samples
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -118,7 +118,7 @@ def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Figures:
+class SampleFigures:
     """What s samples do under one torque, over the crank angles of a turn; arrays of shape (s,).
 
     Attributes
@@ -151,7 +151,7 @@ def solve_samples(
     angles: int = ANGLES,
     threads: int = 1,
     friction: bool = False,
-) -> list[Figures]:
+) -> list[SampleFigures]:
     """Balance every sample under each torque on the output, at crank angles all over a turn.
 
     The result does not depend on the number of threads, to the last bit. Springs are as stiff as those of the design.
@@ -204,13 +204,13 @@ def solve_samples(
             with announced(), ThreadPoolExecutor(threads) as pool:
                 list(pool.map(balanced, bounds[:-1], bounds[1:]))
         out[~(out[:, -1] <= BALANCED)] = np.nan
-        seen = Figures(*out[:, :-1].T.copy())
+        seen = SampleFigures(*out[:, :-1].T.copy())
         turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
         found.append(replace(seen, **turned))
     return found
 
 
-def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
+def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:
     """Give the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
     return counter_clockwise.output_mean - clockwise.output_mean
 
@@ -246,12 +246,12 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
     )
 
 
-def _of_own_disc(contacts: kernel.Springs, slopes: Array) -> Array:
+def _of_own_disc(contacts: kernel.KernelSprings, slopes: Array) -> Array:
     """Give the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
-def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> Made:
+def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
     """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
     design = reducer.design
     discs, count = design.gear.discs, len(samples)
@@ -261,10 +261,10 @@ def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers
     on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
     holes = samples.hole_place.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
-    return Made(
+    return SampleDeviations(
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
         waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
         # copies: of arrays that may not be written numba makes another type, and compiles all once more
-        **{name: np.array(getattr(samples, name)) for name in Made._fields[3:]},
+        **{name: np.array(getattr(samples, name)) for name in SampleDeviations._fields[3:]},
     )

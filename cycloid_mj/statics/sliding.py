@@ -20,7 +20,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
-from cycloid_mj.statics.kernel import Rubbing, Springs, follow_path
+from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path
 from cycloid_mj.statics.springs import springs_of
 
 Held = Literal["crank", "output"]
@@ -107,7 +107,7 @@ def course_along(
     return when[:rows], z[:rows, -1] / radius
 
 
-def rubbing_of(reducer: Reducer, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:
+def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, held: Held) -> Rubbing:
     """Give the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
 
     The springs are those at the crank angle [rad].

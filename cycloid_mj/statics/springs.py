@@ -47,7 +47,7 @@ class Springs:
 
     crank: Array
     teeth: int
-    contacts: kernel.Springs
+    contacts: kernel.KernelSprings
     curvature: Array
     body_force: Array
     slip: Array
@@ -98,7 +98,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     return Springs(
         crank=crank,
         teeth=teeth,
-        contacts=kernel.Springs(
+        contacts=kernel.KernelSprings(
             radius=radius,
             disc=found.disc,
             turning=found.kind == reducer.design.tooth_pair,

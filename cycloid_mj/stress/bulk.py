@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cycloid_mj.base.types import Array, Integers, Mask
-from cycloid_mj.stress.case import Case
+from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 
 RUNG = np.sqrt(2.0)
@@ -68,7 +68,7 @@ class Distances:
         return min(float(self.at(angle, vertices).max()) for angle in range(len(self.ends) - 1))
 
 
-def distances_of(grid: Grid, case: Case, angles: int) -> Distances:
+def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
     """Give the distances of a part's nodes from the patches of its case, at so many angles, and from its corners."""
     points = grid.points
     outside = np.zeros(len(points))

@@ -10,8 +10,8 @@ from cycloid_mj.base.names import disc_of
 from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
-from cycloid_mj.stress.elastic import Body
-from cycloid_mj.stress.grid import Grid, Section
+from cycloid_mj.stress.elastic import ElasticBody
+from cycloid_mj.stress.grid import Grid, SectionGrid
 from cycloid_mj.stress.loads import PartLoads, of_contacts
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.region import material_of
@@ -41,7 +41,7 @@ class Response:
 
 
 @dataclass(frozen=True)
-class Case:
+class LoadCase:
     """A part with its loads, ready for any angles.
 
     Attributes
@@ -55,13 +55,13 @@ class Case:
         each.
     """
 
-    body: Body
+    body: ElasticBody
     response: Callable[[Integers], Response]
     angle: Integers
     points: Array
 
 
-def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
+def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Factorise a part under patches and its mass.
 
     A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
@@ -82,10 +82,10 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
         moved = elastic.displacements(part, forces)
         return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
 
-    return Case(part, response, put.angle, put.points)
+    return LoadCase(part, response, put.angle, put.points)
 
 
-def _lifted(section: Section, loads: PartLoads) -> Any:
+def _lifted(section: SectionGrid, loads: PartLoads) -> Any:
     """Put the forces of each disc on a solid at the disc's own heights, sparse (n, k)."""
     discs = np.array([disc_of(label) for label in loads.labels])
     lifted = [

@@ -41,7 +41,7 @@ so does a roller bearing with its loaded half.
 
 
 @dataclass(frozen=True)
-class Line:
+class HertzStrip:
     """Hertz's line contact along a turn of k samples: peak `pressure` [Pa] (k,), `half_width` [m] (k,) of its strip.
 
     `holds` (k,): whether he does; not where the contact is conformal, the numbers are then no more than formal.
@@ -74,11 +74,11 @@ class Contact:
     action: Action
     place: Array
     half_width: Array
-    line: Line
+    line: HertzStrip
 
 
 @dataclass(frozen=True)
-class Frame:
+class PartFrame:
     """Frame of a part along a turn: `origin` from the reducer's axis [m] (k, 2) and `angle` [rad] (k,)."""
 
     origin: Array
@@ -89,20 +89,20 @@ class Frame:
         return turned(points - self.origin, -self.angle)
 
 
-def frame(turn: Turn, part: str) -> Frame:
+def frame(turn: Turn, part: str) -> PartFrame:
     """Give the frame of a part, that of its solid, as it moves."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
     if part in gears(turn.reducer.design.gear.discs):
         x, y, angle = planar_joints(part)
-        return Frame(turn.vectors(x, y), turn[angle])
+        return PartFrame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
-        return Frame(fixed, turn["crank_angle"])
+        return PartFrame(fixed, turn["crank_angle"])
     if part == "output":
-        return Frame(fixed, turn["output_angle"])
+        return PartFrame(fixed, turn["output_angle"])
     if part == "pin_1":
-        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.reducer.design.ring.has_pin_bodies else still)
-    return Frame(fixed, still)
+        return PartFrame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.reducer.design.ring.has_pin_bodies else still)
+    return PartFrame(fixed, still)
 
 
 def contacts(turn: Turn, part: str) -> list[Contact]:
@@ -123,7 +123,7 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
     return hertz_line_contact(force, length, bounded, modulus).half_width
 
 
-def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> Line:
+def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
     """Give the line contact that bears most of the force [N] (k,) on a pair of a kind.
 
     `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
@@ -134,7 +134,7 @@ def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | N
     pressure = hertz_pressure(reducer, kind, force, bend)
     load = 2.0 * force / (np.pi * reducer.design.gear.face_width)
     width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
-    return Line(pressure, width, hertz_holds(reducer, kind, force, bend))
+    return HertzStrip(pressure, width, hertz_holds(reducer, kind, force, bend))
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
@@ -160,15 +160,15 @@ def _discs(turn: Turn) -> range:
     return range(turn.reducer.design.gear.discs)
 
 
-def _disc(turn: Turn, disc: int) -> Frame:
+def _disc(turn: Turn, disc: int) -> PartFrame:
     """Give the frame of a disc."""
     return frame(turn, gears(turn.reducer.design.gear.discs)[disc])
 
 
-def _tooth_frame(turn: Turn, disc: int) -> Frame:
+def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
     """Give the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
     seat = _disc(turn, disc)
-    return Frame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
+    return PartFrame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
 
 
 def _logged(turn: Turn, name: str, origin: Array) -> Action:
@@ -176,7 +176,7 @@ def _logged(turn: Turn, name: str, origin: Array) -> Action:
     return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
 
 
-def _in(seat: Frame, action: Action) -> Action:
+def _in(seat: PartFrame, action: Action) -> Action:
     return action.seen_from(seat.origin, seat.angle)
 
 

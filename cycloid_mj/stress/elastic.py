@@ -31,7 +31,7 @@ MASS_ORDER = 4
 
 
 @dataclass(frozen=True)
-class Body:
+class ElasticBody:
     """A part ready to be solved.
 
     Attributes
@@ -62,7 +62,7 @@ class Body:
     springs: Any = None
 
 
-def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, ...] | None = None) -> Body:
+def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, ...] | None = None) -> ElasticBody:
     """Assemble and factorise a part.
 
     Parameters
@@ -92,7 +92,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     mass = _mass(grid, material.density, assembler)
     hold, lower = _split(stiffness(grid, material, assembler), springs, fixed, free)
     del assembler  # some hundred bytes an unknown, which the factor needs
-    return Body(
+    return ElasticBody(
         hold=hold,
         fixed=fixed,
         free=free,
@@ -104,7 +104,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     )
 
 
-def balanced(part: Body, loads: Array) -> tuple[Array, Array]:
+def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     """Spread what is out of balance in loads (n, c) [N] over the mass, as an acceleration along the loose motions.
 
     Give the balanced loads and the imbalance (c, r) along all rigid motions: forces [N], then moments [N m]; zero along
@@ -121,12 +121,12 @@ def balanced(part: Body, loads: Array) -> tuple[Array, Array]:
     return loads - carried @ np.linalg.solve(motions.T @ carried, resultant), imbalance
 
 
-def weighed(part: Body, fields: Array) -> Array:
+def weighed(part: ElasticBody, fields: Array) -> Array:
     """Give the mass matrix times fields (n, c) of all unknowns."""
     return np.asarray(part.mass @ fields.reshape(part.mass.shape[0], -1)).reshape(fields.shape)
 
 
-def displacements(part: Body, loads: Array) -> Array:
+def displacements(part: ElasticBody, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
     found = np.zeros(loads.shape)
     for start in range(0, loads.shape[1], CHUNK):
@@ -135,7 +135,7 @@ def displacements(part: Body, loads: Array) -> Array:
     return found
 
 
-def reactions(part: Body, found: Array, loads: Array) -> Array:
+def reactions(part: ElasticBody, found: Array, loads: Array) -> Array:
     """Give the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
 
     They are what fixed nodes must add for equilibrium, and what springs push back.
@@ -147,7 +147,7 @@ def reactions(part: Body, found: Array, loads: Array) -> Array:
     return np.asarray(resultants)
 
 
-def mass_loads(part: Body, points: Array) -> Array:
+def mass_loads(part: ElasticBody, points: Array) -> Array:
     """Give the loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r (r in the plane)."""
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))

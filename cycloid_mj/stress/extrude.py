@@ -19,7 +19,7 @@ from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, quadratic
+from cycloid_mj.stress.grid import Grid, GridSettings, SectionGrid, planar_grid, quadratic
 from cycloid_mj.stress.region import part_region
 
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
@@ -143,7 +143,7 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]
         held=np.unique(held[held >= 0]),
         bulk_distance=section.bulk_distance,
         keep_off=np.zeros((0, 3)),
-        section=Section(
+        section=SectionGrid(
             section,
             np.concatenate(pressed),
             tuple(_lift(nodes, _simpson(levels[part]), unknowns) for nodes, part in zip(pressed, loaded, strict=True)),

@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
-from cycloid_mj.stress.case import Case, Response
+from cycloid_mj.stress.case import LoadCase, Response
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case
@@ -147,7 +147,7 @@ class Loaded:
     loads: PartLoads
     material: Material
     operators: Recovery
-    case: Case
+    case: LoadCase
     apart: Distances
 
     def components(self, moved: Array) -> Array:
@@ -170,7 +170,7 @@ def maxima(part: Loaded, distance: float | None = None) -> PartStress:
     return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components)
 
 
-def _answers(case: Case, angles: int) -> Iterator[Response]:
+def _answers(case: LoadCase, angles: int) -> Iterator[Response]:
     """Give what a part answers to its loads, a block of angles at a time."""
     for start in range(0, angles, BLOCK):
         yield case.response(np.arange(start, min(start + BLOCK, angles)))

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.stress.outline import Loop, Sizing, divide
+from cycloid_mj.stress.outline import QuadraticOutline, Sizing, divide
 from cycloid_mj.stress.packages import mesher, package
 from cycloid_mj.stress.region import Region
 
@@ -100,7 +100,7 @@ class Grid:
     bulk_distance: float
     keep_off: Array
     corner_distance: float = 0.0
-    section: "Section | None" = None
+    section: "SectionGrid | None" = None
 
     @property
     def points(self) -> Array:
@@ -125,7 +125,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionGrid:
     """The planar grid that a solid grid is drawn out from.
 
     Attributes
@@ -222,7 +222,9 @@ def middles_of(mesh: Any, ends: Integers) -> Integers:
     return np.where(key[found] == wanted, mesh.nvertices + found, -1)
 
 
-def _triangulated(region: Region, loops: list[Loop], inner_edge: float, growth: float) -> tuple[Array, Integers]:
+def _triangulated(
+    region: Region, loops: list[QuadraticOutline], inner_edge: float, growth: float
+) -> tuple[Array, Integers]:
     """Let gmsh fill the region; the loops' nodes come first, in order."""
     with mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo

@@ -17,7 +17,7 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.shaftgrid import Shaft
+from cycloid_mj.stress.shaftgrid import ShaftDimensions
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads
@@ -138,7 +138,7 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     )
 
 
-def shaft_shoulders(reducer: Reducer, shaft: Shaft, moments: Array, angle: Array) -> tuple[Notch, ...]:
+def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
     """Give the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
 
     `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles (k,) [rad].

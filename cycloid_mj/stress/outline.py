@@ -35,7 +35,7 @@ class Sizing:
 
 
 @dataclass(frozen=True)
-class Loop:
+class QuadraticOutline:
     """A closed outline as quadratic edges: edge i runs from `nodes[i]` over `middles[i]` to `nodes[i + 1]` [m].
 
     `sizes` (n,) [m] is the edge length wanted at each node.
@@ -46,7 +46,7 @@ class Loop:
     sizes: Array
 
 
-def divide(polygon: Array, sizing: Sizing) -> Loop:
+def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into edges of the wanted lengths; each of its corners becomes a node."""
     points, corner, radius = _dense(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
@@ -59,7 +59,7 @@ def divide(polygon: Array, sizing: Sizing) -> Loop:
     marks = np.concatenate([np.linspace(a, b, max(least, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
     at = np.interp(np.append(marks, marks[0] + share[-1]) % share[-1], share, arc)
     following = np.where(at[1:] > at[:-1], at[1:], at[1:] + arc[-1])
-    return Loop(
+    return QuadraticOutline(
         nodes=_along(points, arc, at[:-1]),
         middles=_along(points, arc, (at[:-1] + following) / 2 % arc[-1]),
         sizes=np.interp(at[:-1], arc, closed),

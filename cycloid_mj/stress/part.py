@@ -4,7 +4,7 @@ import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.case import Case, patch_case
+from cycloid_mj.stress.case import LoadCase, patch_case
 from cycloid_mj.stress.extrude import solid_grid
 from cycloid_mj.stress.grid import Grid, GridSettings, planar_grid
 from cycloid_mj.stress.loads import PartLoads
@@ -45,7 +45,7 @@ def part_grid(
     return planar_grid(part_region(reducer, part), settings, reducer.design.ring.pin_radius, focus)
 
 
-def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
+def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Factorise a part with its loads; on the shaft they are superposed unit loads.
 
     Raises

@@ -21,10 +21,10 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
-from cycloid_mj.stress.case import Case, Response, mass_coefficients
+from cycloid_mj.stress.case import LoadCase, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
+from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 from cycloid_mj.stress.surface import surface, traction_loads
 
 HARMONICS = (0, 1, 2, 4, 6, 8)
@@ -73,7 +73,7 @@ class Pads:
         return (self.press @ sparse.diags(self.stiffness) @ self.press.T).tocsr()
 
 
-def bearing_pads(grid: Grid, shaft: Shaft, stiffness: float) -> Pads:
+def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     """Give the pads under a shaft, whose bearings have a radial stiffness [N/m] each.
 
     Half of a bearing presses: a bed of k per area takes k R w pi/2 as its force per radial displacement.
@@ -139,7 +139,7 @@ def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
     )
 
 
-def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
+def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Solve the unit loads of the shaft; each angle is a sum of them.
 
     Raises
@@ -178,10 +178,10 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
             moments=section_moments(grid.points, units @ some + held, shaft.stations),
         )
 
-    return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
+    return LoadCase(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
-def _cam_shares(shaft: Shaft, loads: PartLoads, cam: int) -> Iterator[Array]:
+def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:
     """Give the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
     place = loads.place[:, cam]
     force = np.where(np.isfinite(place), loads.force[:, cam], 0.0)
@@ -202,7 +202,7 @@ def _half_cosine(order: int) -> float:
     return 0.5 if order == 1 else 2 / np.pi * (-1) ** (order // 2 + 1) / (order**2 - 1)
 
 
-def _on_cam_units(grid: Grid, shaft: Shaft, number: int) -> tuple[Array, Array]:
+def _on_cam_units(grid: Grid, shaft: ShaftDimensions, number: int) -> tuple[Array, Array]:
     """Give the unit loads on a cam: (n, 11) of pressures cos and sin (m phi) round it, and (n, 1) of a couple.
 
     The pressures of order 1 have a resultant of -1 N, the others none; what the grid leaves of it is taken away with
@@ -222,7 +222,7 @@ def _on_cam_units(grid: Grid, shaft: Shaft, number: int) -> tuple[Array, Array]:
     return loads, _of_unit_moment(grid, couple + first @ _resultant(couple))  # a couple has no resultant
 
 
-def _torsion(grid: Grid, shaft: Shaft) -> Array:
+def _torsion(grid: Grid, shaft: ShaftDimensions) -> Array:
     """Give the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
     end = surface(grid, lambda x: _at_end(x, shaft))
     first = _on_cam_units(grid, shaft, 0)[0][:, 1:3]
@@ -236,7 +236,7 @@ def _of_unit_moment(grid: Grid, load: Array) -> Array:
     return np.asarray(load / (x @ load[1::3] - y @ load[0::3]))
 
 
-def _relieved(part: elastic.Body, pads: Pads) -> tuple[Array, Array]:
+def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     """Give displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
     loads, _ = elastic.balanced(part, pads.press.toarray())
     moved = elastic.displacements(part, loads)
@@ -265,12 +265,12 @@ def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
     return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < CHORD * radius
 
 
-def _on_cam(x: Array, shaft: Shaft, number: int) -> Mask:
+def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
     z0, z1 = shaft.cams[number]
     return _on_cylinder(x, shaft.cam_radius, shaft.cam_centres[number]) & (x[2] > z0) & (x[2] < z1)
 
 
-def _at_end(x: Array, shaft: Shaft) -> Mask:
+def _at_end(x: Array, shaft: ShaftDimensions) -> Mask:
     return x[2] - shaft.end < ROUNDING * shaft.radius
 
 

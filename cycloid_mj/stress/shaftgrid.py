@@ -38,7 +38,7 @@ class Shoulder:
 
 
 @dataclass(frozen=True)
-class Shaft:
+class ShaftDimensions:
     """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings.
 
     The crank of several discs has no counterweight: its place has no length. `phases` are those of the cams [rad].
@@ -95,14 +95,14 @@ class Shaft:
 
 
 @once
-def shaft_measures(reducer: Reducer) -> Shaft:
+def shaft_measures(reducer: Reducer) -> ShaftDimensions:
     """Give the measures of a design's balanced crank, without the spacers of a built-up one."""
     design = reducer.design
     found = crank_stretches(reducer)
     journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
     cams = [(one.z0, one.z1) for name, one in found.items() if names.family(name) == names.CAM]
     end = min(journal.z1, near_face(reducer))
-    return Shaft(
+    return ShaftDimensions(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
         eccentricity=design.gear.eccentricity,
@@ -138,7 +138,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     )
 
 
-def _inner_corners(shaft: Shaft) -> Array:
+def _inner_corners(shaft: ShaftDimensions) -> Array:
     """Points along the sharp inner edges: at both faces and the flats of the counterweight, and at the cam's faces."""
     step = CORNER_DISTANCE * shaft.radius / 8
     turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
@@ -158,7 +158,7 @@ def _inner_corners(shaft: Shaft) -> Array:
     return np.concatenate([*rings, *flats])
 
 
-def _tetrahedra(shaft: Shaft, edge: float) -> Any:
+def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
     """Let gmsh's OpenCASCADE join the shaft's cylinders, and fill them; edges are finer at the inner corners."""
     with mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ

@@ -18,7 +18,7 @@ ORDER = 6
 
 
 @dataclass(frozen=True)
-class Surface:
+class SolidSurface:
     """Some faces on the surface of a solid grid, with q quadrature points each.
 
     Attributes
@@ -43,7 +43,7 @@ class Surface:
     unknowns: int
 
 
-def surface(grid: Grid, test: Callable[[Array], Mask]) -> Surface:
+def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
     """Give the faces on the surface of a grid whose middles (3, f) [m] pass a test."""
     skfem, quadrature = package("skfem"), package("skfem.quadrature")
     mesh = grid.mesh
@@ -62,7 +62,7 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> Surface:
     inside = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
     outward = np.sign(np.sum(normal.mean(axis=1) * (places[:, :3].mean(axis=1) - inside), axis=1))
     size = np.linalg.norm(normal, axis=2)
-    return Surface(
+    return SolidSurface(
         nodes=nodes,
         shape=shape,
         points=np.einsum("qa,fax->fqx", shape, places),
@@ -72,7 +72,7 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> Surface:
     )
 
 
-def traction_loads(face: Surface, traction: Array) -> Array:
+def traction_loads(face: SolidSurface, traction: Array) -> Array:
     """Give the nodal forces (n,) [N] of a traction (f, q, 3) [Pa]."""
     forces = np.einsum("fq,qa,fqx->fax", face.area, face.shape, traction)
     rows = 3 * face.nodes[..., np.newaxis] + np.arange(3)

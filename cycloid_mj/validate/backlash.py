@@ -10,19 +10,19 @@ from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
-from cycloid_mj.validate.row import Row, relative
+from cycloid_mj.validate.row import ValidationRow, relative
 
 TORQUE = 0.01
 """Torque that holds the gear at its stop [N m]: it presses the teeth in by less than a thousandth of a clearance."""
 _TRAVEL, _SETTLE, _STOPS = 2000, 250, 8
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     return [_row(kind) for kind in KINDS]
 
 
-def _row(kind: str) -> Row:
+def _row(kind: str) -> ValidationRow:
     design = reducer_of(
         kind,
         *without_friction(),

@@ -15,12 +15,12 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.reducer.member import share
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.kernel import FLOATING, Rubbing, Springs, State, follow_path, gap, state, state_after
+from cycloid_mj.statics.kernel import FLOATING, KernelSprings, Rubbing, State, follow_path, gap, state, state_after
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sliding import Losses, rubbing_of
 from cycloid_mj.validate import rig
-from cycloid_mj.validate.displaced import Pressed, cam_ways, held_back
-from cycloid_mj.validate.row import Row, absolute, deviation
+from cycloid_mj.validate.displaced import DisplacedSprings, cam_ways, held_back
+from cycloid_mj.validate.row import ValidationRow, absolute, deviation
 
 CRANK = 1.9
 """A crank angle with no symmetry [rad]."""
@@ -77,12 +77,12 @@ def made(built: str, *changes: str) -> Design:
     return override(PRESETS["pin"], ["ring.pins=fixed", *BUILT[built], *MADE, *still, uniform, *changes])
 
 
-def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[Springs, Pressed]:
+def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[KernelSprings, DisplacedSprings]:
     """Give the springs of a design at a crank angle [rad], and the same on exact gaps."""
     springs = springs_of(reducer, [crank], friction=False)
     contacts, angle = springs.contacts, float(springs.crank[0])
     seen = reducer.seen_from_ring
-    return contacts, Pressed(
+    return contacts, DisplacedSprings(
         seen.design, angle, contacts.stiffness[0], contacts.cam_stiffness, arc_gaps(seen, angle).play, contacts.bending
     )
 
@@ -95,7 +95,7 @@ def way(unknowns: int, size: float) -> Array:
     return drawn
 
 
-def state_rows(built: str) -> list[Row]:
+def state_rows(built: str) -> list[ValidationRow]:
     """Hold energy and forces of displaced parts against exact gaps, and the stiffness against differences of forces."""
     springs, exact = pressed(Reducer(made(built)))
     number = springs.slope.shape[2]
@@ -116,7 +116,7 @@ def state_rows(built: str) -> list[Row]:
     ]
 
 
-def stiffness_row(springs: Springs, built: str, size: float) -> Row:
+def stiffness_row(springs: KernelSprings, built: str, size: float) -> ValidationRow:
     """Hold the stiffness of displaced parts against differences of the forces on them."""
     number = springs.slope.shape[2]
     z, load, step = way(number, size), np.zeros(number), 1e-9
@@ -134,7 +134,7 @@ def stiffness_row(springs: Springs, built: str, size: float) -> Row:
     )
 
 
-def gradient_rows() -> list[Row]:
+def gradient_rows() -> list[ValidationRow]:
     """Hold the gradient of gaps against their differences: after a large turn, and of curves far apart.
 
     A large turn counts to the second order; far from a valley the foot of a normal is hardest to find.
@@ -153,7 +153,7 @@ def gradient_rows() -> list[Row]:
     ]
 
 
-def _gradients(springs: Springs, z: Array, step: float) -> Array:
+def _gradients(springs: KernelSprings, z: Array, step: float) -> Array:
     """Give the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
     ways, found = step * np.eye(z.size), []
     for i in range(springs.disc.size):
@@ -162,7 +162,7 @@ def _gradients(springs: Springs, z: Array, step: float) -> Array:
     return np.concatenate(found, axis=1)
 
 
-def normal_rows() -> list[Row]:
+def normal_rows() -> list[ValidationRow]:
     """Hold how fast normals turn with the way along the surface against differences of normals.
 
     The most curved teeth decide: those in valleys, which are taken along the exact curve.
@@ -180,7 +180,7 @@ def normal_rows() -> list[Row]:
     return [deviation("rate at which normals turn", ours, exact, "1/mm", source, 1.5e-4)]
 
 
-def closed_rows() -> list[Row]:
+def closed_rows() -> list[ValidationRow]:
     """Hold the energy of gaps drawn at random, however wide, against the sum over all that are closed.
 
     And of gaps that are hardly open or closed, which must not pass for open.
@@ -204,12 +204,12 @@ def closed_rows() -> list[Row]:
     return [deviation("energy of gaps at random", ratio, np.ones(ratio.size), "1", "every gap that is closed", 1e-6)]
 
 
-def far_apart(springs: Springs) -> Springs:
+def far_apart(springs: KernelSprings) -> KernelSprings:
     """Give springs whose contacts are all open: the cams are left."""
     return springs._replace(distance=np.full(springs.distance.shape, 1e-4), shift=np.zeros(springs.shift.shape))
 
 
-def tight_rows() -> list[Row]:
+def tight_rows() -> list[ValidationRow]:
     """Hold force and energy of a cam that is wider than its bore against those of two springs, one on either side."""
     tight, push = 1e-6, np.array([0.6, -0.8])
     springs = far_apart(pressed(Reducer(made(ONE)))[0])._replace(cam_clearance=-tight)
@@ -230,7 +230,7 @@ def tight_rows() -> list[Row]:
     ]
 
 
-def work_rows(built: str) -> list[Row]:
+def work_rows(built: str) -> list[ValidationRow]:
     """Hold the energy that is stored along a way against the work of the forces, with no step on it."""
     springs, _ = pressed(Reducer(made(built)))
     number = springs.slope.shape[2]
@@ -243,7 +243,9 @@ def work_rows(built: str) -> list[Row]:
     return [deviation(f"energy stored on a way, {built}", 1e3 * energy, 1e3 * work, "mJ", "work of the forces", 0.03)]
 
 
-def balance_rows(built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK) -> list[Row]:
+def balance_rows(
+    built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK
+) -> list[ValidationRow]:
     """Hold the forces at the balance that is found against the load [N m], and each contact's, by exact gaps."""
     design = made(built, *changes)
     reducer = Reducer(design)
@@ -259,7 +261,7 @@ def balance_rows(built: str, *changes: str, torque: float = rig.RATED_LOAD, cran
     ]
 
 
-def sample_rows() -> list[Row]:
+def sample_rows() -> list[ValidationRow]:
     """Hold the figures of a sample of two discs over some crank angles against the balances of exact gaps."""
     design, count = made(TWO), len(TURN)
     given = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
@@ -301,7 +303,7 @@ def sample_rows() -> list[Row]:
     ]
 
 
-def rubbed(built: str) -> tuple[Springs, Pressed, Rubbing]:
+def rubbed(built: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
     """Give what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
     rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
     design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
@@ -310,7 +312,7 @@ def rubbed(built: str) -> tuple[Springs, Pressed, Rubbing]:
     return springs, exact, rubbing_of(reducer, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
 
 
-def step_rows(built: str) -> list[Row]:
+def step_rows(built: str) -> list[ValidationRow]:
     """Hold a step between displaced poses, with friction that remembers, against its law; and its stiffness and energy.
 
     Some surfaces stick in it and some slip. Stiffness and energy are held against differences, the energy with the
@@ -348,7 +350,7 @@ def step_rows(built: str) -> list[Row]:
     ]
 
 
-def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
+def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[ValidationRow]:
     """Hold a loop of torque at a held crank, with friction that remembers, against its law: what is left over.
 
     Of each step: springs on exact gaps push; the surfaces stick on springs that slip at their limit, and so does what
@@ -372,7 +374,7 @@ def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
     return found
 
 
-def floating_rows() -> list[Row]:
+def floating_rows() -> list[ValidationRow]:
     """Hold the way of parts that nothing touches against the stiffness that keeps them where they were before."""
     design = made(ONE)
     reducer = Reducer(design)
@@ -386,7 +388,7 @@ def floating_rows() -> list[Row]:
     return [deviation("way of floating parts", ways, 1e6 * exact.ravel(), "um", source, 1e-3)]
 
 
-def _pushes(exact: Pressed, rubbing: Rubbing, path: Array) -> Iterator[Array]:
+def _pushes(exact: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
     """Give the generalised force of springs and friction [N], (u,), at each pose of a path that begins at rest."""
     count, discs = rubbing.stick.size, exact.design.gear.discs
     bearing = exact.stiffness.size + discs
@@ -406,7 +408,7 @@ def _pushes(exact: Pressed, rubbing: Rubbing, path: Array) -> Iterator[Array]:
         before, depth = z, deeper
 
 
-STATICS: tuple[Callable[[], list[Row]], ...] = (
+STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(state_rows, built) for built in BUILT),
     *(partial(step_rows, built) for built in (ONE, TWO)),
     *(partial(balance_rows, built) for built in BUILT),
@@ -426,6 +428,6 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
 """Give the rows, the quick ones first. In the last a tooth rests where its foot point begins to be looked for."""
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this part of the rung."""
     return [row for part in STATICS for row in part()]

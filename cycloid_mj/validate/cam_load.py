@@ -18,7 +18,7 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FIXED, FREE, reducer_of
-from cycloid_mj.validate.row import Row, deviation, relative
+from cycloid_mj.validate.row import ValidationRow, deviation, relative
 
 IDEAL = [
     *rig.without_friction(),
@@ -32,12 +32,12 @@ STIFF_CAM = 2e11
 SETTLED = 0.008
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     return [_slow_row(quick), *_fast_rows(quick), *_rated_rows()]
 
 
-def _slow_row(quick: bool) -> Row:
+def _slow_row(quick: bool) -> ValidationRow:
     rpm = 100.0 if quick else 40.0
     design = reducer_of(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     reducer = Reducer(design)
@@ -46,7 +46,7 @@ def _slow_row(quick: bool) -> Row:
     return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 0.5)
 
 
-def _fast_rows(quick: bool) -> list[Row]:
+def _fast_rows(quick: bool) -> list[ValidationRow]:
     """One turn at rated speed: the mean force along, across and beside the eccentric's turning, and in space."""
     design = reducer_of(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
@@ -68,7 +68,7 @@ def _fast_rows(quick: bool) -> list[Row]:
     ]
 
 
-def _rated_rows() -> list[Row]:
+def _rated_rows() -> list[ValidationRow]:
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]

@@ -14,7 +14,7 @@ from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer, member
-from cycloid_mj.validate.gaps import Pose, flanks_of, pin_gaps, rotate
+from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
 
 _STEP = 1e-8
 """Of a difference [m]."""
@@ -23,12 +23,12 @@ _ROUNDS, _IMBALANCE = 30, 1e-6
 """Most steps to a balance, and the largest force that may be left over, as a share of the load."""
 
 
-def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> Pose:
+def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose:
     """Give the pose of a disc's teeth at departures z [m]: those of disc d mesh as a gear d/D of a turn ahead."""
     gear, ahead = reducer.tooth_profile, crank + phase_of(reducer, disc)
     x, y, turn = z[3 * disc : 3 * disc + 3]
     angle = float(kinematics.gear_rotation(gear, ahead)) + turn / reducer.design.output.pin_circle_radius
-    return Pose(kinematics.gear_centre(gear, ahead) + np.array([x, y]), angle)
+    return GearPose(kinematics.gear_centre(gear, ahead) + np.array([x, y]), angle)
 
 
 def phase_of(reducer: Reducer, disc: int) -> float:
@@ -118,7 +118,7 @@ def cam_ways(reducer: Reducer, crank: float, z: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Pressed:
+class DisplacedSprings:
     """Springs on exact gaps at one crank angle, under no friction.
 
     Attributes

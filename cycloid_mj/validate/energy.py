@@ -18,11 +18,11 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, reducer_of
-from cycloid_mj.validate.row import Row, relative
+from cycloid_mj.validate.row import ValidationRow, relative
 
 
 @dataclass(frozen=True)
-class Balance:
+class EnergyBalance:
     """Works over a run [J]: `supplied` to the crank, `delivered` to the load, `friction`, `normal`, `stored`."""
 
     supplied: float
@@ -37,7 +37,7 @@ class Balance:
         return self.delivered + self.friction + self.normal + self.stored
 
 
-def rows(kind: str, quick: bool) -> list[Row]:
+def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Give the row of one kind of ring."""
     course = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
     found = balance(_logged_at_every_step(kind, *course))
@@ -45,14 +45,14 @@ def rows(kind: str, quick: bool) -> list[Row]:
     return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1e-5)]
 
 
-def idle_rows(quick: bool) -> list[Row]:
+def idle_rows(quick: bool) -> list[ValidationRow]:
     """Give the row of free pins without a load, which leave the walls of their sockets and meet the edges."""
     found = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
     source = "friction + normal + stored"
     return [relative(f"input work, idle {FREE}", 1e3 * found.supplied, 1e3 * found.accounted, "mJ", source, 1e-3)]
 
 
-def jolt_rows(quick: bool) -> list[Row]:
+def jolt_rows(quick: bool) -> list[ValidationRow]:
     """Give the row of a load with a jolt: the work of the normal forces."""
     jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
     found = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
@@ -68,10 +68,10 @@ def _logged_at_every_step(kind: str, *changes: str) -> Run:
     return simulate(rig.changed(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
 
 
-def balance(run: Run) -> Balance:
+def balance(run: Run) -> EnergyBalance:
     """Integrate the logged powers."""
     energy = run["kinetic_energy"] + run["potential_energy"]
-    return Balance(
+    return EnergyBalance(
         supplied=_work(run, run["crank_torque"] * run["crank_speed"]),
         delivered=-_work(run, run["load_torque"] * run["output_speed"]),
         friction=sum(_work(run, power) for power in run.by_stem(FRICTION_POWER).values()),

@@ -24,7 +24,7 @@ from cycloid_mj.geometry.modification import profile_offset
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle
-from cycloid_mj.validate.gaps import Flanks, Gaps, Pose, flanks_of, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flanks_of, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validate.stiffness import tooth_stiffness
 
 _SCALE = 1e-6
@@ -94,10 +94,10 @@ class Locked:
         """Whether the pins' places are unknown."""
         return self.load.size > 4
 
-    def pose(self, z: Array) -> Pose:
+    def pose(self, z: Array) -> GearPose:
         """Give the gear's pose."""
         centre = kinematics.gear_centre(self.gear, self.crank) + z[:2]
-        return Pose(centre, self.angle(z[2]))
+        return GearPose(centre, self.angle(z[2]))
 
     def angle(self, arc: float) -> float:
         """Give the angle [rad] of gear or output at an arc [m] of the output pins from the ideal one."""
@@ -105,7 +105,7 @@ class Locked:
 
 
 @dataclass(frozen=True)
-class Springs:
+class PairSprings:
     """Springs of one kind at one pose; n of them.
 
     Attributes
@@ -232,18 +232,18 @@ def _solution(locked: Locked, z: Array) -> Equilibrium:
     return Equilibrium(z[2] / lever, z[3] / lever, forces, cam_force, z)
 
 
-def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, Springs]:
+def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, PairSprings]:
     return _springs_at(locked, z.tobytes(), uniform)
 
 
 @lru_cache(maxsize=1)  # energy, balance and stiffness ask for them at the same pose
-def _springs_at(locked: Locked, pose: bytes, uniform: bool) -> dict[str, Springs]:
+def _springs_at(locked: Locked, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
     z = np.frombuffer(pose)
     springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
     return springs | {"socket": _sockets(locked, z)} if locked.has_moving_pins else springs
 
 
-def _mesh(locked: Locked, z: Array) -> Gaps:
+def _mesh(locked: Locked, z: Array) -> NearestPoints:
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
         return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
@@ -252,7 +252,7 @@ def _mesh(locked: Locked, z: Array) -> Gaps:
     return pin_gaps(locked.gear, pose, moved, locked.flanks)
 
 
-def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
+def _ring(locked: Locked, z: Array, uniform: bool) -> PairSprings:
     mesh, pose, design = _mesh(locked, z), locked.pose(z), locked.design
     count, n = mesh.distance.size, mesh.normals
     slope = np.zeros((count, z.size))
@@ -265,10 +265,10 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
         stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], mesh, pose, locked.flanks)
-    return Springs(mesh.distance + clearance, stiffness, slope, -n)
+    return PairSprings(mesh.distance + clearance, stiffness, slope, -n)
 
 
-def _sockets(locked: Locked, z: Array) -> Springs:
+def _sockets(locked: Locked, z: Array) -> PairSprings:
     """Seats of pins and sleeves, sockets as whole circles: under a load pins lie on the walls or carry nothing.
 
     What carries nothing has no place of its own, and through an opening the search would lose it.
@@ -281,7 +281,7 @@ def _sockets(locked: Locked, z: Array) -> Springs:
     kind = "pin_sleeve" if locked.design.ring.has_sleeves else "pin_socket"
     stiffness = np.full(len(shift), locked.stiffness[kind])
     larger = locked.made.pin_radius if locked.design.ring.has_sockets else 0.0
-    return Springs(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
+    return PairSprings(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
 
 
 def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
@@ -319,7 +319,7 @@ def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     return np.where(np.abs(ahead) > wall, size - ring.pin_radius, design.pin_play - distance), outward
 
 
-def _cam(locked: Locked, z: Array) -> Springs:
+def _cam(locked: Locked, z: Array) -> PairSprings:
     away = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     from_cam = z[:2] - locked.made.eccentricity * away
     distance = np.linalg.norm(from_cam)
@@ -327,10 +327,10 @@ def _cam(locked: Locked, z: Array) -> Springs:
     slope = np.zeros((1, z.size))
     slope[0, :2] = inward
     gap = np.array([locked.design.clearance.cam - distance])
-    return Springs(gap, np.array([locked.stiffness["cam"]]), slope, inward[np.newaxis])
+    return PairSprings(gap, np.array([locked.stiffness["cam"]]), slope, inward[np.newaxis])
 
 
-def _output(locked: Locked, z: Array) -> Springs:
+def _output(locked: Locked, z: Array) -> PairSprings:
     """Output pins in the gear's holes; a pin pushes its hole outwards, along the line of centres."""
     output, pose = locked.design.output, locked.pose(z)
     start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
@@ -343,7 +343,7 @@ def _output(locked: Locked, z: Array) -> Springs:
     slope[:, 2] = np.sum(push * _quarter_turn(on_gear), axis=1) / output.pin_circle_radius
     slope[:, 3] = -np.sum(push * _quarter_turn(pins), axis=1) / output.pin_circle_radius
     room = output.hole_radius + locked.design.clearance.output - output.pin_radius
-    return Springs(room - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
+    return PairSprings(room - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
 
 
 def _quarter_turn(vectors: Array) -> Array:

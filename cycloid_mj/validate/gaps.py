@@ -27,7 +27,7 @@ _NEWTON_ROUNDS, _NEWTON_STEP = 8, 1e-10
 
 
 @dataclass(frozen=True)
-class Pose:
+class GearPose:
     """Pose of the gear: `centre` from the reducer's axis [m], shape (2,), and `angle` [rad]."""
 
     centre: Array
@@ -60,7 +60,7 @@ def flanks_of(reducer: Reducer) -> Flanks:
 
 
 @dataclass(frozen=True)
-class Gaps:
+class NearestPoints:
     """Where gear and ring are nearest; n places.
 
     Attributes
@@ -179,11 +179,11 @@ def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, A
     return size - flanks.offset, rotate(away / size[:, np.newaxis], -side * flanks.rotation), t
 
 
-def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array, flanks: Flanks | None = None) -> Gaps:
+def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
     """Give the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     number = gear.ring_teeth
-    return Gaps(
+    return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=centres,
@@ -194,7 +194,7 @@ def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array, flanks: Flanks | Non
     )
 
 
-def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks | None = None) -> Gaps:
+def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
     """Give the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
@@ -214,7 +214,7 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
     return rotate(surface, -profile.pin_angles(gear)[root])
 
 
-def _root_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks) -> Gaps:
+def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
     """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
     low = profile.best_phase(gear)
     B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
@@ -225,7 +225,7 @@ def _root_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks) ->
     found = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
     places = offset_root(gear, roots[row], found)
     distance, normals, t = flank_distance(flanks, pose.to_gear(places))
-    return Gaps(
+    return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=places,
@@ -257,12 +257,12 @@ def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
     return cKDTree(profile.trochoid(gear, t)), t
 
 
-def _at(gaps: Gaps, rows: Mask) -> Gaps:
-    return Gaps(**{name: values[rows] for name, values in vars(gaps).items()})
+def _at(gaps: NearestPoints, rows: Mask) -> NearestPoints:
+    return NearestPoints(**{name: values[rows] for name, values in vars(gaps).items()})
 
 
-def _join(*parts: Gaps) -> Gaps:
-    return Gaps(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
+def _join(*parts: NearestPoints) -> NearestPoints:
+    return NearestPoints(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -12,9 +12,9 @@ import mujoco
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.statics.law import IMPRATIO, ContactParameters, contact_law, curvature_law, solver_parameters
 from cycloid_mj.statics.working import at_rated_load, working_force
-from cycloid_mj.validate.row import Row, relative
+from cycloid_mj.validate.row import ValidationRow, relative
 
 MASS, RADIUS, GRAVITY = 0.25, 0.02, 9.8
 TIMESTEP = 2e-6
@@ -46,7 +46,7 @@ class Descent:
     slip: float
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     law = pair_law()
     low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
@@ -85,7 +85,7 @@ def rows(quick: bool) -> list[Row]:
     ]
 
 
-def pair_law() -> ContactLaw:
+def pair_law() -> ContactParameters:
     """Give the law of a pin on the gear for a body of `MASS`."""
     design = at_rated_load(Reducer(PRESETS["pin"]))
     friction = design.design.friction.pin_gear
@@ -94,7 +94,7 @@ def pair_law() -> ContactLaw:
     return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
 
 
-def descent(law: ContactLaw, angle: float, turns: bool) -> Descent:
+def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
     """Let a block, or a cylinder that `turns`, go down an incline of `angle` [rad] from rest for 20 ms."""
     model = incline(law, angle, turns)
     data = mujoco.MjData(model)
@@ -107,7 +107,7 @@ def descent(law: ContactLaw, angle: float, turns: bool) -> Descent:
     return Descent((speed - before) / (5000 * TIMESTEP), speed, speed + RADIUS * spin)
 
 
-def incline(law: ContactLaw, angle: float, turns: bool) -> Any:
+def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
     """Give the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
     model = _compiled("", angle, turns)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]

@@ -23,7 +23,7 @@ from cycloid_mj.validate import (
     witness,
 )
 from cycloid_mj.validate.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
-from cycloid_mj.validate.row import Row, broken
+from cycloid_mj.validate.row import ValidationRow, broken
 
 RUNGS = (
     *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
@@ -36,7 +36,7 @@ WORKERS = 2
 
 
 @dataclass(frozen=True)
-class Part:
+class RungPart:
     """A part of a rung that runs on its own.
 
     Attributes
@@ -50,45 +50,45 @@ class Part:
     """
 
     rung: str
-    rows: Callable[[bool], list[Row]]
+    rows: Callable[[bool], list[ValidationRow]]
     cost: tuple[float, float]
 
 
-def _parts() -> Iterator[Part]:
-    yield Part("two-body", two_bodies.rows, (1.0, 1.0))
-    yield Part("friction", incline.rows, (0.2, 0.2))
-    yield Part("mechanism", mechanism.rows, (9.0, 9.0))
-    yield Part("mechanism", balance.rows, (9.0, 9.0))
-    yield Part("backlash", backlash.rows, (4.0, 4.0))
+def _parts() -> Iterator[RungPart]:
+    yield RungPart("two-body", two_bodies.rows, (1.0, 1.0))
+    yield RungPart("friction", incline.rows, (0.2, 0.2))
+    yield RungPart("mechanism", mechanism.rows, (9.0, 9.0))
+    yield RungPart("mechanism", balance.rows, (9.0, 9.0))
+    yield RungPart("backlash", backlash.rows, (4.0, 4.0))
     for kind in KINDS:
-        yield Part("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))
-    yield Part("sharing", sharing.patch_rows, (1.5, 2.5))
+        yield RungPart("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))
+    yield RungPart("sharing", sharing.patch_rows, (1.5, 2.5))
     for kind, cost in ((FIXED, (1.0, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (7.0, 15.0))):
-        yield Part("sharing", partial(sharing.clearance_rows, kind), cost)
-    yield Part("cam", cam_load.rows, (6.0, 7.0))
-    yield Part("published", published.hertz_rows, (0.1, 0.1))
-    yield Part("published", published.efficiency_rows, (1.0, 2.0))
-    yield Part("published", published.printed_rows, (3.0, 3.0))
-    yield Part("published", published.two_disc_rows, (0.2, 0.5))
+        yield RungPart("sharing", partial(sharing.clearance_rows, kind), cost)
+    yield RungPart("cam", cam_load.rows, (6.0, 7.0))
+    yield RungPart("published", published.hertz_rows, (0.1, 0.1))
+    yield RungPart("published", published.efficiency_rows, (1.0, 2.0))
+    yield RungPart("published", published.printed_rows, (3.0, 3.0))
+    yield RungPart("published", published.two_disc_rows, (0.2, 0.5))
     for rows in (lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows):
-        yield Part("published", rows, (0.1, 0.1))
+        yield RungPart("published", rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
-        yield Part("energy", partial(energy.rows, kind), cost)
-    yield Part("energy", energy.idle_rows, (1.0, 1.0))
-    yield Part("energy", energy.jolt_rows, (2.0, 2.0))
+        yield RungPart("energy", partial(energy.rows, kind), cost)
+    yield RungPart("energy", energy.idle_rows, (1.0, 1.0))
+    yield RungPart("energy", energy.jolt_rows, (2.0, 2.0))
     for kind, cost in ((FIXED, (0.4, 2.0)), (FREE, (2.5, 7.0)), (SLEEVED, (2.0, 6.0)), (NONPIN, (0.5, 2.5))):
-        yield Part("steps", partial(steps.rows, kind), cost)
+        yield RungPart("steps", partial(steps.rows, kind), cost)
     for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
-        yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)
-    yield Part("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
-    yield Part("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
-    yield Part("witness", witness.rows, (6.0, 6.0))
+        yield RungPart("mirror", partial(symmetry.mirror_rows, kind), cost)
+    yield RungPart("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
+    yield RungPart("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
+    yield RungPart("witness", witness.rows, (6.0, 6.0))
 
 
 PARTS = tuple(_parts())
 
 
-def chosen(only: Sequence[str] = ()) -> tuple[Part, ...]:
+def chosen(only: Sequence[str] = ()) -> tuple[RungPart, ...]:
     """Give the parts of some rungs, or of all.
 
     Raises
@@ -102,7 +102,9 @@ def chosen(only: Sequence[str] = ()) -> tuple[Part, ...]:
     return tuple(part for part in PARTS if not only or part.rung in only)
 
 
-def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) -> Iterator[tuple[int, list[Row]]]:
+def climb(
+    parts: Sequence[RungPart], quick: bool = False, workers: int = WORKERS
+) -> Iterator[tuple[int, list[ValidationRow]]]:
     """Run parts and give the number and the rows of each as it ends, the longest first.
 
     A part that cannot be run gives one row, which fails and says why.
@@ -116,12 +118,12 @@ def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) ->
         yield order[place], rows
 
 
-def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
+def in_order(found: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
     """Give all rows in the order of the ladder."""
     return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
 
 
-def _run(work: tuple[Part, bool]) -> tuple[list[Row], list[str]]:
+def _run(work: tuple[RungPart, bool]) -> tuple[list[ValidationRow], list[str]]:
     """Run a part; give also what it was warned of, which would not leave a process of its own."""
     part, quick = work
     with warnings.catch_warnings(record=True) as issued:

@@ -18,7 +18,7 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.life import rolling
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit
 from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.validate.row import Row, relative
+from cycloid_mj.validate.row import ValidationRow, relative
 
 NEEDLE_SHARE = 0.78
 """Length of the needles of a cage over its width, assumed; 0.65 and 0.9 change C by 0.5 %."""
@@ -62,7 +62,7 @@ INCH, POUND = 0.0254, 4.4482216
 KPSI = 1e3 * POUND / INCH**2
 
 
-def bearing_rows(quick: bool) -> list[Row]:
+def bearing_rows(quick: bool) -> list[ValidationRow]:
     """Hold the ratings of needle cages, and the cam bearing of a published two-disc drive."""
     rows = [relative(f"C of {one}", one.rating(), one.dynamic, "N", CATALOGUE, 5.0) for one in CAGES]
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
@@ -77,7 +77,7 @@ def bearing_rows(quick: bool) -> list[Row]:
     return rows
 
 
-def fatigue_rows(quick: bool) -> list[Row]:
+def fatigue_rows(quick: bool) -> list[ValidationRow]:
     """Hold Goodman's line and the endurance limit against worked problems of Shigley, 8th edition.
 
     7-1: bending 600 +- 500 lbf in (amplitude and mean), torsion 400 and 300, K_f 2.2, K_fs 1.8, S_e 30, S_ut 100 kpsi,
@@ -98,7 +98,7 @@ def fatigue_rows(quick: bool) -> list[Row]:
     ]
 
 
-def shakedown_rows(quick: bool) -> list[Row]:
+def shakedown_rows(quick: bool) -> list[ValidationRow]:
     """Hold first yield and shakedown under a rolling line contact against its elastic field, worked out below it.
 
     Residual stresses take away all but the orthogonal shear, which changes its sign as the load passes (Melan): its

@@ -32,7 +32,7 @@ from cycloid_mj.validate.balance import NEAR, way
 from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop, pose_of
 from cycloid_mj.validate.gaps import pin_gaps, ring_gaps, rotate
 from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
-from cycloid_mj.validate.row import Row, deviation
+from cycloid_mj.validate.row import ValidationRow, deviation
 
 CRANK = 1.9
 """A crank angle with no symmetry [rad]."""
@@ -80,7 +80,7 @@ def made(kind: str, *changes: str) -> Design:
     return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
 
 
-def gap_rows(kind: str) -> list[Row]:
+def gap_rows(kind: str) -> list[ValidationRow]:
     """Hold the gaps of displaced parts, and their gradient, against exact curves."""
     design = made(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
     reducer = Reducer(design)
@@ -96,7 +96,7 @@ def gap_rows(kind: str) -> list[Row]:
     ]
 
 
-def hole_rows() -> list[Row]:
+def hole_rows() -> list[ValidationRow]:
     """Hold the gaps of output pins in holes, far displaced, against exact circles: finite turns show there."""
     design = made(FIXED)
     reducer = Reducer(design)
@@ -113,7 +113,7 @@ def hole_rows() -> list[Row]:
     ]
 
 
-def curvature_rows(kind: str) -> list[Row]:
+def curvature_rows(kind: str) -> list[ValidationRow]:
     """Hold the relative curvature of ideal contacts, and how it changes along a pin's path, against both surfaces."""
     design = reducer_of(kind)
     reducer = Reducer(design)
@@ -147,7 +147,7 @@ def _bend(gear: profile.CycloidGear, t: Array) -> tuple[Array, Array]:
     return (dy * ddx - dx * ddy) / speed**3, speed
 
 
-def flank_rows(*changes: str) -> list[Row]:
+def flank_rows(*changes: str) -> list[ValidationRow]:
     """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
     design = reducer_of(NONPIN, *changes)
     reducer = Reducer(design)
@@ -169,7 +169,7 @@ def _arcs_and_output(reducer: Reducer, kinds: npt.NDArray[np.str_]) -> Mask:
     return np.asarray(arcs | (kinds == "output"))
 
 
-def sliding_rows(kind: str, *changes: str) -> list[Row]:
+def sliding_rows(kind: str, *changes: str) -> list[ValidationRow]:
     """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
     design = reducer_of(kind, *changes)
     reducer = Reducer(design)
@@ -209,7 +209,7 @@ def _points(reducer: Reducer, crank: float, disc: int) -> tuple[Array, Array, Ar
     return moved, mates, rotate(np.concatenate([inwards, push]), np.pi / 2)
 
 
-def model_rows(pins: str) -> list[Row]:
+def model_rows(pins: str) -> list[ValidationRow]:
     """Hold the distances that the collider finds in the model against exact gaps of the same pose.
 
     Three discs and the output are displaced, and pins and sleeves by ``ASIDE``.
@@ -251,7 +251,7 @@ def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
     return read
 
 
-def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
+def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
     """Hold the balance of springs at crank angles [rad] against the independent static solution."""
     design = made(kind, UNIFORM)
     reducer = Reducer(design)
@@ -273,7 +273,7 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
     ]
 
 
-def friction_rows(name: str, *changes: str) -> list[Row]:
+def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     """Hold the work of the cams over a small turn, with friction, against that of the load and of all sliding."""
     rubs = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
@@ -298,7 +298,7 @@ def friction_rows(name: str, *changes: str) -> list[Row]:
     ]
 
 
-def fit_rows(bound: float, *changes: str) -> list[Row]:
+def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Hold the room of the best fit against the least exact gap of parts that stand in the workshop as it tells."""
     design = made(FIXED, *ROOM, *changes)
     reducer = Reducer(design)
@@ -310,7 +310,7 @@ def fit_rows(bound: float, *changes: str) -> list[Row]:
     return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * least, "um", "exact curves", bound)]
 
 
-def aside_rows(bound: float, *changes: str) -> list[Row]:
+def aside_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
     design = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
@@ -324,7 +324,7 @@ def aside_rows(bound: float, *changes: str) -> list[Row]:
     return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
 
 
-def stop_rows(kind: str) -> list[Row]:
+def stop_rows(kind: str) -> list[ValidationRow]:
     """Hold the stops of rigid parts against the turn of very stiff ones under a small torque, both ways.
 
     Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
@@ -342,13 +342,13 @@ def stop_rows(kind: str) -> list[Row]:
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 
 
-RUBBED: tuple[Callable[[], list[Row]], ...] = (
+RUBBED: tuple[Callable[[], list[ValidationRow]], ...] = (
     partial(friction_rows, FIXED),
     partial(friction_rows, "two discs", "gear.discs=2"),
 )
 """Give those of a balance with friction."""
 
-STATICS: tuple[Callable[[], list[Row]], ...] = (
+STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
     *(partial(curvature_rows, kind) for kind in (FIXED, NONPIN)),
@@ -366,12 +366,12 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
 )
 """Give the rows that need no model, the quick ones first."""
 
-MODELS: tuple[Callable[[], list[Row]], ...] = tuple(
+MODELS: tuple[Callable[[], list[ValidationRow]], ...] = tuple(
     partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")
 )
 """Give those of the compiled model."""
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     return [row for part in (*STATICS, *MODELS) for row in part()]

@@ -25,7 +25,7 @@ from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.backlash import stop
 from cycloid_mj.validate.rig import FIXED, reducer_of
-from cycloid_mj.validate.row import Row, absolute, relative
+from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 ROUNDED_MPA = 0.6
 """Printed stresses are whole MPa."""
@@ -89,7 +89,7 @@ PRINTED_TORQUES = (0.1, 0.2)
 """They press its output to a stop [N m]; the line through both turns is drawn on to zero."""
 
 
-def hertz_rows(quick: bool) -> list[Row]:
+def hertz_rows(quick: bool) -> list[ValidationRow]:
     """Hold the Hertz stresses of case A."""
     rows = []
     for number, case in enumerate(KROL, start=1):
@@ -101,7 +101,7 @@ def hertz_rows(quick: bool) -> list[Row]:
     return rows
 
 
-def printed_rows(quick: bool) -> list[Row]:
+def printed_rows(quick: bool) -> list[ValidationRow]:
     """Hold the printed drive's play, as drawn: simulated against the linear programme, and that against the bench's."""
     design = rig.changed(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     compiled, (small, large) = build(design.design), PRINTED_TORQUES
@@ -124,7 +124,7 @@ def printed_rows(quick: bool) -> list[Row]:
 KUBAKOS = "kubakos/cycloid-drive-generator, recomputed"
 
 
-def two_disc_rows(quick: bool) -> list[Row]:
+def two_disc_rows(quick: bool) -> list[ValidationRow]:
     """Hold the statics of the preset ``twodisc`` against its published calculation, which takes ideal sharing.
 
     So are contacts here: alike, without clearance and friction, on cams that hold; at a hundredth of the load, at which
@@ -169,7 +169,7 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
     return float(lobe), float(pit), float(output)
 
 
-def efficiency_rows(quick: bool) -> list[Row]:
+def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """Hold the efficiency of case C: the formula's printed results, and the simulated reducer."""
     printed = [
         absolute(

@@ -10,7 +10,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.types import Array
 
 
-class Outcome(StrEnum):
+class RowOutcome(StrEnum):
     """What becomes of a row; its value is the word for people and programs."""
 
     PASS = "pass"
@@ -20,7 +20,7 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True)
-class Row:
+class ValidationRow:
     """A quantity held against a reference.
 
     Attributes
@@ -44,11 +44,11 @@ class Row:
     rung: str = ""
 
     @property
-    def verdict(self) -> Outcome:
+    def verdict(self) -> RowOutcome:
         """Whether the row passes; a difference that is not a number fails."""
         if self.bound is None:
-            return Outcome.STATED
-        return Outcome.PASS if self.difference <= self.bound else Outcome.FAIL
+            return RowOutcome.STATED
+        return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
         """Give the row as a flat dict with its verdict."""
@@ -69,36 +69,36 @@ class Row:
 
 def relative(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
-) -> Row:
+) -> ValidationRow:
     """Give a row judged by |ours/reference - 1| in percent; `bound` in percent too."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
-    return Row(_held(quantity, ours, reference, unit, source, note), float(error), "%", bound)
+    return ValidationRow(_held(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 
 
 def absolute(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
-) -> Row:
+) -> ValidationRow:
     """Give a row judged by |ours - reference| in `unit`; the difference of two percentages is in points."""
     measured = _held(quantity, ours, reference, unit, source, note)
-    return Row(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
+    return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
 
 def deviation(
     quantity: str, ours: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
-) -> Row:
+) -> ValidationRow:
     """Give a row of many values, shape (n,), or vectors, shape (..., 2).
 
     It shows the largest size of each side and is judged by the largest difference of any two, in percent of the
     largest reference.
     """
     size, largest, error = (float(_sizes(values).max()) for values in (ours, reference, ours - reference))
-    return Row(_held(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
+    return ValidationRow(_held(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
 
 
-def broken(why: str) -> Row:
+def broken(why: str) -> ValidationRow:
     """Give the row of a part that could not be run, which fails."""
     nan = float("nan")
-    return Row(_held("could not be run", nan, nan, "", "", why), nan, "", 0.0)
+    return ValidationRow(_held("could not be run", nan, nan, "", "", why), nan, "", 0.0)
 
 
 def _held(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:

@@ -18,9 +18,9 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import equilibrium, rig
-from cycloid_mj.validate.gaps import Pose, offset_root, trochoid_distance
+from cycloid_mj.validate.gaps import GearPose, offset_root, trochoid_distance
 from cycloid_mj.validate.rig import NONPIN, RATED_LOAD, reducer_of
-from cycloid_mj.validate.row import Row, deviation
+from cycloid_mj.validate.row import ValidationRow, deviation
 
 IDEAL = [
     *rig.without_friction(),
@@ -47,7 +47,7 @@ SETTLED = 0.008
 """Time at which the load is on and has rung out [s]."""
 
 
-def ideal_rows(kind: str, quick: bool) -> list[Row]:
+def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Hold the forces of one kind of ring against F_i = T l_i / sum l^2."""
     whole = kind == NONPIN
     source = "T l/sum l^2 over arcs and Sigma" if whole else "T l/sum l^2"
@@ -55,7 +55,7 @@ def ideal_rows(kind: str, quick: bool) -> list[Row]:
     return [_ideal_row(kind, ideal_forces, whole, f"ideal forces of the teeth, {kind}", source, note, quick)]
 
 
-def patch_rows(quick: bool) -> list[Row]:
+def patch_rows(quick: bool) -> list[ValidationRow]:
     """Hold the nonpin ring as it is built, with near lines sharing one patch, against the same with shared springs."""
     note = "an arc and a root line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
@@ -70,7 +70,7 @@ def _ideal_row(
     source: str,
     note: str,
     quick: bool,
-) -> Row:
+) -> ValidationRow:
     design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, STIFF_CAM, apart)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
@@ -96,7 +96,7 @@ def patch_forces(reducer: Reducer, crank: float) -> Array:
     return _by_lobe(gear, lobes, sizes, normals)
 
 
-def clearance_rows(kind: str, quick: bool) -> list[Row]:
+def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Hold the design with its clearances against the independent static solution."""
     free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
     rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
@@ -106,7 +106,7 @@ def clearance_rows(kind: str, quick: bool) -> list[Row]:
     return rows
 
 
-def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[Row]:
+def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[ValidationRow]:
     slow = _slow(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow, cam, False)
     stiffness = {kind: law.stiffness for kind, law in build(slow.design).laws.items()}
@@ -169,7 +169,7 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     design = reducer.design
     gear = tooth_profile(design)
     roots, low = envelope.sigma_contacts(gear, crank), profile.best_phase(gear)
-    pose = Pose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
+    pose = GearPose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
     deflection = design.contact.working_force / design.contact.stiffness
     middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2
     arcs, own = np.ones(gear.ring_teeth), np.empty(roots.B.size)

@@ -16,14 +16,14 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, PERIODS, SLEEVED, rated_design, rated_run
-from cycloid_mj.validate.row import Row, absolute, relative
+from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 SHARES = {True: (0.5, 1.0), False: (0.1, 0.5, 1.0, 2.0)}
 """Steps as shares of the one that is chosen, with and without moving pins: these go wrong at twice their step."""
 
 
 @dataclass(frozen=True)
-class Figures:
+class StepFigures:
     """Figures of a run that must not depend on the step.
 
     Deviation of the gear's speed from the closed form, rms [mrad/s]; its mean and peak-to-peak transmission error
@@ -44,26 +44,26 @@ FIGURES = (
     ("rms cam force", "N"),
     ("efficiency", "%"),
 )
-FINER = Figures(0.2, 0.004, 0.06, 0.002, 3e-4)
+FINER = StepFigures(0.2, 0.004, 0.06, 0.002, 3e-4)
 """Bounds of half the chosen step without moving pins, in percent but for points of efficiency."""
-HELD = Figures(0.6, 0.003, 1.2, 0.006, 1.4e-3)
+HELD = StepFigures(0.6, 0.003, 1.2, 0.006, 1.4e-3)
 """The same of the chosen step: three times the changes seen at 10 us."""
-MOVING = Figures(6.2, 0.08, 6.0, 0.011, 0.017)
+MOVING = StepFigures(6.2, 0.08, 6.0, 0.011, 0.017)
 """The same with moving pins, which chatter: at 3.1 us free ones change by 1.8, 0.0013, 0.9, 0.0035 % and 0.0055 points,
 at 2.3 us sleeved ones by 2.0, 0.0065, 0.08, 0.0001 % and 0.0032 points; their mean over the twelve meshes of a quick
 run, which leave more of the chatter in it, by 0.026 %."""
-WITHOUT_INERTIA = Figures(math.inf, 0.5, 6.0, 0.03, 0.04)
+WITHOUT_INERTIA = StepFigures(math.inf, 0.5, 6.0, 0.03, 0.04)
 """The same of free pins without their inertia against real ones; speeds they do not tell."""
 
 LIGHT = 1.0
 """Light load [N m], 3 % of the rated one."""
-LIGHTLY_LOADED = Figures(math.inf, math.inf, math.inf, 0.36, 0.11)
+LIGHTLY_LOADED = StepFigures(math.inf, math.inf, math.inf, 0.36, 0.11)
 """Bounds of the chosen step under it, three times the changes seen; the speed of a gear on few teeth is not held."""
 
-Study = Mapping[float, Figures | RunError]
+Study = Mapping[float, StepFigures | RunError]
 
 
-def rows(kind: str, quick: bool) -> list[Row]:
+def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Give the rows of one kind of ring."""
     default = default_step(kind)
     shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
@@ -74,7 +74,7 @@ def rows(kind: str, quick: bool) -> list[Row]:
     return told + light_rows(kind)
 
 
-def light_rows(kind: str) -> list[Row]:
+def light_rows(kind: str) -> list[ValidationRow]:
     """Hold the step that is chosen under a light load against half of it."""
     load = f"load.torque_nm={LIGHT}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
@@ -83,7 +83,7 @@ def light_rows(kind: str) -> list[Row]:
     return _held(rows)
 
 
-def massless_rows(real: Figures | RunError, quick: bool) -> list[Row]:
+def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Hold free pins without their inertia, at their own step, against real ones."""
     if isinstance(real, RunError):
         raise real
@@ -93,7 +93,7 @@ def massless_rows(real: Figures | RunError, quick: bool) -> list[Row]:
     return _held(_compared(FREE, f"massless, {step:g} us", found, real, "real pins", WITHOUT_INERTIA))
 
 
-def judged(kind: str, study: Study, default: float) -> list[Row]:
+def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
     """Hold each step of a study against its finest: every figure up to the `default` step [us], then the worst."""
     finest = min(study)
     reference = study[finest]
@@ -135,7 +135,7 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
     return float(brentq(excess, low, high)) if excess(low) * excess(high) < 0.0 else math.nan
 
 
-def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
+def _figures(kind: str, step: float, quick: bool) -> StepFigures | RunError:
     """Run one step [us]; give the error of a run that fails."""
     try:
         return _run(kind, _periods(kind, quick), f"settings.timestep_us={step!r}")
@@ -143,12 +143,12 @@ def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
         return error
 
 
-def _run(kind: str, periods: int, *changes: str) -> Figures:
+def _run(kind: str, periods: int, *changes: str) -> StepFigures:
     """Run over some mesh periods."""
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
     cam = run.forces("cam")[:, 0]
-    return Figures(
+    return StepFigures(
         gear_speed=1e3 * findings.gear_speed.rms_error_rad_s,
         mean_error=findings.gear_transmission_error.mean_arcsec,
         peak_to_peak=findings.gear_transmission_error.peak_to_peak_arcsec,
@@ -166,7 +166,9 @@ def _is_moving(kind: str) -> bool:
     return kind in (FREE, SLEEVED)
 
 
-def _compared(kind: str, which: str, found: Figures, reference: Figures, source: str, bounds: Figures) -> list[Row]:
+def _compared(
+    kind: str, which: str, found: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
+) -> list[ValidationRow]:
     compared = []
     values = (astuple(each) for each in (found, reference, bounds))
     for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):
@@ -175,16 +177,16 @@ def _compared(kind: str, which: str, found: Figures, reference: Figures, source:
     return compared
 
 
-def _held(rows: Iterable[Row]) -> list[Row]:
+def _held(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
     """Give rows, those without a finite bound as told only."""
     return [row if math.isfinite(row.bound or 0.0) else replace(row, bound=None) for row in rows]
 
 
-def _order_rows(kind: str, study: Study) -> list[Row]:
+def _order_rows(kind: str, study: Study) -> list[ValidationRow]:
     """Tell the order of the mean transmission error's convergence over the three finest steps."""
     steps = sorted(study)[:3]
     values = [study[step] for step in steps]
-    means = [value.mean_error for value in values if isinstance(value, Figures)]
+    means = [value.mean_error for value in values if isinstance(value, StepFigures)]
     if len(means) < 3:
         return []
     order = observed_order((steps[0], steps[1], steps[2]), (means[0], means[1], means[2]))

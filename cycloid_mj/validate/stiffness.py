@@ -6,10 +6,10 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_force
-from cycloid_mj.validate.gaps import Flanks, Gaps, Pose, flank_distance, offset_root
+from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flank_distance, offset_root
 
 
-def tooth_stiffness(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:
+def tooth_stiffness(reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks) -> Array:
     """Give the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
 
     That of a line contact at the local relative curvature, at most twice that of a pin on a flat; lines of an arc and a
@@ -34,7 +34,9 @@ def _factor(reducer: Reducer, curvature: Array) -> Array:
     return ideal_loads.line_contact_stiffness(*working, np.maximum(curvature, least)) / flat
 
 
-def _shared(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks, stiffness: Array) -> Array:
+def _shared(
+    reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
+) -> Array:
     gear, deflection = reducer.tooth_profile, working_force(reducer, reducer.design.tooth_pair) / flat
     low, stiffness = profile.best_phase(gear), stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}

@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.published import efficiency
 from cycloid_mj.validate.rig import FREE, PERIODS, rated_run
-from cycloid_mj.validate.row import Row, absolute, deviation, relative
+from cycloid_mj.validate.row import ValidationRow, absolute, deviation, relative
 
 SPEED, GRAVITY = 1640.0, 9.8
 
@@ -44,7 +44,7 @@ BINS = 16
 """Parts of the mesh period over which the ripple is averaged: chatter that rounding has set off has no mean there."""
 
 
-def mirror_rows(kind: str, quick: bool) -> list[Row]:
+def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
     periods = 4 if quick else 12
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
@@ -71,7 +71,7 @@ def mirror_rows(kind: str, quick: bool) -> list[Row]:
     ]
 
 
-def gravity_rows(kind: str, quick: bool) -> list[Row]:
+def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Hold gravity off, down and turned by a right angle against each other, over one crank turn.
 
     The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.

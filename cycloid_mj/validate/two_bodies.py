@@ -17,9 +17,9 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role
-from cycloid_mj.statics.law import ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.statics.law import ContactParameters, contact_law, curvature_law, solver_parameters
 from cycloid_mj.statics.working import at_rated_load, working_force
-from cycloid_mj.validate.row import Row, relative
+from cycloid_mj.validate.row import ValidationRow, relative
 
 RATED = at_rated_load(Reducer(PRESETS["pin"]))
 MASS = 0.05
@@ -44,7 +44,7 @@ _XML = """<mujoco>
 </mujoco>"""
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     stiffness, ratio = curvature_law(RATED).stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
@@ -82,7 +82,7 @@ def rows(quick: bool) -> list[Row]:
     ]
 
 
-def pressed(law: ContactLaw, timestep: float) -> tuple[float, float]:
+def pressed(law: ContactParameters, timestep: float) -> tuple[float, float]:
     """Give depth [m] and contact force [N] when `FORCE` has come to rest."""
     model = two_bodies(law, timestep, FORCE / MASS)
     data = mujoco.MjData(model)
@@ -91,7 +91,7 @@ def pressed(law: ContactLaw, timestep: float) -> tuple[float, float]:
     return float(data.qpos[0]), float(data.efc_force[0])
 
 
-def frequency(law: ContactLaw, timestep: float) -> float:
+def frequency(law: ContactParameters, timestep: float) -> float:
     """Give the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
     model = two_bodies(law, timestep, FORCE / MASS)
     data = mujoco.MjData(model)
@@ -107,7 +107,7 @@ def frequency(law: ContactLaw, timestep: float) -> float:
     return float(2.0 * math.pi / (np.mean(np.diff(crossings)) * timestep))
 
 
-def restitution(law: ContactLaw, timestep: float) -> float:
+def restitution(law: ContactParameters, timestep: float) -> float:
     """Give the share of the speed with which the disc leaves the contact."""
     model = two_bodies(law, timestep, 0.0)
     data = mujoco.MjData(model)
@@ -128,7 +128,7 @@ def linear_restitution(ratio: float) -> float:
     return math.exp(-ratio / damped * math.atan2(2.0 * ratio * damped, 2.0 * ratio**2 - 1.0))
 
 
-def two_bodies(law: ContactLaw, timestep: float, gravity: float) -> Any:
+def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
     """Give the model; `gravity` [m/s2] presses the disc into the circle."""
     parameters = solver_parameters(law, 1.0 / MASS)
     text = _XML.format(
@@ -143,7 +143,7 @@ def two_bodies(law: ContactLaw, timestep: float, gravity: float) -> Any:
     return mujoco.MjModel.from_xml_string(text)
 
 
-def _secant_rows(stiffness: float) -> list[Row]:
+def _secant_rows(stiffness: float) -> list[ValidationRow]:
     """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
     design = RATED
     working, length, radius = (
@@ -159,7 +159,7 @@ def _secant_rows(stiffness: float) -> list[Row]:
     palmgren = float(ideal_loads.palmgren_stiffness(working, length))
     secant = "the model keeps the secant stiffness at the working force, ideal sharing of the load"
 
-    def told(force: float, reference: float, source: str, note: str) -> Row:
+    def told(force: float, reference: float, source: str, note: str) -> ValidationRow:
         return relative(
             f"stiffness used, at {force:g} N", 1e-6 * stiffness, 1e-6 * reference, "N/um", source, None, note
         )

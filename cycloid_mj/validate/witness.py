@@ -15,7 +15,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, reducer_of, without_gravity
-from cycloid_mj.validate.row import Row, absolute, relative
+from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 STEP = 2e-6
 """Step of the witness [s], half of which changes its figures by less than 0.2 %."""
@@ -47,12 +47,12 @@ step: at 2 us the first and the last are 0.07 and 0.9 %. Of the fixed pins none 
 """
 
 
-def rows(quick: bool) -> list[Row]:
+def rows(quick: bool) -> list[ValidationRow]:
     """Give the rows of this rung."""
     return [row for which, design in CASES.items() for row in rows_of(which, Reducer(design()))]
 
 
-def rows_of(which: str, reducer: Reducer) -> list[Row]:
+def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
     """Hold a run of a design against the witness; `which` names it."""
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
     called = (

@@ -24,8 +24,8 @@ from hsieh2014.idle_stress import idle_stress
 from hsieh2014.motion import at_degrees
 from hsieh2014.peaks import maxima
 from hsieh2014.plan import IMPACT, Plan, designs, idle_runs, rated_runs, varied_idle_runs
-from hsieh2014.soft_contact import GENERIC, Forces, line_contacts, soft_idle
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.soft_contact import GENERIC, PeakForces, line_contacts, soft_idle
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import HEIGHTS, IDEAL, LEAST, MOST, NEAR, SHAFT_PEAKS, TORQUES
 from hsieh2014.stress import height_plates, per_newton, settings
 
@@ -52,11 +52,11 @@ class Feature:
 
     figure: str
     words: str
-    tell: Callable[[Mapping[str, Sequence[Forces]]], str]
-    holds: Callable[[Mapping[str, Sequence[Forces]]], bool]
+    tell: Callable[[Mapping[str, Sequence[PeakForces]]], str]
+    holds: Callable[[Mapping[str, Sequence[PeakForces]]], bool]
 
 
-def authors(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Draw the paper's figures by its kind of contact beside ours, and tell which change brings which feature."""
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
@@ -72,7 +72,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> Found:
         one, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
         stresses[design.name] = idle_stress(runs(one), rated[design.name], settings(plan), runs(impact)[0])
     features = _features({name: per_newton(one, rated[name]) for name, one in stresses.items()})
-    return Found(
+    return StageResult(
         (*_plates(ours, soft, cases), *height_plates(stresses)),
         (_feature_table(cases, features), _torque_table(torques)),
         findings={
@@ -90,7 +90,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> Found:
     )
 
 
-def planar_runs() -> dict[str, dict[str, list[Forces]]]:
+def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
     """Turn both designs with every combination of the two changes, and without gravity, stiffer and softer."""
     wanted: list[tuple[str, Design, Any, float, float]] = []
     for design in designs():
@@ -107,7 +107,7 @@ def planar_runs() -> dict[str, dict[str, list[Forces]]]:
         )
         wanted += [(name, of, law, error, phase) for name, of, law, error, phases in ways for phase in phases]
     found = each(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
-    cases: dict[str, dict[str, list[Forces]]] = {}
+    cases: dict[str, dict[str, list[PeakForces]]] = {}
     for (name, of, *_), forces in zip(wanted, found, strict=True):
         cases.setdefault(name, {}).setdefault(of.name, []).append(forces)
     return cases
@@ -123,7 +123,7 @@ def brought_by(holds: Mapping[str, bool]) -> str:
     return f"{' or '.join(alone)}; the other takes it away" if alone else "neither, nor both"
 
 
-def mean_curve(forces: Sequence[Forces]) -> Any:
+def mean_curve(forces: Sequence[PeakForces]) -> Any:
     """Average the cam's force over the starts, shape (``peaks.BINS``,) [N]."""
     return np.mean([one.curve for one in forces], axis=0)
 
@@ -152,35 +152,35 @@ def _features(stress: Mapping[str, Mapping[str, float]]) -> list[Feature]:
     ]
 
 
-def _maxima(name: str) -> Callable[[Mapping[str, Sequence[Forces]]], str]:
+def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
     return lambda found: ", ".join(f"{angle:.0f}" for angle in maxima(mean_curve(found[name]))) + " deg"
 
 
-def _two_peaks(found: Mapping[str, Sequence[Forces]]) -> bool:
+def _two_peaks(found: Mapping[str, Sequence[PeakForces]]) -> bool:
     angles = maxima(mean_curve(found["pin"]))
     return len(angles) == len(SHAFT_PEAKS) and all(
         abs(angle - wanted) <= NEAR for angle, wanted in zip(angles, SHAFT_PEAKS, strict=True)
     )
 
 
-def _flatter(found: Mapping[str, Sequence[Forces]]) -> bool:
+def _flatter(found: Mapping[str, Sequence[PeakForces]]) -> bool:
     pin, nonpin = (mean_curve(found[name]) for name in ("pin", "nonpin"))
     flatter = np.ptp(nonpin) / np.mean(nonpin) < np.ptp(pin) / np.mean(pin)
     return bool(flatter) and len(maxima(nonpin)) > len(maxima(pin))
 
 
-def _mean_rms(found: Mapping[str, Sequence[Forces]], name: str) -> float:
+def _mean_rms(found: Mapping[str, Sequence[PeakForces]], name: str) -> float:
     return float(np.mean([one.rms for one in found[name]]))
 
 
-def _rms(found: Mapping[str, Sequence[Forces]]) -> str:
+def _rms(found: Mapping[str, Sequence[PeakForces]]) -> str:
     return f"{_mean_rms(found, 'pin'):.2g} to {_mean_rms(found, 'nonpin'):.2g} rad/s"
 
 
 def _height(part: str, name: str, stress: float) -> tuple[Any, Any]:
     """Tell the stress that forces make of a part, so much [MPa] for each newton, and whether it is the paper's."""
 
-    def size(found: Mapping[str, Sequence[Forces]]) -> float:
+    def size(found: Mapping[str, Sequence[PeakForces]]) -> float:
         acting = {"shaft": "cam", "ring": "seat", "gear": "cam"}[part]
         return stress * float(np.mean([getattr(one, acting) for one in found[name]]))
 
@@ -191,7 +191,7 @@ def _height(part: str, name: str, stress: float) -> tuple[Any, Any]:
     )
 
 
-def _feature_table(cases: Mapping[str, Mapping[str, Sequence[Forces]]], features: Sequence[Feature]) -> Table:
+def _feature_table(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], features: Sequence[Feature]) -> Table:
     """Put every feature beside what each combination of the changes makes of it, and which change brings it."""
     others = (NO_GRAVITY, STIFFER, SOFTER)
     rows = []
@@ -206,7 +206,7 @@ def _feature_table(cases: Mapping[str, Mapping[str, Sequence[Forces]]], features
     return Table("what brings the paper's features: the two changes taken away alone", head, tuple(rows))
 
 
-def _as_json(cases: Mapping[str, Mapping[str, Sequence[Forces]]], one: Feature) -> dict[str, Any]:
+def _as_json(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], one: Feature) -> dict[str, Any]:
     return {
         "figure": one.figure,
         "feature": one.words,
@@ -240,8 +240,8 @@ def _torque(design: Design) -> float:
 
 
 def _plates(
-    ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Mapping[str, Mapping[str, Sequence[Forces]]]
-) -> Iterator[Plate]:
+    ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Mapping[str, Mapping[str, Sequence[PeakForces]]]
+) -> Iterator[PaperFigure]:
     """Draw Figs 6, 8 and 9 by both contact laws, and the cam's force over a turn."""
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
@@ -249,15 +249,15 @@ def _plates(
     for law, found in (("line contacts", ours), ("IMPACT", soft)):
         motions, key = [at_degrees(one) for one in found.values()], law.partition(" ")[0].lower()
         words = f"no load, {law}:"
-        yield Plate(f"authors_fig6_{key}", "Fig. 6", f"{words} speed of the gear.", speeds_figure(motions))
-        yield Plate(
+        yield PaperFigure(f"authors_fig6_{key}", "Fig. 6", f"{words} speed of the gear.", speeds_figure(motions))
+        yield PaperFigure(
             f"authors_fig8_{key}", "Fig. 8", f"{words} velocity of q, and its error.", velocities_figure(motions)
         )
         pin = motions[0].pin_1
         assert pin is not None
-        yield Plate(f"authors_fig9_{key}", "Fig. 9", f"{words} pin 1.", pin_figure(motions[0], pin))
+        yield PaperFigure(f"authors_fig9_{key}", "Fig. 9", f"{words} pin 1.", pin_figure(motions[0], pin))
     curves = {
         f"{design}, {name}": mean_curve(cases[name][design]) for design in ours for name in (OURS, SOFT, NO_GRAVITY)
     }
     words = "Largest force of the cam over a crank turn, mean of the starts; dotted: the paper's peaks."
-    yield Plate("authors_fig12_cam", "Fig. 12", words, cam_figure(curves, SHAFT_PEAKS))
+    yield PaperFigure("authors_fig12_cam", "Fig. 12", words, cam_figure(curves, SHAFT_PEAKS))

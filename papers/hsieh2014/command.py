@@ -17,7 +17,7 @@ from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with
 if TYPE_CHECKING:
     from hsieh2014.plan import Plan
     from hsieh2014.run import Report
-    from hsieh2014.stage import Stage, Step
+    from hsieh2014.stage import Stage, StageRun
 
 OUT = "runs/reproduce"
 PAGE, RESULT = "reproduce.html", "reproduce.json"
@@ -120,7 +120,7 @@ def _reporter(quiet: bool) -> "Report":
     """Give what tells each stage as it begins, and now and then how far it is."""
     last = [0.0]
 
-    def report(step: "Step", text: str, left: float) -> None:
+    def report(step: "Stage", text: str, left: float) -> None:
         now = monotonic()
         if quiet or (text and now - last[0] < SECONDS_BETWEEN_LINES):
             return
@@ -130,7 +130,7 @@ def _reporter(quiet: bool) -> "Report":
     return report
 
 
-def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
+def _written(stages: "Sequence[StageRun]", found: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
     """Write the figures, the JSON file and the page; give the page's path."""
     from cycloid_mj.plots.save import pictures
     from hsieh2014.page import reproduction_page
@@ -155,7 +155,7 @@ def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, plan:
     return into / PAGE
 
 
-def _report(stages: "Sequence[Stage]", found: dict[str, Any], page: Path, json: bool) -> None:
+def _report(stages: "Sequence[StageRun]", found: dict[str, Any], page: Path, json: bool) -> None:
     from hsieh2014.page import error_words
 
     if json:

@@ -6,7 +6,7 @@ from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.reducer import Reducer
 from hsieh2014.plan import Plan, designs
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.statements import POISSON
 
 CAPTIONS = {
@@ -21,13 +21,13 @@ CAPTIONS = {
 }
 
 
-def geometry(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def geometry(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Draw the generation of both profiles, and give their closed forms."""
     from hsieh2014.profile_figures import generation_figures
 
     gear = tooth_profile(designs()[0])
     drawn = generation_figures(gear)
-    plates = tuple(Plate(name, "Figs 1-4", words, drawn[name]) for name, words in CAPTIONS.items())
+    plates = tuple(PaperFigure(name, "Figs 1-4", words, drawn[name]) for name, words in CAPTIONS.items())
     root, tip = profile.radii(gear)
     ring_root, ring_tip = envelope.radii(gear)
     rows: tuple[tuple[str | float, ...], ...] = (
@@ -44,17 +44,17 @@ def geometry(plan: Plan, runs: Runs, progress: Progress) -> Found:
         "The paper's frame of Eqs 8-11 is turned by half a ring pitch against that of its gear: its lobes lie between "
         "the pins' places."
     )
-    return Found(plates, (Table("closed forms of both profiles", ("", "value"), rows),), notes=(note,))
+    return StageResult(plates, (Table("closed forms of both profiles", ("", "value"), rows),), notes=(note,))
 
 
-def equal(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Give every value in which the two designs differ, and the conditions that they share."""
     both = designs()
     names = tuple(design.name for design in both)
     found = differences(both)
     rows = tuple((key, *map(str, each)) for key, each in found.items())
     shared = tuple((key, str(value)) for key, value in conditions(Reducer(both[0])).items())
-    return Found(
+    return StageResult(
         tables=(
             Table("all that differs between the designs", ("value", *names), rows),
             Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),

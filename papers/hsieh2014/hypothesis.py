@@ -11,7 +11,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure.pool import each
 from hsieh2014.plan import Plan, designs
-from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, line_contacts, soft_idle
+from hsieh2014.soft_contact import GENERIC, STEEL, PeakForces, SoftContact, line_contacts, soft_idle
 from hsieh2014.stated import HEIGHTS
 
 SEED = 2014
@@ -36,7 +36,7 @@ def soft_cases(plan: Plan) -> list[Case]:
     ]
 
 
-def soft_runs(plan: Plan) -> dict[Case, Forces]:
+def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
     """Turn every case."""
     cases = soft_cases(plan)
     found = each(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
@@ -57,7 +57,7 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
 
 
 def reached(
-    found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]]
+    found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]
 ) -> dict[tuple[str, str], dict[str, float]]:
     """Compute the stress that the forces of every case make: (part, design) -> case -> stress [MPa]."""
     stresses: dict[tuple[str, str], dict[str, float]] = {}
@@ -69,7 +69,7 @@ def reached(
     return stresses
 
 
-def table(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
+def table(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
     """Put the forces of every case beside those that the paper's stress would take."""
     rows: list[tuple[str | float, ...]] = [
         (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{one.tooth:.3g}", f"{one.cam:.3g}", f"{one.output:.3g}")
@@ -83,7 +83,7 @@ def table(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]
     return Table("hypothesis: largest idle forces with the contact of a commercial motion solver", head, tuple(rows))
 
 
-def sentences(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
+def sentences(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Say what the cases show."""
     lines = []
     for name, forces in wanted.items():
@@ -105,7 +105,7 @@ def sentences(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, fl
     ]
 
 
-def as_json(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
+def as_json(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
     """Give the cases for a program."""
     return {
         "status": "hypothesis",

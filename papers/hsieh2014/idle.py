@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import RANKED, Spread, Variation, measure, settled
+from cycloid_mj.comparison import RANKED, StartSpread, Variation, measure, settled
 from cycloid_mj.design import Design, override
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.stage import Runs
 from hsieh2014.verdicts import rank_order
 
-Levels = Mapping[str, Mapping[str, Spread]]
+Levels = Mapping[str, Mapping[str, StartSpread]]
 """Key of a ranked quantity -> name of a design -> rms about the closed form of each of its runs."""
 
 
@@ -41,7 +41,7 @@ def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
     """Measure runs: name of a design -> its runs."""
     measured = {name: [_levels(run) for run in found] for name, found in starts.items()}
     return {
-        each.key: {name: Spread.of(one[each.key] for one in found) for name, found in measured.items()}
+        each.key: {name: StartSpread.of(one[each.key] for one in found) for name, found in measured.items()}
         for each in RANKED
     }
 

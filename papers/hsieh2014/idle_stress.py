@@ -12,7 +12,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Value
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL
-from cycloid_mj.comparison import Spread
+from cycloid_mj.comparison import StartSpread
 from cycloid_mj.design import dump
 from cycloid_mj.reducer import Reducer
 from hsieh2014.peaks import at_peaks
@@ -67,10 +67,10 @@ class IdleStress:
     """
 
     study: "StressStudy"
-    starts: Mapping[str, Spread]
-    rated: Mapping[str, Spread]
+    starts: Mapping[str, StartSpread]
+    rated: Mapping[str, StartSpread]
     soft: Mapping[str, Array]
-    outputs: Mapping[str, Spread]
+    outputs: Mapping[str, StartSpread]
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
         """Give crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
@@ -130,7 +130,7 @@ def idle_stress(
         cases = [*of_starts, *([part_loads(softly, Reducer(design_of(softly)), part, turn)] if softly else [])]
         stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
         split = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
-        largest[part] = Spread.of(each.max() for each in split[: len(of_starts)])
+        largest[part] = StartSpread.of(each.max() for each in split[: len(of_starts)])
         if softly:
             curves[part] = split[-1]
     outputs = {
@@ -163,7 +163,7 @@ def with_output(run: Run, pins: OutputPins) -> Run:
     return replace(run, attachments={**run.attachments, DESIGN_FILE: dump(design).encode()})
 
 
-def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, Spread]":
+def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, StartSpread]":
     """Solve a part at some crank angles under the rated load; give its largest stress at each of them as well [MPa]."""
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
@@ -176,17 +176,17 @@ def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, Sprea
     if part == OUTPUT:
         fillet = max(notch.stress for notch in notches_of(reducer, loads, under)) / MEGAPASCAL
         governing = np.append(governing, fillet)
-    return under, Spread.of(governing)
+    return under, StartSpread.of(governing)
 
 
-def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[PartLoads]") -> Spread:
+def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[PartLoads]") -> StartSpread:
     """Compute the output's largest stress in each start [MPa] in a design with other output pins."""
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.part import part_grid
 
     grid = part_grid(other.design, OUTPUT, settings.grid(OUTPUT))
     stress = solve(other.design, grid, joined(of_starts)).bulk_stress / MEGAPASCAL
-    return Spread.of(each.max() for each in np.split(stress, len(of_starts)))
+    return StartSpread.of(each.max() for each in np.split(stress, len(of_starts)))
 
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":

@@ -8,14 +8,14 @@ import numpy as np
 
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
-from cycloid_mj.comparison import Spread, load_words, settled, settling
+from cycloid_mj.comparison import StartSpread, load_words, settled, settling
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
 from hsieh2014.pin_claims import pin_claims, pin_motion
 from hsieh2014.plan import LOGGED, Plan, designs, main_runs, ramped
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.verdicts import spread_error, spread_value
 
 SPEED_ERROR = 1e-3
@@ -50,7 +50,7 @@ def _rated(found: Sequence[Series], design: Design) -> Series:
     return next(one for one in found if one.design.name == design.name and one.design.load.torque)
 
 
-def input_law(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 5: the crank's speed over time."""
     from cycloid_mj.plots.motion import input_figure
 
@@ -58,7 +58,7 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> Found:
     found = [series(run) for run in runs(cases)]
     what = "ramp of 1 s, then constant" if plan.ramp else "QUICK: from full speed, without the ramp"
     plates = [
-        Plate(
+        PaperFigure(
             f"fig5_input_{one.design.name}",
             "Fig. 5",
             f"{one.design.name}: speed of the crank, {what}; below, how far the servo is off the law.",
@@ -68,10 +68,10 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> Found:
     ]
     errors = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in found}
     note = "The paper's law: 0 to 1640 rpm (9840 deg/s, 171.74 rad/s) in a linear ramp of 1 s, then constant."
-    return Found(tuple(plates), findings={"largest_error_rad_s": errors, "ramp": plan.ramp}, notes=(note,))
+    return StageResult(tuple(plates), findings={"largest_error_rad_s": errors, "ramp": plan.ramp}, notes=(note,))
 
 
-def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 6: the angular velocity of the cycloid gear."""
     from hsieh2014.paper_figures import speeds_figure
 
@@ -80,7 +80,7 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> Found:
     judged = {_key(one): judge(one) for one in found}
     head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in found))
     rows: list[tuple[str | float, ...]] = [(name, *map(number, judged.values())) for _, name, number in NUMBERS]
-    return Found(
+    return StageResult(
         _plates(found, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
         tuple(_ratio(over_starts(plan, runs, design, mean_speed), _rated(found, design)) for design in designs()),
@@ -89,7 +89,7 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> Found:
     )
 
 
-def q_path(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 7: the path of q, with a local magnification."""
     from cycloid_mj.plots.point import path_figure
     from hsieh2014.paper_figures import paths_figure
@@ -101,19 +101,21 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> Found:
     claims = [_strays(over_starts(plan, runs, design, _strayed), _rated(found, design)) for design in designs()]
     plates = _plates(found, "fig7_q_path", "Fig. 7", words, paths_figure)
     near = _each(found[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
-    return Found((*plates, *near), claims=tuple(claims), notes=(note,))
+    return StageResult((*plates, *near), claims=tuple(claims), notes=(note,))
 
 
-def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 8: the velocity of q and its error."""
     from hsieh2014.paper_figures import velocities_figure
 
     words = "velocity of q with Eq. 18, and its error"
     note = "The paper: both designs follow the closed form; the velocity fluctuates more with pins."
-    return Found(_plates(motions(plan, runs), "fig8_q_velocity", "Fig. 8", words, velocities_figure), notes=(note,))
+    return StageResult(
+        _plates(motions(plan, runs), "fig8_q_velocity", "Fig. 8", words, velocities_figure), notes=(note,)
+    )
 
 
-def pin_1(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 9: spin and centre of pin 1."""
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import pins_figure
@@ -123,25 +125,25 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> Found:
     plates = _each(found, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
     shown = pins_figure({_load(one): at_degrees(one) for one in found})
     words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; ways magnified, turns not."
-    plates = (Plate("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
+    plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
         over_starts(plan, runs, design, pin_motion, lambda changed: changed.ring.has_moving_pins),
         pin_motion(_rated(found, design)),
     )
-    return Found(plates, claims=claims, notes=(note,))
+    return StageResult(plates, claims=claims, notes=(note,))
 
 
 def _plates(
     found: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Sequence[Series]], Any]
-) -> tuple[Plate, ...]:
+) -> tuple[PaperFigure, ...]:
     """Draw the runs of each load together, at the paper's sampling."""
     loads: dict[str, list[Series]] = {}
     for one in found:
         loads.setdefault(_load(one), []).append(at_degrees(one))
     return tuple(
-        Plate(
+        PaperFigure(
             f"{name}_{'loaded' if each[0].design.load.torque else 'unloaded'}", figure, f"{load}: {words}.", draw(each)
         )
         for load, each in loads.items()
@@ -150,10 +152,10 @@ def _plates(
 
 def _each(
     found: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Series], Any]
-) -> tuple[Plate, ...]:
+) -> tuple[PaperFigure, ...]:
     """Draw each run by itself at the paper's sampling."""
     return tuple(
-        Plate(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
+        PaperFigure(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
         for one in found
     )
 
@@ -187,13 +189,13 @@ def _strayed(motion: Series) -> float:
 
 def _ratio(found: OverStarts[float], rated: Series) -> Claim:
     """Hold the mean gear speed of a design against the ratio, over the starts at no load."""
-    design, speeds = rated.design, Spread.of(found.base)
+    design, speeds = rated.design, StartSpread.of(found.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
     judged = ruling(
         found,
         lambda speed: abs(speed - exact) <= SPEED_ERROR * exact,
-        lambda some: f"{Spread.of(some).mean:.5g} rad/s",
+        lambda some: f"{StartSpread.of(some).mean:.5g} rad/s",
         "the number of teeth",
     )
     lobe = Removal("a lobe of the gear, by Eq. 12", f"{fewer:.5g} rad/s", Verdict.DISAGREES)
@@ -208,11 +210,11 @@ def _ratio(found: OverStarts[float], rated: Series) -> Claim:
 
 def _strays(found: OverStarts[float], rated: Series) -> Claim:
     """Judge whether the gear has a transmission error, over the starts at no load."""
-    sizes, under = Spread.of(found.base), _strayed(rated)
+    sizes, under = StartSpread.of(found.base), _strayed(rated)
     judged = ruling(
         found,
         lambda size: size >= SEEN_ERROR,
-        lambda some: f"{Spread.of(some).words} arcsec",
+        lambda some: f"{StartSpread.of(some).words} arcsec",
         "the clearances: within them an idle gear floats",
     )
     return statements.transmission_error(rated.design.name).judged(

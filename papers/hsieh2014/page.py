@@ -8,8 +8,8 @@ from jinja2 import ChoiceLoader, PackageLoader
 
 from cycloid_mj.base.result import Claim, Verdict
 from cycloid_mj.report.page import environment
-from cycloid_mj.report.tables import Table
-from hsieh2014.stage import Stage
+from cycloid_mj.report.tables import TextTable
+from hsieh2014.stage import StageRun
 
 TITLE = "Hsieh 2014, reproduced: cycloidal reducers with and without pins"
 PNG = b"\x89PNG"
@@ -27,7 +27,7 @@ ERRATUM_HEAD = ("Eq.", "printed", "right", "held against", "error as printed", "
 
 
 def reproduction_page(
-    stages: Sequence[Stage], errata: Sequence[Mapping[str, Any]], pictures: Mapping[str, bytes], about: Sequence[str]
+    stages: Sequence[StageRun], errata: Sequence[Mapping[str, Any]], pictures: Mapping[str, bytes], about: Sequence[str]
 ) -> str:
     """Give the page: claims first, then each stage with its figures, then the errata.
 
@@ -64,8 +64,8 @@ def reproduction_page(
         claim_head=CLAIM_HEAD,
         error_words=error_words,
         source=lambda name: _source(pictures[name]),
-        texts=lambda one: Table([one.header], one.cells),
-        errata=Table([ERRATUM_HEAD], rows),
+        texts=lambda one: TextTable([one.header], one.cells),
+        errata=TextTable([ERRATUM_HEAD], rows),
     )
 
 

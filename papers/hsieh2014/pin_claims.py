@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.result import Claim, Value, Verdict
 from cycloid_mj.base.types import Array
-from cycloid_mj.comparison import Spread
+from cycloid_mj.comparison import StartSpread
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, ruling
 from hsieh2014.stated import PIN_1_LOADED, SHOWN
@@ -199,9 +199,9 @@ def slides(found: Motions, rated: PinMotion) -> Claim:
     )
 
 
-def _spread(starts: Sequence[PinMotion], figure: Callable[[PinMotion], float]) -> Spread:
-    return Spread.of(map(figure, starts))
+def _spread(starts: Sequence[PinMotion], figure: Callable[[PinMotion], float]) -> StartSpread:
+    return StartSpread.of(map(figure, starts))
 
 
-def _um(lengths: Spread) -> str:
-    return Spread.of(1e6 * each for each in lengths.values).words
+def _um(lengths: StartSpread) -> str:
+    return StartSpread.of(1e6 * each for each in lengths.values).words

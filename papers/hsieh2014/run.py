@@ -9,32 +9,32 @@ from hsieh2014.authors import authors
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
 from hsieh2014.plan import Plan
-from hsieh2014.stage import Found, Progress, Runs, Stage, Step
+from hsieh2014.stage import Progress, Runs, Stage, StageResult, StageRun
 from hsieh2014.stress import stress
 from hsieh2014.torque import torque
 from hsieh2014.vibration import vibration
 
 STEPS = (
-    Step("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
-    Step("equal", "What differs between the designs", "section 3.1", equal, 0.1, 0.1),
-    Step("input", "Input law", "Fig. 5", input_law, 6, 70),
-    Step("gear_speed", "Angular velocity of the gear", "Fig. 6", gear_speed, 55, 450),
-    Step("q_path", "Path of q", "Fig. 7", q_path, 4, 8),
-    Step("q_velocity", "Velocity of q and its error", "Fig. 8", q_velocity, 0.5, 0.5),
-    Step("pin_1", "Spin and centre of pin 1", "Fig. 9", pin_1, 2, 4),
-    Step("vibration", "Pin against nonpin", "Figs 6-8", vibration, 10, 150),
-    Step("stress", "Grids and stress", "Figs 10-16", stress, 70, 600),
-    Step("torque", "Output torque", "Fig. 19", torque, 8, 120),
+    Stage("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
+    Stage("equal", "What differs between the designs", "section 3.1", equal, 0.1, 0.1),
+    Stage("input", "Input law", "Fig. 5", input_law, 6, 70),
+    Stage("gear_speed", "Angular velocity of the gear", "Fig. 6", gear_speed, 55, 450),
+    Stage("q_path", "Path of q", "Fig. 7", q_path, 4, 8),
+    Stage("q_velocity", "Velocity of q and its error", "Fig. 8", q_velocity, 0.5, 0.5),
+    Stage("pin_1", "Spin and centre of pin 1", "Fig. 9", pin_1, 2, 4),
+    Stage("vibration", "Pin against nonpin", "Figs 6-8", vibration, 10, 150),
+    Stage("stress", "Grids and stress", "Figs 10-16", stress, 70, 600),
+    Stage("torque", "Output torque", "Fig. 19", torque, 8, 120),
 )
 
-AUTHORS = Step("authors", "As the authors may have run it", "Figs 6, 8, 9, 12-16, 19", authors, 120, 300)
+AUTHORS = Stage("authors", "As the authors may have run it", "Figs 6, 8, 9, 12-16, 19", authors, 120, 300)
 """A stage of its own, which `STEPS` do without."""
 
-Report = Callable[[Step, str, float], None]
+Report = Callable[[Stage, str, float], None]
 """Called with a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
 
 
-def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[Stage]:
+def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[StageRun]:
     """Run the steps; an error of one, whatever it is, is kept in its stage.
 
     Parameters
@@ -69,16 +69,16 @@ def pace(passed: float, done: float, whole: float) -> float:
     return (passed + whole / 2) / (done + whole / 2)
 
 
-def _progress(report: Report, step: Step, ends: float, later: float, text: str) -> None:
+def _progress(report: Report, step: Stage, ends: float, later: float, text: str) -> None:
     """Report a step with the time left [s]: until its own end, if that is ahead, and what comes later."""
     report(step, text, max(ends - monotonic(), 0.0) + later)
 
 
-def run_step(step: Step, plan: Plan, runs: Runs, progress: Progress) -> Stage:
+def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRun:
     """Run one step."""
     start = monotonic()
     try:
         found, error = step.work(plan, runs, progress), ""
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
-        found, error = Found(), f"{type(problem).__name__}: {problem}"
-    return Stage(step, found, monotonic() - start, error)
+        found, error = StageResult(), f"{type(problem).__name__}: {problem}"
+    return StageRun(step, found, monotonic() - start, error)

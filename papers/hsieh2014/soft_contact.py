@@ -77,7 +77,7 @@ https://adams.thisaray.com/adams_solver/state_contact.html).
 
 
 @dataclass(frozen=True)
-class Forces:
+class PeakForces:
     """Largest normal force of each kind of contact over the turns that count [N], and how the gear fluctuates.
 
     `tooth` of the gear on a pin or on the internal gear, `seat` of a pin in its socket (of the tooth where there is
@@ -105,7 +105,7 @@ def line_contacts(design: Design) -> SoftContact:
 
 def soft_idle(
     design: Design, contact: SoftContact, chord_error: float, turns: int, seed: int, phase: float = 0.0
-) -> Forces:
+) -> PeakForces:
     """Turn an idle reducer with soft contacts, and give its largest forces.
 
     Parameters
@@ -144,7 +144,7 @@ def soft_idle(
     steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
     found = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
     tooth, seat, cam, output_force, sampled, rms = found[:6].tolist()
-    return Forces(tooth, seat, cam, output_force, sampled, rms, tuple(found[6:].tolist()))
+    return PeakForces(tooth, seat, cam, output_force, sampled, rms, tuple(found[6:].tolist()))
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:

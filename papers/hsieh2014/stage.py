@@ -23,7 +23,7 @@ def silent(text: str) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Plate:
+class PaperFigure:
     """One figure: its `name` as a file, the paper's figure that it stands for, what it shows, and the drawing."""
 
     name: str
@@ -33,21 +33,21 @@ class Plate:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class StageResult:
     """What a stage found: figures, tables, claims, findings for a program, and notes, a sentence each."""
 
-    plates: tuple[Plate, ...] = ()
+    plates: tuple[PaperFigure, ...] = ()
     tables: tuple[Table, ...] = ()
     claims: tuple[Claim, ...] = ()
     findings: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 
-Work = Callable[[Plan, Runs, Progress], Found]
+Work = Callable[[Plan, Runs, Progress], StageResult]
 
 
 @dataclass(frozen=True)
-class Step:
+class Stage:
     """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full."""
 
     key: str
@@ -64,11 +64,11 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class StageRun:
     """A step that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
 
-    step: Step
-    found: Found
+    step: Stage
+    found: StageResult
     seconds: float
     error: str = ""
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from cycloid_mj.comparison import Ranked, Spread
+from cycloid_mj.comparison import Ranked, StartSpread
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import WIDTH, keys, styled
 
@@ -18,7 +18,7 @@ BESIDE = 0.15
 
 
 @styled
-def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Spread]]], quantities: Sequence[Ranked]) -> Figure:
+def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], quantities: Sequence[Ranked]) -> Figure:
     """Draw each quantity in a panel: cases side by side, one mark for each start of each design.
 
     Parameters

@@ -14,7 +14,7 @@ from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import IdleStress, idle_stress
 from hsieh2014.peaks import largest_force, pairs_on
 from hsieh2014.plan import IMPACT, STARTS, Plan, designs, idle_runs, ranges, rated_runs, variations, varied_idle_runs
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import FIGURES, HEIGHTS, ORDER, SHAFT_PEAKS
 from hsieh2014.stress_claims import stress_claims
 from hsieh2014.stress_evidence import Searched
@@ -29,7 +29,7 @@ QUICK_ANGLES = 40
 """Crank angles of a quick study: 9 deg apart, no multiple of the mesh period, so that they fall on ten phases of it."""
 
 
-def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
     starts = {design.name: runs(idle_runs(plan, design)) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
@@ -46,7 +46,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
     wanted = {name: _needed(name, one, rated[name]) for name, one in found.items()}
-    return Found(
+    return StageResult(
         tuple(_plates(found)),
         (_stress_table(found), _force_table(starts, rated), hypothesis.table(soft, wanted)),
         tuple(stress_claims(found, starts, rated, Searched(ranges(plan), varied, hypothesis.reached(soft, wanted)))),
@@ -65,7 +65,7 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, of: in
     progress(f"{design}, {part}, {number + 1} of {of} parts")
 
 
-def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
+def _plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
     from cycloid_mj.plots.stress import grid_figure, map_figure, refinement_figure
 
     for name, one in found.items():
@@ -75,15 +75,15 @@ def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
         words = (
             f"{name}, no load: von Mises stress on every part at the computed crank angle nearest to the paper's 74."
         )
-        yield Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
-        yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
+        yield PaperFigure(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
+        yield PaperFigure(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
     findings = [one.study.findings for one in found.values()]
     yield from height_plates(found)
     words = "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
-    yield Plate("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
+    yield PaperFigure("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
 
 
-def height_plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
+def height_plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
     """Draw Figs 12-16 by both contact laws, with the paper's heights."""
     from hsieh2014.paper_figures import heights_figure
 
@@ -99,7 +99,7 @@ def height_plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
         heights = {name: HEIGHTS[part, name] for name in found if (part, name) in HEIGHTS}
         words += "; long dashes: up to about where the paper's curve reaches." if heights else "."
         marks = SHAFT_PEAKS if part == "shaft" else ()
-        yield Plate(f"fig{number}_stress_{part}", figure, words, heights_figure(curves, heights, marks))
+        yield PaperFigure(f"fig{number}_stress_{part}", figure, words, heights_figure(curves, heights, marks))
 
 
 def settings(plan: Plan) -> "StudySettings":

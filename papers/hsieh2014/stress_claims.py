@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
 from cycloid_mj.base.types import Array
-from cycloid_mj.comparison import Spread, Variation
+from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import ERROR, IdleStress, rated_value, stress_error
 from hsieh2014.plan import CONTACT_RANGES, LEFT_OPEN
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, ORDER
@@ -84,7 +84,7 @@ def height(design: str, part: str, one: IdleStress, evidence: Evidence, searched
     theirs, ours = HEIGHTS[part, design], one.starts[part]
     low, high = LEAST * theirs, MOST * theirs
     cases = {each.words: evidence.sizes(design, part, np.max, each) for each in evidence.varied}
-    cases |= {words: Spread((size,)) for words, size in searched.reached.get((part, design), {}).items()}
+    cases |= {words: StartSpread((size,)) for words, size in searched.reached.get((part, design), {}).items()}
     verdict, sizes = range_verdict(ours, low, high), [*cases.values(), ours]
     if (
         verdict == Verdict.DISAGREES
@@ -109,7 +109,7 @@ def smaller(
 ) -> Claim:
     """Judge whether a part's stress is less without pins: a property `of` its curve over a turn."""
 
-    def sizes(changed: Variation | None) -> tuple[Spread, Spread]:
+    def sizes(changed: Variation | None) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (evidence.sizes(name, part, of, changed) for name in ("pin", "nonpin"))
         return pin, nonpin
 
@@ -133,12 +133,12 @@ def smaller(
     )
 
 
-def _left_open(varied: Mapping[Variation, tuple[Spread, Spread]]) -> dict[str, int]:
+def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]]) -> dict[str, int]:
     """Give the order of pin and nonpin with each thing changed that the paper leaves open."""
     return {each.words: rank_order(*both) for each, both in varied.items() if each.parameter in LEFT_OPEN}
 
 
-def _orders(varied: Mapping[Variation, tuple[Spread, Spread]]) -> list[Removal]:
+def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]]) -> list[Removal]:
     """Judge the order of pin and nonpin with each thing changed alone."""
     return [
         Removal(
@@ -150,7 +150,7 @@ def _orders(varied: Mapping[Variation, tuple[Spread, Spread]]) -> list[Removal]:
     ]
 
 
-def _of(size: Spread) -> str:
+def _of(size: StartSpread) -> str:
     return size.words if len(size.values) > 1 else f"{size.mean:.3g}"
 
 
@@ -158,7 +158,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
     """Judge which part is stressed most, and which least: ours, and by every treatment of contact that was searched."""
     one = evidence.stress[design]
 
-    def sizes(changed: Variation | None) -> list[Spread]:
+    def sizes(changed: Variation | None) -> list[StartSpread]:
         return [evidence.peaks(design, part, changed) for part in ORDER]
 
     verdict, p = _descending(sizes(None))
@@ -192,12 +192,12 @@ def _treatments(design: str, searched: Searched) -> dict[str, list[float]]:
     }
 
 
-def _of_parts(sizes: Sequence[Spread | float]) -> str:
-    texts = [size.words if isinstance(size, Spread) else f"{size:.3g}" for size in sizes]
+def _of_parts(sizes: Sequence[StartSpread | float]) -> str:
+    texts = [size.words if isinstance(size, StartSpread) else f"{size:.3g}" for size in sizes]
     return ", ".join(f"{part} {text}" for part, text in zip(ORDER, texts, strict=True))
 
 
-def _descending(sizes: Sequence[Spread]) -> Part:
+def _descending(sizes: Sequence[StartSpread]) -> Part:
     """Judge whether each part is stressed more than the next one."""
     return jointly([(order_verdict(rank_order(*pair), {})[0], chance(*pair)) for pair in pairwise(sizes)])
 

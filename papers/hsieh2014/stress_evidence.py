@@ -9,7 +9,7 @@ from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Range
 from cycloid_mj.base.types import Array
-from cycloid_mj.comparison import Spread, Variation
+from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import IdleStress
 from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
 from hsieh2014.stated import ORDER
@@ -53,13 +53,15 @@ class Evidence:
         runs = self.forces if changed is None else self.varied[changed]
         return [one[part] for one in runs[design]]
 
-    def sizes(self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None) -> Spread:
+    def sizes(
+        self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None
+    ) -> StartSpread:
         """Give the stress [MPa] of a design's part that a property `of` the force's curve makes, start by start."""
         largest = float(np.mean([curve.max() for curve in self.curves(design, part)]))
         base = self.stress[design].starts[part].mean / largest if largest else 0.0
-        return Spread.of(base * of(curve) for curve in self.curves(design, part, changed))
+        return StartSpread.of(base * of(curve) for curve in self.curves(design, part, changed))
 
-    def peaks(self, design: str, part: str, changed: Variation | None = None) -> Spread:
+    def peaks(self, design: str, part: str, changed: Variation | None = None) -> StartSpread:
         """Give the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""
         if changed is None:
             return self.stress[design].starts[part]

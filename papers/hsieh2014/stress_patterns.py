@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
-from cycloid_mj.comparison import Spread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settled
 from hsieh2014.cycle import cycle
 from hsieh2014.idle_stress import IdleStress, rated_value, stress_error
 from hsieh2014.over_starts import OverStarts, ruling
@@ -57,7 +57,7 @@ def shaft_peaks(one: IdleStress, evidence: Evidence, ranges: Sequence[Range]) ->
     by = [changed.words for changed, angles in others.items() if any(_near_the_papers(angles))]
     verdict = Verdict.DEPENDS if by and verdict == Verdict.DISAGREES else verdict
     mean = largest_of_halves(np.mean(curves, axis=0))
-    at = [Spread.of(angles) for angles in zip(*each, strict=True)]
+    at = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judged(
         found=Value(
             f"the cam's force peaks at {at[0].words} and {at[1].words} deg; over all starts at {mean[0]:g} and "
@@ -88,7 +88,7 @@ def _near_the_papers(pairs: Sequence[tuple[float, float]]) -> list[bool]:
 
 def _angles(pairs: Sequence[tuple[float, float]]) -> str:
     """Tell peaks over starts: their range, the median, and how many starts have both near the paper's."""
-    first, second = (Spread.of(angles) for angles in zip(*pairs, strict=True))
+    first, second = (StartSpread.of(angles) for angles in zip(*pairs, strict=True))
     near = sum(_near_the_papers(pairs))
     return (
         f"{first.words} and {second.words} deg, in the median {median(first.values):g} and "
@@ -104,21 +104,21 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
         alike = [each >= REGULAR for each in likeness(evidence.curves(design, OUTPUT, changed))]
         return most(alike), most_chance(alike)
 
-    def others(changed: Variation | None) -> Spread:
+    def others(changed: Variation | None) -> StartSpread:
         sizes = [evidence.peaks(design, part, changed).values for part in ORDER]
-        return Spread.of(max(each) for each in zip(*sizes, strict=True))
+        return StartSpread.of(max(each) for each in zip(*sizes, strict=True))
 
-    def low(sizes: Spread, changed: Variation | None) -> Part:
+    def low(sizes: StartSpread, changed: Variation | None) -> Part:
         return order_verdict(rank_order(others(changed), sizes), {})[0], chance(others(changed), sizes)
 
-    def words(sizes: Spread, changed: Variation | None) -> str:
-        alike = Spread.of(likeness(evidence.curves(design, OUTPUT, changed)))
+    def words(sizes: StartSpread, changed: Variation | None) -> str:
+        alike = StartSpread.of(likeness(evidence.curves(design, OUTPUT, changed)))
         return (
             f"{sizes.words} MPa, the most stressed other part {others(changed).words} MPa; its force over the turn "
             f"correlates between starts by {alike.words}"
         )
 
-    def removed(what: str, sizes: Spread, changed: Variation | None) -> Removal:
+    def removed(what: str, sizes: StartSpread, changed: Variation | None) -> Removal:
         return Removal(what, words(sizes, changed), jointly([low(sizes, changed), regular(changed)])[0])
 
     verdict, p = jointly([low(ours, None), regular(None)])
@@ -142,15 +142,15 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
     """Judge whether pin 1 is loaded from 350 to 10 deg alone; lobe 1 of the nonpin design stands beside."""
     reach = PIN_1_LOADED[1] + NEAR
 
-    def shares(design: str, changed: Variation | None) -> Spread:
-        return Spread.of(share_near(curve, reach) for curve in evidence.curves(design, PIN_1, changed))
+    def shares(design: str, changed: Variation | None) -> StartSpread:
+        return StartSpread.of(share_near(curve, reach) for curve in evidence.curves(design, PIN_1, changed))
 
     pin, lobe = shares("pin", None), shares("nonpin", None)
     begins, ends, turn, _ = cycle(settled(rated))
     judged = ruling(
         OverStarts(pin.values, {changed: shares("pin", changed).values for changed in evidence.varied}, tuple(ranges)),
         lambda share: share >= MOSTLY,
-        lambda some: f"{_percent(Spread.of(some))} within {reach:g} deg of 0",
+        lambda some: f"{_percent(StartSpread.of(some))} within {reach:g} deg of 0",
     )
     return PIN_1_CYCLE.judged(
         found=spread_value(
@@ -166,5 +166,5 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
     )
 
 
-def _percent(shares: Spread) -> str:
+def _percent(shares: StartSpread) -> str:
     return f"{100 * shares.low:.0f} to {100 * shares.high:.0f} %"

@@ -18,10 +18,10 @@ from cycloid_mj.measure.pool import Progress as Steps
 from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures
 from hsieh2014.plan import Plan, designs, equalised, rated_runs
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import IDEAL, TORQUES, torques
 from hsieh2014.statements import AHEAD, BY_DESIGN, CAPACITY, PRECISION, TORQUE_ORDER, output_torque
-from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, Search, Solution, search
+from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, Solution, TorqueSearch, search
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
@@ -35,7 +35,7 @@ PLAYS = (
 """How far play, with the stiffness that goes with it, was searched for the claims on double lines of contact."""
 
 
-def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Measure the output torque of both designs, as `cycloid-mj measure torque` does."""
     from cycloid_mj.measure import torque as measure_torque
     from cycloid_mj.plots.measure import measurement_figure
@@ -49,7 +49,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
     progress(equalised().name)
     alike = _at_equal_play(plan)
     plates = tuple(
-        Plate(
+        PaperFigure(
             f"fig19_torque_{name}",
             "Fig. 19",
             f"{name}: output torque at 1.048 N m in, its ripple by order, and the output rate by friction with the "
@@ -59,7 +59,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
         for name, one in found.items()
     )
     views, missing = pictures(runs(rated_runs(plan)[:2]))
-    return Found(
+    return StageResult(
         (*views, *plates),
         (
             _columns(found, alike),
@@ -95,7 +95,7 @@ def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
     )
 
 
-def _search_table(searches: Mapping[str, Search]) -> Table:
+def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
     """Give the output rate of both designs over everything that was searched."""
     rows: list[tuple[str | float, ...]] = [
         (bearings.words, friction, *(100 * one.grid[bearings, friction] for one in searches.values()))
@@ -115,7 +115,7 @@ def _named(table: Table, name: str) -> Table:
     return Table(f"{name}: {table.title}", table.header, table.rows)
 
 
-def claims(found: Mapping[str, Measurement], searches: Mapping[str, Search]) -> Iterator[Claim]:
+def claims(found: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
     """Hold each output torque against ours: by number, and else by whether anything left open gives it."""
     for name, ways in TORQUES.items():
         one = found[name]
@@ -154,7 +154,7 @@ def _told(solutions: Sequence[Solution]) -> str:
     return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
-def torque_order(found: Mapping[str, Measurement], searches: Mapping[str, Search]) -> Claim:
+def torque_order(found: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
     """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
     ours = {name: one["output_torque"] for name, one in found.items()}
     error = max(one.quantities["output_torque"].error or 0.0 for one in found.values())

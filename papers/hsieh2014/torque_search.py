@@ -85,7 +85,7 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class Search:
+class TorqueSearch:
     """What the search found for one design.
 
     Attributes
@@ -103,11 +103,11 @@ class Search:
     removed: Mapping[str, float]
 
 
-def search(design: Design, targets: Mapping[str, float]) -> Search:
+def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
     """Search one design for rates by their ways."""
     grid = rates(design, [(bearings, friction) for bearings in SEARCHED for friction in GRID])
     found = {way: _solutions(design, grid, target) for way, target in targets.items()}
-    return Search(grid, found, _removed(design))
+    return TorqueSearch(grid, found, _removed(design))
 
 
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:

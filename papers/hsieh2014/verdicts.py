@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
 
 from cycloid_mj.base.result import Value, Verdict
-from cycloid_mj.comparison import Spread
+from cycloid_mj.comparison import StartSpread
 from cycloid_mj.comparison.starts import ALIKE
 
 SIGNIFICANCE = 0.05
@@ -32,14 +32,14 @@ def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, signif
     return math.ceil(reach**2 / (6.0 * (superiority - 0.5) ** 2))
 
 
-def chance(one: Spread, other: Spread) -> float:
+def chance(one: StartSpread, other: StartSpread) -> float:
     """Compute p of the rank test (Mann and Whitney, two-sided): of starts as different as these if both were alike."""
     from scipy.stats import mannwhitneyu
 
     return float(mannwhitneyu(one.values, other.values).pvalue)
 
 
-def rank_order(one: Spread, other: Spread) -> int:
+def rank_order(one: StartSpread, other: StartSpread) -> int:
     """Tell which of two quantities is larger by the rank test: 1 the first, -1 the second, 0 neither for sure.
 
     Medians a hair apart, by what the step alone may change, are alike whatever the test says.
@@ -108,12 +108,12 @@ def most(holds: Iterable[bool]) -> Verdict:
     return Verdict.AGREES if 2 * sum(seen) > len(seen) else Verdict.DISAGREES
 
 
-def within(ours: Spread, low: float, high: float) -> list[bool]:
+def within(ours: StartSpread, low: float, high: float) -> list[bool]:
     """Tell of each start whether it lies in a range."""
     return [low <= value <= high for value in ours.values]
 
 
-def range_verdict(ours: Spread, low: float, high: float) -> Verdict:
+def range_verdict(ours: StartSpread, low: float, high: float) -> Verdict:
     """Judge whether a quantity lies in a range, in most of its starts."""
     return most(within(ours, low, high))
 
@@ -131,11 +131,11 @@ def jointly(parts: Sequence[Part]) -> Part:
     return together, (min if together == Verdict.DISAGREES else max)(deciding, default=None)
 
 
-def spread_value(text: str, ours: Spread, unit: str) -> Value:
+def spread_value(text: str, ours: StartSpread, unit: str) -> Value:
     """Give the mean of starts as a value, with the lowest and the highest."""
     return Value(text, ours.mean, unit, (ours.low, ours.high))
 
 
-def spread_error(ours: Spread, unit: str) -> Value:
+def spread_error(ours: StartSpread, unit: str) -> Value:
     """Give half the spread of starts as the numerical error of their mean."""
     return Value(f"spread of {len(ours.values)} starts", ours.half, unit)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
-from cycloid_mj.comparison import RANKED, Ranked, Spread, Variation, settled
+from cycloid_mj.comparison import RANKED, Ranked, StartSpread, Variation, settled
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
@@ -38,7 +38,7 @@ from hsieh2014.plan import (
     varied_idle_runs,
     varied_rated_runs,
 )
-from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.statements import fluctuation
 from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_decided, order_verdict, rank_order
 
@@ -56,7 +56,7 @@ CAPTIONS = {
 }
 
 
-def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
+def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Rank the idle fluctuations of both designs over independent starts, and vary what the paper leaves open."""
     # asked for together, so that the runs fill every core
     mains = main_runs(plan)[:2]
@@ -68,7 +68,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     cases = {"as it is": base} | {one.words: found for one, found in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs(starts) for name, starts in finer.items()})}
-    return Found(
+    return StageResult(
         tuple(_plates(plan, runs, cases)),
         (
             _idle_table(cases | (halved if plan.finer_turns else {})),
@@ -91,15 +91,15 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     )
 
 
-def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Plate]:
+def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[PaperFigure]:
     """Draw one turn of each main run, and every idle start of every case."""
     from cycloid_mj.plots.comparison import comparison_figures
     from hsieh2014.starts_figure import starts_figure
 
     drawn = comparison_figures([settled(run) for run in runs(main_runs(plan))])
     for name, (figure, words) in CAPTIONS.items():
-        yield Plate(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
-    yield Plate(
+        yield PaperFigure(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
+    yield PaperFigure(
         "compare_starts",
         "Figs 6-8",
         "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
@@ -132,7 +132,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     )
 
 
-def _varied(variation: Variation, found: Mapping[str, Spread], unit: str) -> Removal:
+def _varied(variation: Variation, found: Mapping[str, StartSpread], unit: str) -> Removal:
     """Judge one quantity with one parameter changed alone."""
     pin, nonpin = found["pin"], found["nonpin"]
     words = f"{pin.words} with pins, {nonpin.words} {unit} without, p = {chance(pin, nonpin):.2g}"
@@ -152,7 +152,7 @@ def _decided(
     return f"{words}; given by the paper: {', '.join(given)}" if given else words
 
 
-def _beside(quantity: Ranked, rated: Mapping[str, Spread]) -> Value:
+def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     pin, nonpin, *others = (one.mean for one in rated.values())
     ratio = rated["pin"].over(rated["nonpin"]).values[0]
     third = "".join(f"; {equalised().name} {level:.3g}" for level in others)
@@ -195,7 +195,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
 
 
 def _spins(found: Sequence[Run]) -> str:
-    means = Spread.of(pin_motion(settled(run)).mean_spin for run in found) if found else None
+    means = StartSpread.of(pin_motion(settled(run)).mean_spin for run in found) if found else None
     return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
 
 
@@ -221,7 +221,7 @@ def _rated_table(cases: Mapping[str, Levels]) -> Table:
     return Table(title, head, tuple(rows))
 
 
-def _cell(rated: Mapping[str, Spread]) -> str:
+def _cell(rated: Mapping[str, StartSpread]) -> str:
     pin, nonpin, *others = (f"{one.mean:.3g}" for one in rated.values())
     return " | ".join([pin, nonpin, f"{rated['pin'].over(rated['nonpin']).values[0]:.2f}", *others])
 

@@ -35,7 +35,7 @@ from cycloid_mj.app.local import LocalOnly
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.page import Page, in_one_line
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import Line, check_lines, error_lines, life_lines, static_lines
+from cycloid_mj.app.shown import FigureLine, check_lines, error_lines, life_lines, static_lines
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli import main
@@ -145,12 +145,12 @@ def test_a_crank_that_stands_still_is_not_run() -> None:
         Runner().run(PRESETS["nonpin"].but(drive={"speed": 0.0}))
 
 
-def dying(mark: Path, _: Design) -> tuple[Line, ...]:
+def dying(mark: Path, _: Design) -> tuple[FigureLine, ...]:
     """End the process it is done in, as a system without memory does, but the first time alone."""
     if mark.exists():
         mark.unlink()
         os.kill(os.getpid(), signal.SIGKILL)
-    return (Line("process", str(os.getpid())),)
+    return (FigureLine("process", str(os.getpid())),)
 
 
 @pytest.mark.slow
@@ -158,7 +158,7 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     mark, workers = tmp_path / "mark", Workers(())
     mark.touch()
 
-    async def all_done() -> list[tuple[Line, ...]]:
+    async def all_done() -> list[tuple[FigureLine, ...]]:
         return await asyncio.gather(*(workers.do(partial(dying, mark), PRESETS["pin"]) for _ in range(3)))
 
     try:
@@ -231,7 +231,7 @@ def on_the_page(visit) -> None:
         async def do(self, work, design):
             if design.load.torque == 13.0:
                 raise ZeroDivisionError("by the thirteenth")
-            return (Line("done", work.__name__),)
+            return (FigureLine("done", work.__name__),)
 
     async def run() -> None:
         async with user_simulation(lambda: Page(PRESETS["pin"], {}, Nobody())) as user:

@@ -103,6 +103,17 @@ def test_whole_file_that_numba_cannot_rebuild_is_passed_over(kernels, tmp_path):
     assert (hits, len(said)) == ((0, 0), 1)
 
 
+def test_index_of_types_that_are_gone_is_passed_over_and_replaced(kernels, tmp_path):
+    kernels()
+    for path in kept(tmp_path):
+        if path.suffix == ".nbi":
+            gone = b"cno_such_module\nGone\n."
+            path.write_bytes(gone + compile_cache._digest(gone))
+    hits, said = kernels()
+    assert (hits, len(said)) == ((0, 0), 1)
+    assert kernels() == ((1, 1), [])
+
+
 def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))

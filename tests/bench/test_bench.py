@@ -29,9 +29,9 @@ from cycloid_mj.bench import (
 )
 from cycloid_mj.bench.calibration import variants
 from cycloid_mj.bench.fit import COVERED, Fitted, fit, widen
-from cycloid_mj.bench.overlay import Bench, model_branches, put_all
+from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
-from cycloid_mj.bench.spread import UNKNOWN, Spread, memory, spread
+from cycloid_mj.bench.spread import UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.reducer import Reducer
@@ -222,7 +222,7 @@ def test_a_leap_has_its_own_torque() -> None:
     model = KNOWN["printed"].model
     for most in (19.0, 20.0, 21.0):
         ends = measured_loop("ends", *[most * course(0.0, 1.0, -1.0, 0.0)] * 2)
-        for torque, turn in model_branches(model, Bench("crank", 0.0), ends):
+        for torque, turn in model_branches(model, LoopCondition("crank", 0.0), ends):
             leap = int(np.argmax(np.abs(np.diff(turn))))
             assert abs(torque[leap]) == pytest.approx(KNOWN["printed"].values["drag"], rel=0.01)
 
@@ -237,7 +237,7 @@ def bench() -> Fitted:
         Model(Reducer(design), Losses()),
         chosen,
         loops,
-        Bench("crank", 0.0),
+        LoopCondition("crank", 0.0),
         start=np.concatenate([near, np.zeros(2 * len(loops))]),
         intervals=False,
     )
@@ -352,7 +352,7 @@ def test_an_interval_reaches_into_every_valley() -> None:
             near = 0.0 if start[0] < 1.5 else 3.0
             return 1.0 + (0.05 if near else 0.0) + 0.5 * float(start[0] - near) ** 2, start
 
-    sure = Spread(np.eye(1) * 0.25, np.eye(1), np.ones((50, 1)), np.ones(50))
+    sure = FitUncertainty(np.eye(1) * 0.25, np.eye(1), np.ones((50, 1)), np.ones(50))
     ends = np.array([[-1.0, 1.0]])
     found = SimpleNamespace(spread=sure, places=np.array([0.0]), ends=ends, at_bound=np.array([False]))
     assert widen(Valleys(), found, [(1.0, np.array([0.0])), (1.05, np.array([3.0])), (9.0, np.array([-5.0]))]) is None

@@ -246,7 +246,7 @@ def two_samples(monkeypatch):
         groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
-            yield cycloid_mj.dynamics.run.Block(
+            yield cycloid_mj.dynamics.run.SampleBlock(
                 time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()}
             )
             if first and ends:

@@ -14,7 +14,7 @@ import pytest
 import cycloid_mj.dynamics.run
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli import main
-from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, Options, all_cases
+from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
 from cycloid_mj.cli.flags import designed
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
 from cycloid_mj.comparison.conditions import conditions
@@ -112,7 +112,7 @@ def instant(monkeypatch):
         values = {topic: np.zeros((len(time), len(group))) for topic, group in groups.items()}
         values["/reducer"] = random.normal(size=values["/reducer"].shape)
         values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = reducer.design.drive.speed * time
-        yield cycloid_mj.dynamics.run.Block(time, values)
+        yield cycloid_mj.dynamics.run.SampleBlock(time, values)
 
     monkeypatch.setattr(cycloid_mj.dynamics.run, "blocks", blocks)
     return ran
@@ -330,7 +330,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
         groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
         for first in range(0, 2000, 2):
             time = 1e-4 * np.arange(first, first + 2)
-            yield cycloid_mj.dynamics.run.Block(
+            yield cycloid_mj.dynamics.run.SampleBlock(
                 time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()}
             )
             if reducer.design.name == "nonpin":
@@ -493,7 +493,7 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
 @pytest.mark.parametrize("names", [("printed", "pin"), ("pin", "printed"), ("printed", "nonpin")], ids=" ".join)
 def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
     """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
-    options = Options(load_nm=5.0)
+    options = CompareOptions(load_nm=5.0)
     first = designed(names[0], DEFAULTS, ())
     cases = all_cases([designed(name, (), ()) for name in names], first, options)
     for load in (0.0, 5.0):

@@ -15,7 +15,7 @@ from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.comparison import (
     STARTS,
     SWEEP,
-    Spread,
+    StartSpread,
     Trial,
     Variation,
     all_started,
@@ -32,7 +32,7 @@ from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.ranking import FEWEST_TURNS, SIGNIFICANCE, Ranking, summary
-from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity, sensitivities
+from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, SensitivityPoint, sensitivities
 from cycloid_mj.comparison.vibration import acceleration, spectrum
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.papers import vibration
@@ -223,14 +223,16 @@ def test_differences_are_told_in_the_words_of_the_file():
 
 def ranking(pin: tuple[float, ...], nonpin: tuple[float, ...], figure: str = "Fig. 6", load: float = 36.0) -> Ranking:
     levels = [Level(float(np.sqrt(np.mean(np.square(values)))), values) for values in (pin, nonpin)]
-    starts = (Spread.of([level.rms]) for level in levels)
+    starts = (StartSpread.of([level.rms]) for level in levels)
     return Ranking("gear speed", figure, "rad/s", load, "pin", "nonpin", *levels, *starts)
 
 
 def idle_ranking(pin: Sequence[float], nonpin: Sequence[float]) -> Ranking:
     """Starts without load; their turns, of which none is like another's, must not matter."""
     levels = Level(9.0, (9.0, 9.1, 9.2, 9.3)), Level(1.0, (1.0, 1.1, 1.2, 1.3))
-    return Ranking("gear speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, Spread.of(pin), Spread.of(nonpin))
+    return Ranking(
+        "gear speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, StartSpread.of(pin), StartSpread.of(nonpin)
+    )
 
 
 def eight(low: float, high: float, count: int = STARTS) -> list[float]:
@@ -521,7 +523,7 @@ def test_sensitivity_states_the_change_with_each_assumption():
     [(1.0, 1.9, True), (1.0, 0.55, True), (1.0, 2.1, False), (1.0, -0.9, False), (0.0, 0.0, True), (0.0, 1.0, False)],
 )
 def test_a_figure_is_determined_within_a_factor_of_two_and_by_its_sign(figure, changed, determined):
-    responses = (Response("creep speed", "1 mm/s", changed),)
+    responses = (SensitivityPoint("creep speed", "1 mm/s", changed),)
     assert Sensitivity("spin", "rad/s", "pin", 36.0, figure, responses).determined == determined
 
 

@@ -35,7 +35,7 @@ from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.geometry.modification import gear_profile, profile_offset
 from cycloid_mj.log import read
 from cycloid_mj.parts import mass_properties, parts
-from cycloid_mj.parts.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
+from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, fill, polygon_body, surfaces
 from cycloid_mj.parts.export import read_stl
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.replay import replay_model
@@ -656,7 +656,7 @@ def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
         assert found["largest_mesh_period_error_percent"] < 1.0
 
 
-def spoiled(surface: Surface) -> Surface:
+def spoiled(surface: ConvexSurface) -> ConvexSurface:
     """Move one slice out of the material by 0.5 um."""
     first, *others = surface.places
     return dataclasses.replace(surface, places=(dataclasses.replace(first, centre=(0.0, 0.5e-6)), *others))
@@ -666,7 +666,7 @@ def spoiled(surface: Surface) -> Surface:
 def test_what_is_worse_than_its_bound_is_an_error_and_no_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def wrong(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
+    def wrong(design: Design, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
         teeth, *others = surfaces(Reducer(design), settings)
         return (spoiled(teeth), *others)
 

@@ -19,10 +19,10 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore import journal, sweep, sweeps
-from cycloid_mj.explore.measured import Options
+from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.points import MOST_POINTS, grid, sampled, tabled
 from cycloid_mj.explore.ranks import ranks, shown
-from cycloid_mj.explore.row import Row, Task
+from cycloid_mj.explore.row import PointResult, Task
 from cycloid_mj.plots import save
 from cycloid_mj.plots.explored import sweep_figure
 from cycloid_mj.reducer import Reducer
@@ -266,8 +266,12 @@ def made_up(vary: dict[str, object], spoiled: int = -1) -> sweeps.Sweep:
     for place, values in enumerate(points.rows):
         number = float(values[0]) if not isinstance(values[0], str) else 1.0
         good = {"rising_mm": number, "falling_long_name_that_has_to_be_folded_somewhere_n": -(number**3) + place}
-        rows[place] = Row(error="<spoiled>") if place == spoiled else Row({**good, "word": "a"}, {"rising_mm": "mm"})
-    return sweeps.Sweep(Task(Reducer(PIN), points.keys, ("mass",), Options()), points, rows)
+        rows[place] = (
+            PointResult(error="<spoiled>")
+            if place == spoiled
+            else PointResult({**good, "word": "a"}, {"rising_mm": "mm"})
+        )
+    return sweeps.Sweep(Task(Reducer(PIN), points.keys, ("mass",), MeasureSettings()), points, rows)
 
 
 SHAPES = {

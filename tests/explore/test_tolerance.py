@@ -22,7 +22,7 @@ from cycloid_mj.explore.verify import Verified, verified
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit, stops, tightest
-from cycloid_mj.statics.samples import Figures, solve_samples
+from cycloid_mj.statics.samples import SampleFigures, solve_samples
 from cycloid_mj.statics.springs import springs_of
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
@@ -152,7 +152,7 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
-    zones, block = draw.tolerances(Reducer(design)), draw.Block(0, 3)
+    zones, block = draw.tolerances(Reducer(design)), draw.Batch(0, 3)
     found, made = (
         draw.drawn_columns(draw.departures(Reducer(design), zones, 0, block)),
         draw.drawn(Reducer(design), zones, 0, block),
@@ -348,9 +348,11 @@ def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
 
 @pytest.mark.slow
 def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeypatch) -> None:
-    def without_the_eighth(*given: Any) -> list[Figures]:
+    def without_the_eighth(*given: Any) -> list[SampleFigures]:
         one = solve_samples(*given)
-        return [Figures(*(np.where(np.arange(value.size) == 7, np.nan, value) for value in astuple(of))) for of in one]
+        return [
+            SampleFigures(*(np.where(np.arange(value.size) == 7, np.nan, value) for value in astuple(of))) for of in one
+        ]
 
     monkeypatch.setattr(figures, "solve_samples", without_the_eighth)
     words = {"pin_position": "normal 0.1", "hole_position": "normal 0.1", "eccentricity": "normal 0.1", "cam": "H7/g6"}
@@ -430,11 +432,11 @@ def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
     design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
     zones = draw.tolerances(Reducer(design))
     assert list(zones) == ["profile_2", "profile_35"]
-    waves = draw.departures(Reducer(design), zones, 0, draw.Block(0, 512, compared=True))
+    waves = draw.departures(Reducer(design), zones, 0, draw.Batch(0, 512, compared=True))
     for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
         assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
         assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)
-    made = draw.drawn(Reducer(design), zones, 0, draw.Block(0, 4))
+    made = draw.drawn(Reducer(design), zones, 0, draw.Batch(0, 4))
     assert np.flatnonzero(np.any(made.waves != 0.0, axis=(0, 2))).tolist() == [1, 34]
 
 

@@ -21,7 +21,7 @@ from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts.gear import gear_outline
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.validate import backlash, equilibrium, rig
-from cycloid_mj.validate.gaps import Pose, flanks_of, pin_gaps, rotate
+from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
 
 MODIFICATIONS = {
     "strong rotation": ["modification.rotation_arcsec=150.0"],
@@ -211,7 +211,7 @@ def test_pins_touch_the_polygons(name: str) -> None:
     difference, count = 0.0, 0
     for _ in range(30):
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-8e-6, 8e-6, 2), rng.uniform(-1e-4, 1e-4)
-        pose = Pose(1e-3 * np.array([-np.sin(crank), np.cos(crank)]) + shift, -crank / 35 + turn)
+        pose = GearPose(1e-3 * np.array([-np.sin(crank), np.cos(crank)]) + shift, -crank / 35 + turn)
         expected = polygons.distance(pose.to_gear(centres)) - nominal.pin_radius
         seen = gaps_of_pins(compiled, pose, crank)
         near = expected < 4.5e-5
@@ -226,7 +226,7 @@ def test_pins_touch_the_polygons(name: str) -> None:
     assert difference > 1e-6
 
 
-def gaps_of_pins(compiled, pose: Pose, crank: float) -> np.ndarray:
+def gaps_of_pins(compiled, pose: GearPose, crank: float) -> np.ndarray:
     """Gap of each pin by the collider, at a stiffness factor of one: closed contacts would be scaled."""
     model, data = compiled.model, mujoco.MjData(compiled.model)
     model.pair_margin[:] = 1e-3
@@ -319,7 +319,7 @@ def test_a_turn_that_leaves_no_lobe_is_refused() -> None:
 def test_a_displaced_pin_shows_in_its_gap() -> None:
     """Finite differences: n . d for the place, minus one for the radius; no other gap changes."""
     step, crank, gear = 1e-8, float(np.arcsin(0.3)), CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
-    pose = Pose(np.array([-3e-4, np.sqrt(1e-6 - 9e-8)]) + 2e-6, -crank / 35 + 3e-5)
+    pose = GearPose(np.array([-3e-4, np.sqrt(1e-6 - 9e-8)]) + 2e-6, -crank / 35 + 3e-5)
     plain = gaps_of_pins(build(pin()), pose, crank)
     normals = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear))).normals
     for number in (1, 30):

@@ -30,7 +30,7 @@ from cycloid_mj.life.surfaces import HARDEST, pitting_cycles, pitting_pressure
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import lasting
-from cycloid_mj.validate.row import Outcome
+from cycloid_mj.validate.row import RowOutcome
 
 PIN = PRESETS["pin"]
 RPM = math.pi / 30.0
@@ -268,7 +268,7 @@ def test_twice_the_torque_through_the_real_statics(found) -> None:
 def test_published_cases_hold(rows) -> None:
     """Catalogue within 5 %, case K within 0.5 %, worked examples within 1 %."""
     for row in rows(True):
-        assert row.verdict is Outcome.PASS, row
+        assert row.verdict is RowOutcome.PASS, row
         assert row.difference < row.bound / 1.9, row
 
 

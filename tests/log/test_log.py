@@ -21,7 +21,7 @@ from mcap.writer import CompressionType, Writer
 
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
-from cycloid_mj.log import Group, LogWriter, read
+from cycloid_mj.log import ColumnGroup, LogWriter, read
 
 GROUPS = {
     "/reducer": [("crank_angle", "rad"), ("gear_torque", "N m"), ("transmission_error", "rad")],
@@ -188,7 +188,7 @@ def test_records_come_in_the_order_of_the_format(log):
 
 def test_protobuf_would_write_the_same_bytes():
     """Keys of one and of two bytes: the encoder against google.protobuf's (it leaves out zeros, so there are none)."""
-    group = Group("/pins", {f"force_{k}": "N" for k in range(40)})
+    group = ColumnGroup("/pins", {f"force_{k}": "N" for k in range(40)})
     files = descriptor_pb2.FileDescriptorSet.FromString(group.schema())
     pool = descriptor_pool.DescriptorPool()
     message = message_factory.GetMessages(files.file, pool=pool)["cycloid_mj.Pins"]
@@ -442,7 +442,7 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
         return fields | {"data": fields["data"][:1] + np.float64(7.5).tobytes() + fields["data"][9:]}
 
     units = {"units": json.dumps(dict(GROUPS["/reducer"]))}
-    int_schema = Group("/reducer", dict(GROUPS["/reducer"])).schema().replace(b"\x28\x01", b"\x28\x06")
+    int_schema = ColumnGroup("/reducer", dict(GROUPS["/reducer"])).schema().replace(b"\x28\x01", b"\x28\x06")
     return {
         "foreign": (on("metadata", lambda _: None), "not a log of cycloid_mj"),
         "version": (
@@ -474,7 +474,7 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
             lambda kind, f: (
                 f | {"metadata": units}
                 if kind == "channel"
-                else f | {"data": Group("/reducer", dict(GROUPS["/reducer"])).schema()}
+                else f | {"data": ColumnGroup("/reducer", dict(GROUPS["/reducer"])).schema()}
                 if kind == "schema"
                 else f | {"data": f["data"][:36]}
                 if kind == "message"

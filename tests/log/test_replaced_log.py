@@ -145,7 +145,7 @@ def at_the_end(monkeypatch):
             values = {topic: np.zeros((2, len(group))) for topic, group in groups.items()}
             values["/reducer"][:, list(groups["/reducer"]).index("crank_speed")] = speed
             values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = time * speed
-            yield cycloid_mj.dynamics.run.Block(time, values)
+            yield cycloid_mj.dynamics.run.SampleBlock(time, values)
             if not first and calls:
                 calls.pop()()
 

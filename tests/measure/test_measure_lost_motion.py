@@ -13,7 +13,7 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.swing import closed_stiffness
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.hysteresis import Loop
+from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.reducer import Reducer, limits
@@ -26,7 +26,7 @@ FIXED = at_rated_load(Reducer(override(PRESETS["pin"], ['ring.pins="fixed"'])))
 CRANK = 1.7
 
 
-def made_loop(play_width: float, compliance: float, friction: float) -> Loop:
+def made_loop(play_width: float, compliance: float, friction: float) -> HysteresisLoop:
     """Give a loop of a spring behind a play, with a width of friction in proportion to the torque."""
     phase = np.linspace(0.25, 1.25, 4000, endpoint=False)
     torque = 30.0 * np.sin(2.0 * np.pi * phase) ** 5
@@ -34,7 +34,7 @@ def made_loop(play_width: float, compliance: float, friction: float) -> Loop:
     unloading = np.where((phase % 0.5) >= 0.25, 1.0, -1.0)
     turn = side * play_width / 2 + compliance * torque * (1.0 + friction * unloading)
     run = Run(time=phase, columns={"x": turn}, units={"x": "rad"})
-    return Loop(0.0, 30.0, phase, torque, turn, 0.5 * turn, -turn, run)
+    return HysteresisLoop(0.0, 30.0, phase, torque, turn, 0.5 * turn, -turn, run)
 
 
 def test_readings_of_a_known_curve():
@@ -55,12 +55,12 @@ def test_work_of_a_loop_is_its_area():
 
 
 @pytest.fixture(scope="module")
-def ideal_loop() -> Loop:
+def ideal_loop() -> HysteresisLoop:
     rated = FIXED.design.rated_torque
     return hysteresis.loop(bench.ideal(FIXED), CRANK, rated, hysteresis.slow_period(FIXED, rated))
 
 
-def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
+def test_loop_without_friction_is_the_static_balance(ideal_loop: HysteresisLoop):
     solved = windups(FIXED, [CRANK], ideal_loop.rated)[0]
     # left: inertia, damping and the straight lines through the readings, 0.05 %, 0.07 %, and 0.26 % of the mesh
     assert ideal_loop.stiffness == pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.0015)
@@ -71,13 +71,13 @@ def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
         assert series[part] == pytest.approx(value, rel=0.008 if part == "mesh" else 0.0015), part
 
 
-def test_balance_of_a_softer_cam_is_another(ideal_loop: Loop):
+def test_balance_of_a_softer_cam_is_another(ideal_loop: HysteresisLoop):
     softer = override(FIXED.design, ["stiffness.cam_n_m=4.0e8"])
     solved = windups(Reducer(softer), [CRANK], ideal_loop.rated)[0]
     assert ideal_loop.stiffness != pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.03)
 
 
-def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: Loop):
+def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: HysteresisLoop):
     low, high = limits.stops(FIXED, CRANK)
     # the contacts that close first are softer than the line that is drawn on to zero
     assert ideal_loop.backlash == pytest.approx(high - low, rel=0.005)

@@ -33,9 +33,9 @@ from hsieh2014.page import reproduction_page
 from hsieh2014.plan import IMPACT, QUICK, TIGHT, at_speed, designs, idle_runs
 from hsieh2014.plan import STARTS as STARTS_OF_PAPER
 from hsieh2014.run import STEPS
-from hsieh2014.stage import Found, Stage, silent
+from hsieh2014.stage import StageResult, StageRun, silent
 from hsieh2014.stress_evidence import Evidence, Searched
-from hsieh2014.torque_search import GRID, SEARCHED, WITHOUT, Search, Solution
+from hsieh2014.torque_search import GRID, SEARCHED, WITHOUT, Solution, TorqueSearch
 from hsieh2014.verdicts import (
     POWER,
     SIGNIFICANCE,
@@ -51,7 +51,7 @@ from hsieh2014.verdicts import (
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.base.result import Quantity, Verdict
-from cycloid_mj.comparison import Spread, gravity_turn, order, started
+from cycloid_mj.comparison import StartSpread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
@@ -67,11 +67,11 @@ FEW = replace(QUICK, varied_starts=6)
 
 
 def test_an_order_counts_where_the_starts_do_not_overlap():
-    low, high, wide = Spread((1.0, 1.2)), Spread((2.0, 3.0)), Spread((1.1, 2.5))
+    low, high, wide = StartSpread((1.0, 1.2)), StartSpread((2.0, 3.0)), StartSpread((1.1, 2.5))
     assert (order(high, low), order(low, high)) == (1, -1)
     assert order(wide, low) == order(low, wide) == order(wide, high) == 0
     # a hair apart is alike, by what the step alone may change
-    assert order(Spread((1.0, 1.01)), Spread((0.98, 0.99))) == 0
+    assert order(StartSpread((1.0, 1.01)), StartSpread((0.98, 0.99))) == 0
 
 
 @pytest.mark.parametrize(
@@ -91,9 +91,9 @@ def test_an_order_depends_only_on_what_turns_it_round(found, varied, verdict):
 
 
 def test_a_height_and_a_pattern_need_most_starts():
-    assert range_verdict(Spread(tuple(np.linspace(5.0, 9.0, 12))), 5.0, 11.0) == "agrees"
-    assert range_verdict(Spread(tuple(np.linspace(0.0, 9.0, 12))), 5.0, 11.0) == "not determined"
-    assert range_verdict(Spread((0.1,) * 12), 5.0, 11.0) == "disagrees"
+    assert range_verdict(StartSpread(tuple(np.linspace(5.0, 9.0, 12))), 5.0, 11.0) == "agrees"
+    assert range_verdict(StartSpread(tuple(np.linspace(0.0, 9.0, 12))), 5.0, 11.0) == "not determined"
+    assert range_verdict(StartSpread((0.1,) * 12), 5.0, 11.0) == "disagrees"
     # two of twelve that stray decide nothing, three do
     assert [most([True] * (12 - count) + [False] * count) for count in (0, 2, 3, 9, 10, 12)] == [
         *("agrees", "agrees", "not determined", "not determined", "disagrees", "disagrees")
@@ -318,9 +318,9 @@ def test_shares_and_likeness_of_curves():
 def stressed(thicker=False, **sizes):
     """Stress of a design: part -> its starts [MPa], and ten times as much at the rated load."""
     parts = (*stated.ORDER, "output", "pin_1")
-    full = {part: Spread(tuple(np.linspace(*sizes.get(part, (0.1, 0.2)), 12))) for part in parts}
-    rated = {part: Spread.of(10.0 * value for value in one.values) for part, one in full.items()}
-    outputs = {"output pins as cantilevers": Spread((0.01,) * 12)} if thicker else {}
+    full = {part: StartSpread(tuple(np.linspace(*sizes.get(part, (0.1, 0.2)), 12))) for part in parts}
+    rated = {part: StartSpread.of(10.0 * value for value in one.values) for part, one in full.items()}
+    outputs = {"output pins as cantilevers": StartSpread((0.01,) * 12)} if thicker else {}
     return SimpleNamespace(starts=full, rated=rated, error=lambda part: 0.01, outputs=outputs)
 
 
@@ -372,18 +372,18 @@ def test_a_height_that_a_treatment_of_contact_reaches_depends(idle):
 
 
 def test_a_rank_test_orders_designs_and_its_starts_are_enough():
-    low, high = Spread(tuple(np.linspace(1.0, 1.6, 12))), Spread(tuple(np.linspace(1.5, 3.0, 12)))
+    low, high = StartSpread(tuple(np.linspace(1.0, 1.6, 12))), StartSpread(tuple(np.linspace(1.5, 3.0, 12)))
     assert (rank_order(high, low), rank_order(low, high), rank_order(low, low)) == (1, -1, 0)
     assert chance(low, high) < 0.001
     # two starts tell nothing, and a hair apart is alike, however sure
-    assert rank_order(Spread((1.0, 1.1)), Spread((2.0, 2.1))) == 0
-    hair = Spread(tuple(np.linspace(1.02, 1.03, 12)))
-    assert rank_order(hair, Spread(tuple(np.linspace(1.0, 1.01, 12)))) == 0
+    assert rank_order(StartSpread((1.0, 1.1)), StartSpread((2.0, 2.1))) == 0
+    hair = StartSpread(tuple(np.linspace(1.02, 1.03, 12)))
+    assert rank_order(hair, StartSpread(tuple(np.linspace(1.0, 1.01, 12)))) == 0
     assert STARTS_OF_PAPER >= starts_needed() == 11
     # simulated: normal starts of which one design has more in nine of ten pairs
     draw, apart = np.random.default_rng(5), 1.2816 * math.sqrt(2.0)
     pairs = [(draw.normal(apart, 1.0, starts_needed()), draw.normal(0.0, 1.0, starts_needed())) for _ in range(400)]
-    found = np.mean([chance(Spread(tuple(one)), Spread(tuple(other))) < SIGNIFICANCE for one, other in pairs])
+    found = np.mean([chance(StartSpread(tuple(one)), StartSpread(tuple(other))) < SIGNIFICANCE for one, other in pairs])
     assert found > POWER - 0.03
 
 
@@ -489,7 +489,7 @@ def searched(rate, *solved, ways=("simulated", "measured")):
     """A search with one rate everywhere in which a friction of the teeth was found, or none."""
     given = tuple(Solution(WITHOUT, friction, reached) for friction, reached in solved)
     grid = {(bearings, friction): rate for bearings in SEARCHED for friction in GRID}
-    return Search(grid, dict.fromkeys(ways, given), {"friction of the teeth": 1.0})
+    return TorqueSearch(grid, dict.fromkeys(ways, given), {"friction of the teeth": 1.0})
 
 
 def test_torque_agrees_by_number_else_depends_on_friction_or_disagrees():
@@ -550,7 +550,7 @@ def test_the_page_names_the_load_of_every_claim(calm):
             {"pin": measured(34.6), "nonpin": measured(33.0)}, {"pin": searched(0.9), "nonpin": searched(0.9)}
         ),
     )
-    page = reproduction_page([Stage(STEPS[0], Found(claims=claims), 1.0)], [], {}, ())
+    page = reproduction_page([StageRun(STEPS[0], StageResult(claims=claims), 1.0)], [], {}, ())
     assert page.count("<td>no load</td>") == len(calm.claims)
     assert page.count("<td>1.048 N m in</td>") == 1
     assert page.count('class="not-determined"') == sum(each.verdict == "not determined" for each in calm.claims) > 0

@@ -5,7 +5,7 @@ import pytest
 from hsieh2014.paper_figures import heights_figure, picture_figure
 from hsieh2014.starts_figure import TICKS, starts_figure
 
-from cycloid_mj.comparison import RANKED, Spread
+from cycloid_mj.comparison import RANKED, StartSpread
 
 
 def drawn(figure):
@@ -36,7 +36,7 @@ def test_a_stress_goes_all_round_a_turn_within_its_frame():
 
 @pytest.mark.parametrize("size", [1e-3, 70.0])
 def test_starts_stand_whole_on_axes_with_few_numbers(size):
-    values = Spread.of(size * np.geomspace(1.0, 30.0, 12))
+    values = StartSpread.of(size * np.geomspace(1.0, 30.0, 12))
     cases = {
         name: {one.key: {"pin": values, "nonpin": values} for one in RANKED} for name in ("as it is", "pins fixed")
     }

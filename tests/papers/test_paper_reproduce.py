@@ -22,7 +22,7 @@ from hsieh2014.page import TALLY as PAGE_TALLY
 from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
-from hsieh2014.stage import Found, silent
+from hsieh2014.stage import StageResult, silent
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.base.errors import RunError, UsageError
@@ -218,7 +218,7 @@ def test_the_time_left_follows_the_pace(monkeypatch):
     def slow(plan, runs, progress):
         clock[0] += 100.0
         progress("late")
-        return Found()
+        return StageResult()
 
     monkeypatch.setattr(stages, "monotonic", lambda: clock[0])
     monkeypatch.setattr(stages, "STEPS", (replace(stages.STEPS[0], work=slow), stages.STEPS[1]))
@@ -297,7 +297,7 @@ def test_every_stage_has_a_name_and_a_time():
     # on two free cores: quick under 3 minutes, full under 25
     assert sum(step.quick for step in stages.STEPS) < 180
     assert sum(step.full for step in stages.STEPS) < 1500
-    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, Found)
+    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, StageResult)
 
 
 # --- the page of the documentation

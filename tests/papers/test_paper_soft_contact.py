@@ -10,7 +10,7 @@ import pytest
 from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import heaviest, idle_stress, joined
 from hsieh2014.plan import FULL, QUICK, at_speed
-from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets, in_millimetres, soft_idle
+from hsieh2014.soft_contact import GENERIC, STEEL, PeakForces, SoftContact, _facets, in_millimetres, soft_idle
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.run import simulate
@@ -24,7 +24,7 @@ PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 
 
 @cache
-def turned(error: float) -> Forces:
+def turned(error: float) -> PeakForces:
     """The nonpin design with facets of a chord error [m]."""
     return soft_idle(NONPIN, STEEL, error, 1, 0)
 
@@ -84,7 +84,7 @@ def test_the_hypothesis_holds_forces_against_those_the_paper_would_take():
     assert len(hypothesis.soft_cases(FULL)) > len(hypothesis.soft_cases(QUICK))
     needed = hypothesis.needed({"shaft": 32.0, "ring": 6.5}, {"shaft": 1400.0, "ring": 150.0}, "pin")
     assert needed == pytest.approx({"shaft": 7000.0, "ring": 1500.0})
-    found = {case: Forces(*range(1, 6)) for case in hypothesis.soft_cases(QUICK)}
+    found = {case: PeakForces(*range(1, 6)) for case in hypothesis.soft_cases(QUICK)}
     wanted = dict.fromkeys(("pin", "nonpin"), needed)
     told = hypothesis.as_json(found, wanted)
     assert told["status"] == "hypothesis"

@@ -13,9 +13,9 @@ from cycloid_mj.parts import Prism, circle, mass_properties, mesh, parts
 from cycloid_mj.parts.convex import (
     CoacdSettings,
     ConvexSettings,
-    Place,
+    ConvexSurface,
     Sector,
-    Surface,
+    SlicePlacement,
     coacd_pieces,
     decompose,
     fill,
@@ -228,7 +228,7 @@ def test_settings_out_of_range_are_refused() -> None:
 
 def test_mirrored_places_are_mirror_images() -> None:
     surface = gear_teeth(Reducer(PIN), SETTINGS)
-    plain, mirrored = Place(0, 1, 0.0), Place(0, 1, 0.0, mirrored=True)
+    plain, mirrored = SlicePlacement(0, 1, 0.0), SlicePlacement(0, 1, 0.0, mirrored=True)
     one, other = placed_outline(surface, plain), placed_outline(surface, mirrored)
     np.testing.assert_array_equal(one * [-1.0, 1.0], other[::-1])
     assert area_moments(other).area > 0.0
@@ -274,6 +274,6 @@ def test_discs_of_unlike_size_have_teeth_of_their_own() -> None:
 
 def test_a_surface_is_a_value() -> None:
     first, second = (gear_teeth(Reducer(PIN), SETTINGS) for _ in range(2))
-    assert isinstance(first, Surface)
+    assert isinstance(first, ConvexSurface)
     for one, other in zip(first.slices, second.slices, strict=True):
         np.testing.assert_array_equal(one.outline, other.outline)

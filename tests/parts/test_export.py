@@ -24,7 +24,7 @@ from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.parts import mass_properties, mesh, parts
 from cycloid_mj.parts.export import Spline, export, part_sections, read_stl, read_volume, step_part, stl_bytes
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, LineSegment, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import _walls
 from cycloid_mj.parts.polygon import area_moments
@@ -163,7 +163,7 @@ def test_splines_converge_with_the_fourth_power() -> None:
     """Twice the spans, a sixteenth of the deviation: measured where the fit would stop, on a wave."""
     from cycloid_mj.parts.export import curve
 
-    wave = Flank(
+    wave = SmoothCurve(
         points=lambda t: np.column_stack([t, np.zeros_like(t)]) + 1e-3 * np.column_stack([np.zeros_like(t), np.sin(t)]),
         arc_length=lambda t: np.asarray(t, float),
         tangents=lambda t: np.column_stack([np.ones_like(t), 1e-3 * np.cos(t)]),
@@ -183,8 +183,8 @@ def test_splines_converge_with_the_fourth_power() -> None:
 def test_curves_turn_clockwise() -> None:
     quarter = np.pi / 2.0
     assert turned_curve(Circle((0.0, 1.0), 0.5), quarter).centre == pytest.approx((1.0, 0.0))  # type: ignore[union-attr]
-    line = turned_curve(Line((0.0, 1.0), (0.0, 2.0)), quarter)
-    assert isinstance(line, Line)
+    line = turned_curve(LineSegment((0.0, 1.0), (0.0, 2.0)), quarter)
+    assert isinstance(line, LineSegment)
     assert line.end == pytest.approx((2.0, 0.0))
     arc = turned_curve(Arc((0.0, 0.0), 1.0, 0.0, 1.0), quarter)
     assert isinstance(arc, Arc)

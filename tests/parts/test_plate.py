@@ -17,7 +17,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry.modification import gear_profile
 from cycloid_mj.parts import mass_properties, output_centres, parts, sleeve_core_radius
-from cycloid_mj.parts.export import Plate, bill, bill_csv, export, plate, read_stl, stl_bytes, widened
+from cycloid_mj.parts.export import PrintPlate, bill, bill_csv, export, plate, read_stl, stl_bytes, widened
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
 from cycloid_mj.parts.export.printing import made
@@ -73,14 +73,14 @@ BOUGHT = {
 
 
 @pytest.fixture(scope="module", params=DESIGNS)
-def laid(request: pytest.FixtureRequest) -> tuple[str, Design, Plate, np.ndarray]:
+def laid(request: pytest.FixtureRequest) -> tuple[str, Design, PrintPlate, np.ndarray]:
     """Give a design by its name, its plate with the offset, and the triangles of the plate's STL [m]."""
     design = DESIGNS[request.param]
     found = plate(widened(Reducer(design), OFFSET), CHORD_ERROR)
     return request.param, design, found, 1e-3 * read_stl(stl_bytes(found.mesh, 1e3))
 
 
-def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, Plate, np.ndarray]) -> None:
+def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     """Boxes are apart; each triangle is in one; each box has its part's volume, closed, and stands on z = 0."""
     _, design, found, triangles = laid
     solids = {name: part.solid for name, part in made(widened(Reducer(design), OFFSET), CHORD_ERROR).items()}
@@ -99,7 +99,7 @@ def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, Plate
     assert (inside == 1).all()
 
 
-def test_the_plate_has_what_is_made_and_the_bill_all_of_it(laid: tuple[str, Design, Plate, np.ndarray]) -> None:
+def test_the_plate_has_what_is_made_and_the_bill_all_of_it(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     name, design, found, _ = laid
     items = bill(Reducer(design))
     if name in ON_PLATE:
@@ -111,7 +111,7 @@ def test_the_plate_has_what_is_made_and_the_bill_all_of_it(laid: tuple[str, Desi
     assert len({item.item for item in items}) == len(items)
 
 
-def test_the_offset_is_in_the_outlines(laid: tuple[str, Design, Plate, np.ndarray]) -> None:
+def test_the_offset_is_in_the_outlines(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     """The gears on the plate, about their own origin: flanks, bore and holes stand back by clearance and offset."""
     _, design, found, triangles = laid
     gears = [place for place in found.places if place.part.startswith("gear")]

@@ -13,7 +13,7 @@ from cycloid_mj.reducer.bodies import mechanism
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places, gaps, ideal_motion
 from cycloid_mj.statics import springs_of
 from cycloid_mj.statics.kernel import gap
-from cycloid_mj.validate.gaps import Flanks, Pose, flanks_of, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validate.gaps import Flanks, GearPose, flanks_of, pin_gaps, ring_gaps, rotate
 
 ERRORS = (
     "errors.pin_position_um=1.0",
@@ -46,7 +46,7 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
     flanks = flanks_of(Reducer(design))
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
-    mesh = pin_gaps(gear, Pose(centre, angle), pins, flanks)
+    mesh = pin_gaps(gear, GearPose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     between = rotate(around, out) - centre - rotate(around + made.hole_place[0], angle)
@@ -174,7 +174,7 @@ def test_flanks_of_an_internal_gear_close_as_the_exact_gaps_do() -> None:
     flanks = Flanks(gear_profile(design), profile_offset(design), 0.0)
     for direction in np.eye(4)[:3]:
         z = 1e-8 * direction
-        pose = Pose(centre + z[:2], turned + z[2] / design.output.pin_circle_radius)
+        pose = GearPose(centre + z[:2], turned + z[2] / design.output.pin_circle_radius)
         mesh = ring_gaps(gear, pose, roots, flanks)
         on_root = np.isfinite(mesh.B)
         nearest = mesh.distance[on_root] + profile_offset(design) - gear.pin_radius

@@ -22,7 +22,7 @@ from cycloid_mj.measure.backlash import press
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.te_table import quantities
-from cycloid_mj.measure.trace import Case, Errors, trace
+from cycloid_mj.measure.trace import ErrorCurves, TraceCondition, trace
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.scene.drawing import gaps
@@ -225,7 +225,7 @@ def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     assert parts[1] == pytest.approx(parts[0] | {"output": parts[0]["output"] + more}, rel=1e-6)
     assert found[1].gear_turn == pytest.approx(found[0].gear_turn, rel=1e-9)
     for way, sign in (("forward", 1.0), ("reverse", -1.0)):
-        case = Case("loaded", way, "speed", torque, sign * stiff.drive.speed)
+        case = TraceCondition("loaded", way, "speed", torque, sign * stiff.drive.speed)
         first, second = (trace(Reducer(one), build(one), 0.02, case) for one in (stiff, soft))
         twist = sign * member.sense(stiff) * more * torque * ARCSECONDS
         assert second.output - first.output == pytest.approx(np.full(first.output.size, twist), rel=1e-3)
@@ -257,7 +257,7 @@ def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
 
 def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> None:
     slow = at_the_ring.but(drive={"speed": 20.0})
-    case = Case("loaded", "forward", "slow", slow.rated_torque, slow.drive.speed)
+    case = TraceCondition("loaded", "forward", "slow", slow.rated_torque, slow.drive.speed)
     free = slow.but(friction=FREE_OF_LOSSES["friction"])
     compiled = build(free.but(load={"torque": case.torque}))
     periods, loaded = 3 / slow.mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
@@ -276,7 +276,7 @@ def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turnin
     points, lag = 8 * 35 * 36, {"unloaded": 5.0, "loaded": 35.0}
     crank = 2.0 * np.pi * (36 if turning == "ring" else 35) * np.arange(points) / points
     made = {
-        Case(load, way, "speed", 1.0, sign): Errors(
+        TraceCondition(load, way, "speed", 1.0, sign): ErrorCurves(
             crank, *2 * [np.full(points, sign * member.sense(design) * lag[load])]
         )
         for load in lag

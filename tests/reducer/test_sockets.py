@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.dynamics.contact import collider
-from cycloid_mj.dynamics.contact.gap import Arc, circle_at_edge, circle_in_circle, places_in_arc
+from cycloid_mj.dynamics.contact.gap import PartialCircle, circle_at_edge, circle_in_circle, places_in_arc
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import simulate
@@ -25,11 +25,11 @@ TURNED = 0.7
 """Clockwise angle of a socket's middle from +y [rad]."""
 
 
-def arc_of(half: float, radius: float) -> Arc:
-    return Arc(radius, math.sin(TURNED), math.cos(TURNED), math.cos(half), math.sin(half))
+def arc_of(half: float, radius: float) -> PartialCircle:
+    return PartialCircle(radius, math.sin(TURNED), math.cos(TURNED), math.cos(half), math.sin(half))
 
 
-def nearest(place: np.ndarray, inner: float, arc: Arc) -> tuple[float, float, float]:
+def nearest(place: np.ndarray, inner: float, arc: PartialCircle) -> tuple[float, float, float]:
     """Give the nearest of the contacts that the collider would find."""
     side, on_arc, other = places_in_arc(*place, arc)
     first = circle_in_circle(*place, inner, arc.radius) if on_arc else circle_at_edge(*place, inner, arc, side)

@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.course import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import reducer_model, simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.impact import Impact, damper, impact_of, spring
+from cycloid_mj.statics.impact import ImpactLaw, damper, impact_of, spring
 from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.working import working_force
 
@@ -66,7 +66,7 @@ def test_the_parameters_are_those_of_the_file():
 
 
 def test_two_contacts_in_series_share_the_depth():
-    law = Impact(3e11, 2.2, 1e4, 1e-4)
+    law = ImpactLaw(3e11, 2.2, 1e4, 1e-4)
     both = law.in_series()
     assert both.depth_under(50.0) == pytest.approx(2.0 * law.depth_under(50.0))
     assert both.damping_ratio(50.0, 0.1) == pytest.approx(law.damping_ratio(50.0, 0.1) / 2.0**0.5)

@@ -18,9 +18,9 @@ from cycloid_mj.statics.kernel import (
     CARRIES,
     FLOATING,
     FOLLOWED,
+    KernelSprings,
     Left,
     Rubbing,
-    Springs,
     State,
     balance,
     balance_along,
@@ -47,7 +47,7 @@ def design_of(name: str) -> Design:
     return override(PRESETS["pin"], [f"gear.discs={name}", "structure=springs", "ring.pins=fixed"])
 
 
-def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), friction: bool = False) -> Springs:
+def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), friction: bool = False) -> KernelSprings:
     """Give the springs of a design with errors in all parts."""
     made = ("errors.seed=4", "errors.hole_position_um=1.0", "errors.eccentricity_um=1.5", "errors.cam_position_um=0.7")
     design = override(design_of(name), [*made, *changes])
@@ -63,7 +63,7 @@ def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
     return found, rubbing_of(Reducer(design), found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
 
 
-def pose(contacts: Springs, size: float) -> np.ndarray:
+def pose(contacts: KernelSprings, size: float) -> np.ndarray:
     """Give departures up to some size [m], turns three times as far."""
     drawn = np.random.default_rng(5).uniform(-size, size, contacts.slope.shape[2])
     drawn[[*range(2, drawn.size, 3), -1]] *= 3.0
@@ -229,7 +229,7 @@ def test_a_balance_takes_few_steps(name: str) -> None:
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
 
-def followed(contacts: Springs, torque: float) -> Left:
+def followed(contacts: KernelSprings, torque: float) -> Left:
     """Balance crank angles that follow each other under a torque on the output."""
     load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
     load[:, -1] = torque / contacts.radius
@@ -344,7 +344,7 @@ def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_sear
     assert left.work > 200, "the first searches must have failed"
 
 
-def rubbing(contacts: Springs, **given: float) -> Rubbing:
+def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
     """Give friction that remembers of nothing, or the same of all."""
     count = contacts.disc.size + contacts.cam_place.shape[1]
     none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
@@ -352,7 +352,7 @@ def rubbing(contacts: Springs, **given: float) -> Rubbing:
     return Rubbing(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
 
 
-def untouched(contacts: Springs) -> Springs:
+def untouched(contacts: KernelSprings) -> KernelSprings:
     """Give springs whose contacts are all open: what is left are the cams."""
     return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
 

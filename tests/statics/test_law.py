@@ -18,7 +18,7 @@ from cycloid_mj.reducer.bodies import Role
 from cycloid_mj.statics.law import (
     COUPLED,
     IMPRATIO,
-    ContactLaw,
+    ContactParameters,
     contact_law,
     curvature_law,
     damping_ratio,
@@ -32,7 +32,7 @@ from cycloid_mj.statics.working import STRIBECK, working_force
 STIFFNESS, MASS = 2.6e8, 0.05
 
 
-def two_bodies(law: ContactLaw, timestep: float, mass: float = MASS, gravity: float = 0.0):
+def two_bodies(law: ContactParameters, timestep: float, mass: float = MASS, gravity: float = 0.0):
     """A disc on a slide inside a fixed circle; the gap is minus its height above y = 0."""
     parameters = solver_parameters(law, 1.0 / mass)
     solref = " ".join(map(repr, parameters.solref))
@@ -51,7 +51,7 @@ def two_bodies(law: ContactLaw, timestep: float, mass: float = MASS, gravity: fl
 
 @pytest.mark.parametrize("added", [1e-3, 1e-2, 1.0])
 def test_a_static_force_goes_in_by_force_over_stiffness(added: float) -> None:
-    law = ContactLaw(STIFFNESS, 2.0 * 0.7 * math.sqrt(STIFFNESS * MASS), added * MASS, 0.0)
+    law = ContactParameters(STIFFNESS, 2.0 * 0.7 * math.sqrt(STIFFNESS * MASS), added * MASS, 0.0)
     force = 400.0
     model = two_bodies(law, 1e-6, gravity=force / MASS)
     data = mujoco.MjData(model)
@@ -61,7 +61,7 @@ def test_a_static_force_goes_in_by_force_over_stiffness(added: float) -> None:
     assert data.efc_force[0] == pytest.approx(force, rel=1e-9)
 
 
-def frequency(law: ContactLaw, timestep: float) -> float:
+def frequency(law: ContactParameters, timestep: float) -> float:
     """Angular frequency about the loaded equilibrium, from the zero crossings of the velocity."""
     force = 400.0
     model = two_bodies(law, timestep, gravity=force / MASS)
@@ -80,7 +80,7 @@ def frequency(law: ContactLaw, timestep: float) -> float:
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_added_mass_swings_along(share: float) -> None:
-    law = ContactLaw(STIFFNESS, 0.0, share * MASS, 0.0)
+    law = ContactParameters(STIFFNESS, 0.0, share * MASS, 0.0)
     assert frequency(law, 1e-6) == pytest.approx(math.sqrt(STIFFNESS / (MASS + share * MASS)), rel=7e-4)
 
 
@@ -89,7 +89,7 @@ def test_where_the_step_allows_the_frequency_is_physical() -> None:
     timestep = math.sqrt(0.5 * MASS / STIFFNESS)
     law = contact_law(STIFFNESS, 1e-9, MASS, 0.0, 0.0, timestep)
     assert frequency(law, timestep) == pytest.approx(math.sqrt(STIFFNESS / MASS), rel=1e-3)
-    without = ContactLaw(STIFFNESS, 0.0, 0.01 * MASS, 0.0)
+    without = ContactParameters(STIFFNESS, 0.0, 0.01 * MASS, 0.0)
     assert frequency(without, timestep) != pytest.approx(math.sqrt(STIFFNESS / MASS), rel=1e-2)
 
 
@@ -123,7 +123,7 @@ def test_the_added_mass_keeps_a_body_on_a_contact_stable_at_any_step(ratio: floa
 
 def test_an_impossible_impedance_is_refused() -> None:
     with pytest.raises(ContactError, match="timestep_us"):
-        solver_parameters(ContactLaw(1e14, 0.0, 1e9, 0.0), 1.0)
+        solver_parameters(ContactParameters(1e14, 0.0, 1e9, 0.0), 1.0)
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
@@ -152,7 +152,7 @@ def test_a_crank_that_stands_has_friction_as_firm_as_can_be() -> None:
 
 
 def test_friction_takes_its_creep_at_every_impratio() -> None:
-    law = ContactLaw(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
+    law = ContactParameters(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
     for ratio in (0.2, IMPRATIO):
         parameters = solver_parameters(law, 1.0 / MASS, ratio)
         impedance = parameters.solimp[0]
@@ -162,8 +162,8 @@ def test_friction_takes_its_creep_at_every_impratio() -> None:
 
 
 def test_frictionless_contacts_have_one_dimension() -> None:
-    assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.0), 1.0).condim == 1
-    assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.05), 1.0).condim == 3
+    assert solver_parameters(ContactParameters(1e8, 0.0, 0.1, 0.0), 1.0).condim == 1
+    assert solver_parameters(ContactParameters(1e8, 0.0, 0.1, 0.05), 1.0).condim == 3
 
 
 KINDS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
@@ -175,7 +175,7 @@ def with_pair(kind: str, *changes: str) -> Design:
     return override(PRESETS["pin"], [RING.get(kind, "ring.pins=free"), "settings.timestep_us=1", *changes])
 
 
-def laws_of(design: Design) -> dict[str, ContactLaw]:
+def laws_of(design: Design) -> dict[str, ContactParameters]:
     return contact_laws(Reducer(design))
 
 

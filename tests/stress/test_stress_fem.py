@@ -86,7 +86,7 @@ def pressure(grid: Grid, loop: int, size: float) -> Array:
     return np.asarray(np.bincount(rows.ravel(), weights=forces.ravel(), minlength=grid.unknowns), np.float64)
 
 
-def without_rigid_motion(part: elastic.Body, found: Array) -> Array:
+def without_rigid_motion(part: elastic.ElasticBody, found: Array) -> Array:
     motions, weighed = part.motions, elastic.weighed(part, part.motions)
     return found - motions @ np.linalg.solve(motions.T @ weighed, weighed.T @ found)
 

@@ -17,7 +17,7 @@ from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, so
 from cycloid_mj.stress.field import by_corner, loaded, maxima
 from cycloid_mj.stress.notch import BENDING, TORSION, output_roots, shaft_shoulders, shoulder_factor
 from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, opened
-from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
+from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 
 Array = npt.NDArray[np.float64]
 
@@ -73,7 +73,7 @@ def under_a_cam_force(design: Design) -> PartStress:
     return solve(design, part_grid(design, "shaft", COARSE), on_cam(CAM_FORCE))
 
 
-def beam_moment(design: Design, shaft: Shaft, force: float, bed: float, elements: int = 900) -> Array:
+def beam_moment(design: Design, shaft: ShaftDimensions, force: float, bed: float, elements: int = 900) -> Array:
     """Bending moment [N m] along a Timoshenko beam in bearings that press on one side at each of its sections.
 
     Linear elements with one point (Hughes, Taylor, Kanoknukulchai 1977); `bed` [N/m] is the stiffness of a bearing, of

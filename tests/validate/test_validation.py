@@ -40,7 +40,7 @@ from cycloid_mj.validate import (
     two_bodies,
 )
 from cycloid_mj.validate.rig import FIXED, FREE, KINDS
-from cycloid_mj.validate.row import Row, absolute, deviation, relative
+from cycloid_mj.validate.row import ValidationRow, absolute, deviation, relative
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 
@@ -84,7 +84,7 @@ def test_a_deviation_is_the_largest_difference_over_the_largest_reference():
 
 @pytest.mark.parametrize("crank", [0.0, 0.4, 1.7, 5.9])
 def test_every_gap_of_the_ideal_mesh_is_closed(crank):
-    pose = gaps.Pose(kinematics.gear_centre(PAPER, crank), float(kinematics.gear_rotation(PAPER, crank)))
+    pose = gaps.GearPose(kinematics.gear_centre(PAPER, crank), float(kinematics.gear_rotation(PAPER, crank)))
     found = gaps.ring_gaps(PAPER, pose, np.arange(36))
     touching = np.abs(found.distance) < 1e-9
     roots = envelope.sigma_contacts(PAPER, crank)
@@ -100,8 +100,8 @@ def test_a_gap_changes_by_the_motion_along_its_normal():
     crank, shift, turn = 0.7, np.array([2e-7, -3e-7]), 4e-6
     centres = PAPER.pin_circle_radius * unit(profile.pin_angles(PAPER))
     centre, angle = kinematics.gear_centre(PAPER, crank), float(kinematics.gear_rotation(PAPER, crank))
-    before = gaps.pin_gaps(PAPER, gaps.Pose(centre, angle), centres)
-    after = gaps.pin_gaps(PAPER, gaps.Pose(centre + shift, angle + turn), centres)
+    before = gaps.pin_gaps(PAPER, gaps.GearPose(centre, angle), centres)
+    after = gaps.pin_gaps(PAPER, gaps.GearPose(centre + shift, angle + turn), centres)
     arms = profile.moment_arm(PAPER, profile.pin_angles(PAPER) + crank)
     # The gear's turn about its centre closes the gaps of the contacts whose push would turn it back.
     expected = -before.normals @ shift + turn * arms
@@ -220,7 +220,7 @@ def test_wangs_formula_is_the_closed_form_less_frictions_own_moment():
 
 # --- the step study's judgement ---------------------------------------------------------------------------------------
 
-FIGURES = steps.Figures(gear_speed=2.0, mean_error=21.0, peak_to_peak=0.24, cam_force=1250.0, efficiency=89.0)
+FIGURES = steps.StepFigures(gear_speed=2.0, mean_error=21.0, peak_to_peak=0.24, cam_force=1250.0, efficiency=89.0)
 
 
 def test_the_order_is_found_where_there_is_one():
@@ -285,13 +285,13 @@ def test_every_rung_has_parts():
 
 
 def test_a_part_that_cannot_run_fails_alone():
-    def broken(quick: bool) -> list[Row]:
+    def broken(quick: bool) -> list[ValidationRow]:
         raise RunError("the gear jumped a tooth")
 
-    def sound(quick: bool) -> list[Row]:
+    def sound(quick: bool) -> list[ValidationRow]:
         return [absolute("sound", 1.0, 1.0, "", "s", 0.0)]
 
-    parts = (ladder.Part("cam", broken, (2.0, 2.0)), ladder.Part("energy", sound, (1.0, 1.0)))
+    parts = (ladder.RungPart("cam", broken, (2.0, 2.0)), ladder.RungPart("energy", sound, (1.0, 1.0)))
     rows = ladder.in_order(ladder.climb(parts, quick=True, workers=1))
     assert [(row.rung, row.verdict) for row in rows] == [("cam", "fail"), ("energy", "pass")]
     assert rows[0].measured.note == "the gear jumped a tooth"

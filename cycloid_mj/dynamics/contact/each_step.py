@@ -34,7 +34,7 @@ from cycloid_mj.dynamics.contact.lift import places, take_off
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.statics import impact
-from cycloid_mj.statics.impact import Impact
+from cycloid_mj.statics.impact import ImpactLaw
 
 SENSOR, IMPACT_SENSOR = "each_step", "impact"
 """Names of the user sensors: they read 0."""
@@ -117,7 +117,7 @@ class EachStep:
         every: int = 1,
         sources: Sequence[int] = (),
         drags: Sequence[int] = (),
-        impacts: Sequence[Impact] = (),
+        impacts: Sequence[ImpactLaw] = (),
     ) -> None:
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)

@@ -317,7 +317,7 @@ def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[
     return outer - inner - distance, dx / distance, dy / distance
 
 
-class Arc(NamedTuple):
+class PartialCircle(NamedTuple):
     """What is left of an open circle: its radius [m], the unit vector to its middle, cosine and sine of half of it."""
 
     radius: float
@@ -328,14 +328,14 @@ class Arc(NamedTuple):
 
 
 @njit(inline="always")
-def arc_edge(arc: Arc, side: float) -> tuple[float, float]:
+def arc_edge(arc: PartialCircle, side: float) -> tuple[float, float]:
     """Compute the edge of an arc [m] from its circle's centre; side 1.0 is clockwise of the middle, -1.0 before it."""
     across = side * arc.sine
     return arc.radius * (arc.cosine * arc.x + across * arc.y), arc.radius * (arc.cosine * arc.y - across * arc.x)
 
 
 @njit(inline="always")
-def circle_at_edge(dx: float, dy: float, inner: float, arc: Arc, side: float) -> tuple[float, float, float]:
+def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side: float) -> tuple[float, float, float]:
     """Compute gap [m] and unit normal from a circle, (dx, dy) from an arc's centre, to an edge of the arc."""
     x, y = arc_edge(arc, side)
     x, y = x - dx, y - dy
@@ -344,7 +344,7 @@ def circle_at_edge(dx: float, dy: float, inner: float, arc: Arc, side: float) ->
 
 
 @njit(inline="always")
-def places_in_arc(dx: float, dy: float, arc: Arc) -> tuple[float, bool, bool]:
+def places_in_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, bool, bool]:
     """Tell which points of an arc may be nearest to a place, (dx, dy) from its circle's centre [m].
 
     Returns

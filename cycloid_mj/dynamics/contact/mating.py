@@ -7,7 +7,7 @@ the margin [m]; it gives the number of contacts.
 
 from numba import njit
 
-from cycloid_mj.dynamics.contact.gap import Arc, Pose
+from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
 from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch
@@ -118,7 +118,7 @@ def inner_in_outer(
     # a pin through all discs meets the hole of one where that disc is
     (x, y, _), (outer_x, outer_y, z) = _place(data, at, inner), _place(data, at, outer)
     own, seat = _user(model, at, outer), _pose(data, at, outer)
-    around = Arc(_radius(model, at, outer), -seat.sine, seat.cosine, read_float(own), read_float(own + 8))
+    around = PartialCircle(_radius(model, at, outer), -seat.sine, seat.cosine, read_float(own), read_float(own + 8))
     count = inner_touches(out, x - outer_x, y - outer_y, x, y, _radius(model, at, inner), around, margin)
     for place in range(out, out + STRIDE * count, STRIDE):
         _write(place, read_touch(place), z, sign)

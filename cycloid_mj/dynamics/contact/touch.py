@@ -11,7 +11,7 @@ from typing import NamedTuple
 from numba import njit
 
 from cycloid_mj.dynamics.contact.gap import (
-    Arc,
+    PartialCircle,
     Pose,
     circle_at_edge,
     circle_in_circle,
@@ -310,7 +310,9 @@ def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: 
 
 
 @njit
-def inner_touches(out: int, dx: float, dy: float, x: float, y: float, inner: float, outer: Arc, margin: float) -> int:
+def inner_touches(
+    out: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
+) -> int:
     """Write the touches of a circle of radius `inner` at (x, y), (dx, dy) from the middle of the circle around it [m].
 
     That may be open, an arc: there the inner circle meets its edges. Of a whole one the sine is 0.

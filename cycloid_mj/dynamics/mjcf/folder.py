@@ -24,9 +24,9 @@ from cycloid_mj.dynamics.mjcf.scene import scene_xml
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.parts.convex import (
     ConvexSettings,
+    ConvexSurface,
     Quality,
     Rest,
-    Surface,
     decompose,
     require_single,
     sectors,
@@ -105,7 +105,7 @@ def design_hash(reducer: Reducer) -> str:
     return hashlib.sha256(dump(reducer.design).encode()).hexdigest()
 
 
-def _checked(surface: Surface, settings: ConvexSettings) -> Quality:
+def _checked(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
     require_single(surface, settings.coacd)
     return surface_quality(surface)
 

@@ -7,10 +7,10 @@ the stiffness of the line contact, however many they are: finer slices are more 
 import math
 
 from cycloid_mj.parts.convex import Slice
-from cycloid_mj.statics.law import ContactLaw
+from cycloid_mj.statics.law import ContactParameters
 
 
-def slice_law(law: ContactLaw, factor: float, part: Slice, force: float) -> ContactLaw:
+def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
     """Give the law of one slice: k = K w / patch for a width w, at most K.
 
     Parameters
@@ -28,7 +28,7 @@ def slice_law(law: ContactLaw, factor: float, part: Slice, force: float) -> Cont
     depth = force / stiffness
     patch = hole_patch(depth, part.radius, part.play) if part.play else flank_patch(depth, part.curvature)
     share = min(1.0, part.width / patch)
-    return ContactLaw(
+    return ContactParameters(
         stiffness=stiffness * share,
         damping=law.damping * share,
         added_mass=law.added_mass * max(1.0, factor) * share,

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from cycloid_mj.dynamics.timestep import effective_masses, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.impact import impact_of
-from cycloid_mj.statics.law import ContactLaw, contact_law, contact_stiffness, damping_ratio
+from cycloid_mj.statics.law import ContactParameters, contact_law, contact_stiffness, damping_ratio
 from cycloid_mj.statics.working import working_force
 
-Laws = dict[str, ContactLaw]
+Laws = dict[str, ContactParameters]
 """Kind of pair -> its law."""
 
 

@@ -27,12 +27,12 @@ from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
-from cycloid_mj.parts.convex import ConvexSettings, Place, Rest, Surface, gear_holes, prism, surfaces
+from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.stl import stl_bytes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Mechanism
 from cycloid_mj.reducer.sockets import require_drawn
-from cycloid_mj.statics.law import ContactLaw, SolverParameters, curvature_law, solver_parameters, stock_impratio
+from cycloid_mj.statics.law import ContactParameters, SolverParameters, curvature_law, solver_parameters, stock_impratio
 from cycloid_mj.statics.working import for_slices, working_force
 
 VISUAL, COLLISION = "visual", "collision"
@@ -67,8 +67,8 @@ class MeshSpec:
     """An editable mesh model with what its makers know: see ``ReducerModel``; `surfaces` are its sliced surfaces."""
 
     spec: Any
-    surfaces: tuple[Surface, ...]
-    laws: Mapping[str, ContactLaw]
+    surfaces: tuple[ConvexSurface, ...]
+    laws: Mapping[str, ContactParameters]
     crank_inertia: float
 
 
@@ -209,7 +209,7 @@ def _sub_default(spec: Any, name: str) -> Any:
 def _add_surface(
     spec: Any,
     mechanism: Mechanism,
-    surface: Surface,
+    surface: ConvexSurface,
     discs: Sequence[int],
     laws: Sequence[Laws],
     weights: Mapping[str, float],
@@ -227,7 +227,7 @@ def _add_surface(
 def _add_slices(
     spec: Any,
     mechanism: Mechanism,
-    surface: Surface,
+    surface: ConvexSurface,
     disc: int,
     laws: Sequence[Laws],
     weights: Mapping[str, float],
@@ -314,7 +314,7 @@ def _add_round_parts(spec: Any, mechanism: Mechanism) -> None:
             )
 
 
-def _pose(place: Place, ahead: float) -> list[float]:
+def _pose(place: SlicePlacement, ahead: float) -> list[float]:
     """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
     w, _, _, z = turn(place.angle + ahead)
     return [0.0, -z, w, 0.0] if place.mirrored else [w, 0.0, 0.0, z]

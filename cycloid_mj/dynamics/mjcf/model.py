@@ -26,7 +26,7 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.statics.law import ContactLaw, impratio, solver_parameters
+from cycloid_mj.statics.law import ContactParameters, impratio, solver_parameters
 
 Held = Literal["crank", "output", ""]
 """The shaft that a servo holds; none: both feel a torque alone."""
@@ -58,7 +58,7 @@ class ReducerModel:
     spec: Any
     model: Any
     pairs: tuple[Pair, ...]
-    laws: Mapping[str, ContactLaw]
+    laws: Mapping[str, ContactParameters]
     servo_gains: tuple[float, float]
     crank_inertia: float
     warnings: tuple[str, ...] = ()

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 
 from cycloid_mj.dynamics.regime import steps_ratio
-from cycloid_mj.statics.law import ContactLaw
+from cycloid_mj.statics.law import ContactParameters
 
 WELL_CONDITIONED = 0.3
 """Largest K dt^2/m for conjugate gradients.
@@ -17,7 +17,7 @@ cost 0.8 to 0.97 of Newton's step with its factorisation (36 moving pins, withou
 """
 
 
-def set_solver(spec: Any, laws: Mapping[str, ContactLaw], loaded: bool) -> None:
+def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -> None:
     """Set solver, Jacobian and islands of an editable model with moving pins from the contact laws of its pairs.
 
     Each contact touches a few of many degrees of freedom: sparse matrices, whatever MuJoCo's own choice from 60 degrees

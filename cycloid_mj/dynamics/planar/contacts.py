@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.types import Array
-from cycloid_mj.dynamics.contact.gap import Arc, Flank, Pose, outwards
+from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch
 from cycloid_mj.dynamics.planar.system import CAM, OUTPUT, SEAT, TEETH, System
@@ -164,21 +164,21 @@ def find(
         pair += 1
         sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
         if system.sleeved:
-            around = Arc(system.outer[i], 0.0, 1.0, -1.0, 0.0)
+            around = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
             round_in = Round(sx, sy, q[own], q[own + 1], system.inner[i], 1.0)
         else:
             ax, ay = outwards(ring, math.sin(system.angle[i]), math.cos(system.angle[i]))
-            around = Arc(system.outer[i], ax, ay, system.arc[0], system.arc[1])
+            around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
             round_in = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
         count += _find_round(contacts, count, meeting, round_in, around, out, q, v, half)
-    whole = Arc(system.bore, 0.0, 1.0, -1.0, 0.0)
+    whole = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         meeting = Meeting(pair, system.laws[disc, CAM], 3 * disc, -1, crank)
         pair += 1
         cx, cy = outwards(shaft, system.cams[disc, 0], system.cams[disc, 1])
         round_in = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
         count += _find_round(contacts, count, meeting, round_in, whole, out, q, v, half)
-    whole = Arc(system.hole, 0.0, 1.0, -1.0, 0.0)
+    whole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         gear = _pose(q, 3 * disc, 0.0)
         for stud in range(studs):
@@ -224,7 +224,7 @@ def _find_round(
     first: int,
     meeting: Meeting,
     inner: Round,
-    outer: Arc,
+    outer: PartialCircle,
     out: int,
     q: Array,
     v: Array,

@@ -14,7 +14,7 @@ from cycloid_mj.dynamics.planar.timestep import chosen
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.statics.law import ContactLaw
+from cycloid_mj.statics.law import ContactParameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class PlanarModel:
     reducer: Reducer
     system: System
     timestep: float
-    laws: Mapping[str, ContactLaw]
+    laws: Mapping[str, ContactParameters]
     servo_gains: tuple[float, float]
     crank_inertia: float
     drags: tuple[str, ...]

@@ -30,7 +30,7 @@ LAW = np.dtype(
     [(name, np.float64) for name in ("stiffness", "damping", "friction", "creep")]
     + [(name, np.float64) for name in ("impact", "exponent", "impact_damping", "impact_depth")]
 )
-"""A law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT as `impact.Impact`, else 0."""
+"""A law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT as `impact.ImpactLoad`, else 0."""
 
 SEAL_CREEP = 2e6
 """Torque of a drag per speed and inertia below its limit [1/s]: what MuJoCo's constraint of joint friction has."""

@@ -10,20 +10,20 @@ from cycloid_mj.parts.convex.plain import Plain, plain_gear, plain_ring
 from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, polygon_body, surface_quality
 from cycloid_mj.parts.convex.rest import Rest, Sector, decompose, sectors
 from cycloid_mj.parts.convex.settings import CoacdSettings, ConvexSettings
-from cycloid_mj.parts.convex.surface import Place, Slice, Surface, placed_outline, prism
+from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, placed_outline, prism
 from cycloid_mj.parts.convex.teeth import gear_teeth, ring_lobes
 from cycloid_mj.reducer import Reducer
 
 __all__ = [
     "CoacdSettings",
     "ConvexSettings",
-    "Place",
+    "ConvexSurface",
     "Plain",
     "Quality",
     "Rest",
     "Sector",
     "Slice",
-    "Surface",
+    "SlicePlacement",
     "coacd_pieces",
     "decompose",
     "fill",
@@ -45,7 +45,7 @@ __all__ = [
 ]
 
 
-def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[Surface, ...]:
+def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
     """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
 
     Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
@@ -56,7 +56,7 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[Surface, ...]:
     DesignError
         The gear is undercut, or a slice is not convex.
     """
-    ring: tuple[Surface, ...] = ()
+    ring: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":
         ring = (ring_lobes(reducer, settings),)
     elif reducer.design.ring.has_sockets:

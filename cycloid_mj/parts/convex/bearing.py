@@ -13,7 +13,7 @@ import numpy as np
 from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
-from cycloid_mj.parts.convex.surface import Place, Surface, convex_slice
+from cycloid_mj.parts.convex.surface import ConvexSurface, SlicePlacement, convex_slice
 from cycloid_mj.parts.convex.teeth import SAMPLES
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.reducer import Reducer
@@ -35,14 +35,14 @@ class Hole:
     centres: Array
 
 
-def gear_bore(reducer: Reducer, settings: ConvexSettings) -> Surface:
+def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Give the gear's bore, gear frame: `member` is 1."""
     cam = reducer.design.gear.bore_radius
     hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
     return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
-def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
+def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
     """Give the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
@@ -52,7 +52,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Sur
     return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
-def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> Surface:
+def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Give the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
     design = reducer.design
     ring = design.ring
@@ -70,7 +70,7 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
     return max(settings.fewest_facets, math.ceil(needed))
 
 
-def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> Surface:
+def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     step = 2.0 * hole.half_angle / count
@@ -85,14 +85,14 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
     angles = (np.arange(count) + 0.5) * step - hole.half_angle
     places = [
-        Place(0, member, float(turn + angle), (float(centre[0]), float(centre[1])))
+        SlicePlacement(0, member, float(turn + angle), (float(centre[0]), float(centre[1])))
         for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
         for angle in angles
     ]
     seen = unit(hole.turns[0] + np.linspace(-1.0, 1.0, SAMPLES, endpoint=not whole) * hole.half_angle)
     corner = near / math.cos(0.5 * step) - hole.radius
     base_area = 0.5 * count * far**2 * math.sin(step)
-    return Surface(
+    return ConvexSurface(
         name=hole.name,
         slices=(facet,),
         places=tuple(places),

@@ -5,7 +5,7 @@ import numpy as np
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Mesh, mesh
 from cycloid_mj.parts.convex.settings import CoacdSettings
-from cycloid_mj.parts.convex.surface import Surface, prism
+from cycloid_mj.parts.convex.surface import ConvexSurface, prism
 
 
 def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
@@ -30,7 +30,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
     return tuple(sorted(pieces, key=lambda piece: tuple(piece.vertices.mean(axis=0).round(9))))
 
 
-def require_single(surface: Surface, settings: CoacdSettings) -> None:
+def require_single(surface: ConvexSurface, settings: CoacdSettings) -> None:
     """Raise DesignError unless CoACD, too, takes every slice of a surface as one convex body."""
     for number in range(len(surface.slices)):
         parts = len(coacd_pieces(mesh(prism(surface, number)), settings))

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.types import Array
-from cycloid_mj.parts.convex.surface import Surface, placed_outline
+from cycloid_mj.parts.convex.surface import ConvexSurface, placed_outline
 from cycloid_mj.parts.polygon import area_moments
 
 SEAM = 1e-11
@@ -46,7 +46,7 @@ class Quality:
 
 
 @dataclass(frozen=True)
-class Body:
+class ConvexRegion:
     """A convex region as half spaces, `normals` (m, d) . x <= `offsets` (m,), within the ball `centre`, `radius`."""
 
     normals: Array
@@ -55,16 +55,16 @@ class Body:
     radius: float
 
 
-def polygon_body(outline: Array) -> Body:
+def polygon_body(outline: Array) -> ConvexRegion:
     """Give the half planes of a counter-clockwise convex polygon (n, 2)."""
     edges = np.roll(outline, -1, axis=0) - outline
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, np.newaxis]
     centre = outline.mean(axis=0)
     radius = float(np.linalg.norm(outline - centre, axis=1).max())
-    return Body(normals, np.sum(normals * outline, axis=1), centre, radius)
+    return ConvexRegion(normals, np.sum(normals * outline, axis=1), centre, radius)
 
 
-def hull_body(vertices: Array) -> Body:
+def hull_body(vertices: Array) -> ConvexRegion:
     """Give the half spaces of the convex hull of points (n, 3)."""
     from scipy.spatial import ConvexHull
 
@@ -75,11 +75,11 @@ def hull_body(vertices: Array) -> Body:
     normals /= size[:, np.newaxis]
     centre = vertices.mean(axis=0)
     radius = float(np.linalg.norm(vertices - centre, axis=1).max())
-    return Body(normals, normals @ vertices[0] - planes[:, 3] / size, centre, radius)
+    return ConvexRegion(normals, normals @ vertices[0] - planes[:, 3] / size, centre, radius)
 
 
 def fill(
-    points: Array, normals: Array, bodies: Sequence[Body], start: float, reach: float, seam: float = SEAM
+    points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = SEAM
 ) -> Array:
     """Give where the union of convex bodies ends along each normal [m], shape (k,).
 
@@ -107,7 +107,7 @@ def fill(
         end = further
 
 
-def surface_quality(surface: Surface) -> Quality:
+def surface_quality(surface: ConvexSurface) -> Quality:
     """Measure a sliced surface along its normals.
 
     Raises
@@ -149,7 +149,7 @@ def require_within(name: str, found: Quality, overfill: float, underfill: float)
 
 
 def _intervals(
-    points: Array, normals: Array, bodies: Sequence[Body], reach: float
+    points: Array, normals: Array, bodies: Sequence[ConvexRegion], reach: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
     """Give where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
     found = []

@@ -34,7 +34,7 @@ class Slice:
 
 
 @dataclass(frozen=True)
-class Place:
+class SlicePlacement:
     """Where a slice stands: mirrored at x = 0 first, turned clockwise about z by `angle` [rad], moved to `centre` [m].
 
     `slice` is its index; `member` the lobe, hole or socket it belongs to, from 1, clockwise from +y.
@@ -48,7 +48,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Surface:
+class ConvexSurface:
     """One working surface of a part, as convex slices of its whole width: a disc's own, or that of ring and pins.
 
     Attributes
@@ -73,7 +73,7 @@ class Surface:
 
     name: str
     slices: tuple[Slice, ...]
-    places: tuple[Place, ...]
+    places: tuple[SlicePlacement, ...]
     half_width: float
     points: Array
     normals: Array
@@ -89,12 +89,12 @@ class Surface:
         return names.column(names.numbered(names.GEAR, self.disc + 1), self.name) if self.disc else self.name
 
 
-def prism(surface: Surface, number: int) -> Prism:
+def prism(surface: ConvexSurface, number: int) -> Prism:
     """Give the solid of slice `number` in its own frame."""
     return Prism(surface.slices[number].outline, (), -surface.half_width, surface.half_width)
 
 
-def placed_outline(surface: Surface, place: Place) -> Array:
+def placed_outline(surface: ConvexSurface, place: SlicePlacement) -> Array:
     """Give the outline of a placed slice, counter-clockwise, in the part's frame (n, 2) [m]."""
     points = surface.slices[place.slice].outline
     if place.mirrored:

@@ -15,7 +15,7 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
-from cycloid_mj.parts.convex.surface import Place, Slice, Surface, convex_slice, turned
+from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice, turned
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.reducer import Reducer
@@ -26,7 +26,7 @@ SAMPLES = 5000
 _MESH_GRID = 512
 
 
-def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
+def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
     """Give the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
 
     Raises
@@ -54,7 +54,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Sur
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     seen = profile.sample(gear, SAMPLES, offset)
     base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
-    return Surface(
+    return ConvexSurface(
         name="teeth",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.lobes),
@@ -69,7 +69,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Sur
     )
 
 
-def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> Surface:
+def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Give the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
 
     Raises
@@ -86,7 +86,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> Surface:
     slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
     seen = envelope.sample_ring(gear, SAMPLES)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
-    return Surface(
+    return ConvexSurface(
         name="lobe",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.ring_teeth),
@@ -215,11 +215,11 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
     return convex_slice("lobe", np.concatenate([_longer(face, overlap), base]), math.inf, 1.0 / rho)
 
 
-def _all_places(slices: int, pitches: int) -> tuple[Place, ...]:
+def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
     """Give the places of the slices of half a pitch: each and its mirror image, all round."""
     pitch = 2.0 * math.pi / pitches
     return tuple(
-        Place(number, lobe + 1, lobe * pitch, mirrored=mirrored)
+        SlicePlacement(number, lobe + 1, lobe * pitch, mirrored=mirrored)
         for lobe, mirrored, number in itertools.product(range(pitches), (False, True), range(slices))
     )
 

@@ -12,14 +12,14 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import gears
 from cycloid_mj.design import Design
 from cycloid_mj.parts import mass_properties, mesh, parts
-from cycloid_mj.parts.export.bill import Item, bill, bill_csv
-from cycloid_mj.parts.export.clearance import Clearance, measure_all
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Line, Spline
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
+from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.obj import obj_bytes
-from cycloid_mj.parts.export.plate import Plate, plate
+from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.printing import widened
-from cycloid_mj.parts.export.section import Section, part_sections
+from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.stl import read_stl, stl_bytes
 from cycloid_mj.reducer import Reducer
@@ -29,14 +29,14 @@ __all__ = [
     "CHORD_ERROR",
     "FORMATS",
     "Arc",
+    "BillLine",
     "Circle",
-    "Clearance",
     "Export",
     "Format",
-    "Item",
-    "Line",
-    "Plate",
-    "Section",
+    "LineSegment",
+    "OutlineClearance",
+    "PartSection",
+    "PrintPlate",
     "Spline",
     "bill",
     "bill_csv",
@@ -72,7 +72,7 @@ class Export:
     """Files by name, and the clearances measured on what is in them."""
 
     files: dict[str, bytes]
-    clearances: tuple[Clearance, ...]
+    clearances: tuple[OutlineClearance, ...]
 
 
 def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
@@ -130,7 +130,7 @@ def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export
     return Export(files, clearances)
 
 
-def _step(reducer: Reducer, name: str, stretches: tuple[Section, ...]) -> bytes:
+def _step(reducer: Reducer, name: str, stretches: tuple[PartSection, ...]) -> bytes:
     """Give a part as STEP if the solid read back from it has the part's volume."""
     apart = reducer.design.ring.teeth if name == "housing" and reducer.design.ring.has_sleeves else 0
     content = step_part(name, stretches, 1 + apart)
@@ -151,7 +151,7 @@ def _curve_points(curve: Curve) -> Array:
     match curve:
         case Spline():
             return curve.points(_POINTS_PER_CURVE)
-        case Line():
+        case LineSegment():
             return np.array([curve.start, curve.end])
         case _:
             start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)

@@ -15,7 +15,7 @@ from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.printing import (
     OUTPUT_PIN,
     PRESSED_PIN,
-    Made,
+    PrintedPart,
     in_one_piece,
     is_printed,
     made,
@@ -34,7 +34,7 @@ MADE_OF = {
 
 
 @dataclass(frozen=True)
-class Item:
+class BillLine:
     """One line of the bill; the size says what it measures, in mm. Rolling bearings are of their maker's material."""
 
     item: str
@@ -44,7 +44,7 @@ class Item:
     made_or_bought: Literal["made", "bought"]
 
 
-def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[Item, ...]:
+def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
     """Give the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
 
     `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
@@ -60,57 +60,57 @@ def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[Item, ...]:
     return (*_made(reducer, cam_seat), *_bought(reducer, cam_seat))
 
 
-def bill_csv(items: tuple[Item, ...]) -> bytes:
+def bill_csv(items: tuple[BillLine, ...]) -> bytes:
     """Give a bill of materials as CSV."""
     text = io.StringIO()
-    table = csv.DictWriter(text, [field.name for field in fields(Item)], lineterminator="\n")
+    table = csv.DictWriter(text, [field.name for field in fields(BillLine)], lineterminator="\n")
     table.writeheader()
     table.writerows(asdict(item) for item in items)
     return text.getvalue().encode()
 
 
-def _made(reducer: Reducer, cam_seat: float) -> Iterator[Item]:
+def _made(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     for name, part in made(reducer, VISUAL_CHORD_ERROR, cam_seat).items():
         family = "output" if name.startswith(f"{names.OUTPUT}_") and name != OUTPUT_PIN else names.family(name)
         material = _material(reducer, MADE_OF.get(family, family))
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
-        yield Item(item, part.count, _extent(part), material, "made")
+        yield BillLine(item, part.count, _extent(part), material, "made")
 
 
-def _bought(reducer: Reducer, cam_seat: float) -> Iterator[Item]:
+def _bought(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     design = reducer.design
     ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
         material = _material(reducer, names.PIN)
         if ring.has_sleeves:
             sizes = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            yield Item(names.SLEEVE, ring.teeth, _round(*sizes, length=gear.stack_width), material, "bought")
+            yield BillLine(names.SLEEVE, ring.teeth, _round(*sizes, length=gear.stack_width), material, "bought")
             size = _round(("diameter", sleeve_core_radius(reducer)), length=gear.stack_width)
-            yield Item(PRESSED_PIN, ring.teeth, size, material, "bought")
+            yield BillLine(PRESSED_PIN, ring.teeth, size, material, "bought")
         else:
             size = _round(("diameter", ring.pin_radius), length=gear.stack_width)
-            yield Item(names.PIN, ring.teeth, size, material, "bought")
+            yield BillLine(names.PIN, ring.teeth, size, material, "bought")
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         size = _round(("diameter", output.root_radius), length=output_pin_length(reducer))
-        yield Item(OUTPUT_PIN, output.pins, size, _material(reducer, names.OUTPUT), "bought")
+        yield BillLine(OUTPUT_PIN, output.pins, size, _material(reducer, names.OUTPUT), "bought")
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (bar,) = parts(reducer)[names.SHAFT].prisms
         size = _round(("diameter", shaft.radius), length=bar.height)
-        yield Item(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought")
+        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought")
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
         size = _round(*sizes, length=gear.face_width)
-        yield Item(names.ROLLER, output.pins * gear.discs, size, "", "bought")
+        yield BillLine(names.ROLLER, output.pins * gear.discs, size, "", "bought")
     if gear.bearing == "rolling":
         bore = (("bore", cam_seat),) if cam_seat else ()
         size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
-        yield Item("cam_bearing", gear.discs, size, "", "bought")
+        yield BillLine("cam_bearing", gear.discs, size, "", "bought")
     seats = bearing_seats(reducer, crank_stretches(reducer))
     size = _round(("bore", shaft.radius), length=seats[0][1] - seats[0][0])
-    yield Item("shaft_bearing", len(seats), size, "", "bought")
+    yield BillLine("shaft_bearing", len(seats), size, "", "bought")
     if design.housing.support == "bolts":
         size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
-        yield Item("bolt", design.housing.bolts, size, "", "bought")
+        yield BillLine("bolt", design.housing.bolts, size, "", "bought")
 
 
 def _material(reducer: Reducer, part: str) -> str:
@@ -119,7 +119,7 @@ def _material(reducer: Reducer, part: str) -> str:
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 
-def _extent(part: Made) -> str:
+def _extent(part: PrintedPart) -> str:
     """Give length x width x height of a part that is made."""
     outlines = np.concatenate([prism.outline for prism in part.solid.prisms])
     height = max(prism.z1 for prism in part.solid.prisms) - min(prism.z0 for prism in part.solid.prisms)

@@ -23,7 +23,7 @@ _ROUNDS = 20
 
 
 @dataclass(frozen=True)
-class Clearance:
+class OutlineClearance:
     """The clearance of one mating pair: `asked` for by the design, and the `least` and `most` of the outline [m]."""
 
     pair: str
@@ -48,7 +48,7 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     return np.asarray(np.sum((profile.trochoid(gear, t) - points) * profile.normals(gear, t), axis=1))
 
 
-def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[Clearance, ...]:
+def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
     """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
 
     Raises
@@ -58,12 +58,14 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
     """
     found = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
-        Clearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
+        OutlineClearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
         for pair in zip(*found, strict=True)
     )
 
 
-def measure(reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0) -> tuple[Clearance, ...]:
+def measure(
+    reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0
+) -> tuple[OutlineClearance, ...]:
     """Measure the clearances cut into a disc and the housing.
 
     Parameters
@@ -94,7 +96,7 @@ def measure(reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, dis
     }
     if design.ring.has_sockets:
         found = {**found, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
-    measured = tuple(Clearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
+    measured = tuple(OutlineClearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
     for one in measured:
         if max(one.asked - one.least, one.most - one.asked) > TOLERANCE:
             raise DesignError(

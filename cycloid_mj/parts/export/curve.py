@@ -20,7 +20,7 @@ _LEAST_DENSITY = 1e-3
 
 
 @dataclass(frozen=True)
-class Flank:
+class SmoothCurve:
     """A smooth curve by its parameter, as vectorised functions.
 
     `points` (n, 2) [m], `arc_length` [m] (rising), unit `tangents` (n, 2), and the signed `curvature` [1/m].
@@ -51,7 +51,7 @@ class Arc:
 
 
 @dataclass(frozen=True)
-class Line:
+class LineSegment:
     """A straight edge [m]."""
 
     start: tuple[float, float]
@@ -71,10 +71,10 @@ class Spline:
         return np.asarray(BSpline(self.knots, self.controls, 3)(parameter), dtype=np.float64)
 
 
-Curve = Circle | Arc | Line | Spline
+Curve = Circle | Arc | LineSegment | Spline
 
 
-def fit_splines(flank: Flank, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
+def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
     """Give cubic splines, end to end, that keep within ``SPLINE_ERROR`` of a flank from parameter `low` to `high`.
 
     Raises
@@ -93,7 +93,7 @@ def fit_splines(flank: Flank, low: float, high: float, pieces: int) -> tuple[Spl
     raise DesignError(f"no spline of {_MOST_SPANS} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
 
 
-def _nodes(flank: Flank, low: float, high: float, spans: int) -> Array:
+def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
     """Give parameters that share the spline's error equally: it goes with h^4 and the fourth derivative by arc length.
 
     In the moving frame of the curve that derivative is (-3 kappa kappa', kappa'' - kappa^3).
@@ -107,12 +107,12 @@ def _nodes(flank: Flank, low: float, high: float, spans: int) -> Array:
     return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
 
 
-def _interpolated(flank: Flank, nodes: Array) -> BSpline:
+def _interpolated(flank: SmoothCurve, nodes: Array) -> BSpline:
     ends: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
     return make_interp_spline(flank.arc_length(nodes), flank.points(nodes), k=3, bc_type=ends)
 
 
-def _deviation(flank: Flank, spline: BSpline, nodes: Array) -> float:
+def _deviation(flank: SmoothCurve, spline: BSpline, nodes: Array) -> float:
     """Give how far a spline leaves its flank across the tangent [m]."""
     t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
     away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
@@ -133,7 +133,7 @@ def turned_curve(curve: Curve, angle: float) -> Curve:
             return Circle(at(curve.centre), curve.radius)
         case Arc():
             return Arc(at(curve.centre), curve.radius, curve.start - angle, curve.end - angle)
-        case Line():
-            return Line(at(curve.start), at(curve.end))
+        case LineSegment():
+            return LineSegment(at(curve.start), at(curve.end))
         case Spline():
             return Spline(curve.knots, curve.controls @ turn)

@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from typing import Any
 
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Line, Spline
-from cycloid_mj.parts.export.section import Section
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
+from cycloid_mj.parts.export.section import PartSection
 
 _FORMAT = "R2000"
 
 
-def dxf_bytes(sections: tuple[Section, ...]) -> bytes:
+def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
     """Give the sections of a part as DXF, each on a layer of its name, [mm]; the same sections give the same bytes."""
     import ezdxf
 
@@ -39,7 +39,7 @@ def _add(space: Any, curve: Curve, attributes: dict[str, str]) -> None:
         case Arc():
             angles = math.degrees(curve.start), math.degrees(curve.end)
             space.add_arc(_point(curve.centre), curve.radius * MILLIMETRES, *angles, dxfattribs=attributes)
-        case Line():
+        case LineSegment():
             space.add_line(_point(curve.start), _point(curve.end), dxfattribs=attributes)
         case Spline():
             controls = [_point((x, y)) for x, y in curve.controls]

@@ -19,7 +19,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Place:
+class PlatePosition:
     """Where one part lies on the plate.
 
     Attributes
@@ -42,11 +42,11 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Plate:
+class PrintPlate:
     """The mesh of all parts [m], and where each of them lies."""
 
     mesh: Mesh
-    places: tuple[Place, ...]
+    places: tuple[PlatePosition, ...]
 
     @property
     def size(self) -> tuple[float, float, float]:
@@ -61,7 +61,7 @@ class Plate:
         return {part: found.count(part) for part in dict.fromkeys(found)}
 
 
-def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> Plate:
+def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintPlate:
     """Lay all parts that are made on a plate, each on its end with the larger face.
 
     Parameters
@@ -84,11 +84,11 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> Plate:
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
     shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]
     places = tuple(
-        Place(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
+        PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
         for (name, _, over), (low, high), shift in zip(meshes, boxes, shifts, strict=True)
     )
     first = np.cumsum([0, *(len(shape.vertices) for _, shape, _ in meshes)])
-    return Plate(
+    return PrintPlate(
         Mesh(
             np.concatenate([shape.vertices + shift for (_, shape, _), shift in zip(meshes, shifts, strict=True)]),
             np.concatenate([shape.faces + np.int32(at) for (_, shape, _), at in zip(meshes, first, strict=False)]),

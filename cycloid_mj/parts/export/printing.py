@@ -17,7 +17,7 @@ OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
 
 
 @dataclass(frozen=True)
-class Made:
+class PrintedPart:
     """A part that is made, as it is printed, and how many there are of it."""
 
     count: int
@@ -59,7 +59,7 @@ def in_one_piece(reducer: Reducer) -> bool:
     return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, Made]:
+def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, PrintedPart]:
     """Give every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
@@ -86,19 +86,19 @@ def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[st
         solids |= _seated(reducer, solids, chord_error, cam_seat)
     housing = solids[names.HOUSING]
     wheel, *pressed = housing.prisms
-    found = {names.HOUSING: Made(1, Solid(housing.name, (wheel,), housing.density))}
-    found |= {name: Made(1, solids[name]) for name in names.gears(discs)}
+    found = {names.HOUSING: PrintedPart(1, Solid(housing.name, (wheel,), housing.density))}
+    found |= {name: PrintedPart(1, solids[name]) for name in names.gears(discs)}
     if discs > 1:
-        found |= {name: Made(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
-        found[names.SPACER] = Made(discs - 1, solids[names.SPACER])
+        found |= {name: PrintedPart(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
+        found[names.SPACER] = PrintedPart(discs - 1, solids[names.SPACER])
     if discs == 1 or is_printed(reducer, names.SHAFT):
-        found[names.SHAFT] = Made(1, solids[names.SHAFT])
+        found[names.SHAFT] = PrintedPart(1, solids[names.SHAFT])
     if names.PIN in solids and is_printed(reducer, names.PIN):
-        found[names.PIN] = Made(design.ring.teeth, solids[names.PIN])
+        found[names.PIN] = PrintedPart(design.ring.teeth, solids[names.PIN])
         if pressed:
             core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
             solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
-            found[PRESSED_PIN] = Made(design.ring.teeth, solid)
+            found[PRESSED_PIN] = PrintedPart(design.ring.teeth, solid)
     return found | _output(reducer, solids[names.OUTPUT], chord_error)
 
 
@@ -132,10 +132,10 @@ def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat
     return found
 
 
-def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, Made]:
+def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, PrintedPart]:
     """Give the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
     if in_one_piece(reducer):
-        return {names.OUTPUT: Made(1, drawn)}
+        return {names.OUTPUT: PrintedPart(1, drawn)}
     output, density = reducer.design.output, drawn.density
     discs = {names.OUTPUT: drawn.prisms[0]}
     if output.support == "both_ends":
@@ -143,10 +143,10 @@ def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, Mad
     pin = circle(output.root_radius, chord_error)
     bores = tuple(pin + centre for centre in output_centres(reducer))
     found = {
-        name: Made(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
+        name: PrintedPart(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
         for name, disc in discs.items()
     }
     if is_printed(reducer, names.OUTPUT):
         solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(reducer)),), density)
-        found[OUTPUT_PIN] = Made(output.pins, solid)
+        found[OUTPUT_PIN] = PrintedPart(output.pins, solid)
     return found

@@ -19,13 +19,13 @@ from cycloid_mj.parts import (
     sleeve_core_radius,
     spacer_radius,
 )
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
 
 @dataclass(frozen=True)
-class Section:
+class PartSection:
     """One stretch of a part: closed loops of curves from `z0` to `z1` [m], the first its outline, the others its holes.
 
     The curves of a loop follow each other counter-clockwise, and the first runs that way itself.
@@ -37,7 +37,7 @@ class Section:
     z1: float
 
 
-def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[Section, ...]]:
+def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
     """Give the sections of every part of a design, with its clearances, each part in its own frame.
 
     Parameters
@@ -56,23 +56,23 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[Section
     solids = parts(reducer, VISUAL_CHORD_ERROR)  # refuses what does not fit together
     half, width = design.gear.stack_width / 2.0, design.gear.face_width / 2.0
     ring = _internal_gear(reducer, splines) if design.ring.kind == "nonpin" else _pinwheel(reducer)
-    wheel = Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
+    wheel = PartSection("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
     teeth = _gear_outline(reducer, splines)
     gears = {
-        name: (Section("gear", (_ahead(reducer, teeth, phase), *_gear_holes(reducer)), -width, width),)
+        name: (PartSection("gear", (_ahead(reducer, teeth, phase), *_gear_holes(reducer)), -width, width),)
         for name, phase in zip(names.gears(design.gear.discs), reducer.phases, strict=True)
     }
     found = {"housing": (wheel, *_cores(reducer, half)), **_crank(reducer), **gears, "output": _output(reducer)}
     if design.ring.kind == "pin":
         bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
-        found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
+        found["pin"] = (PartSection("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
     if names.ROLLER in solids:
         tube = ((_circle(design.output.pin_radius),), (_circle(design.output.core_radius),))
-        found[names.ROLLER] = (Section("roller", tube, -width, width),)
+        found[names.ROLLER] = (PartSection("roller", tube, -width, width),)
     return found
 
 
-def _cores(reducer: Reducer, half: float) -> tuple[Section, ...]:
+def _cores(reducer: Reducer, half: float) -> tuple[PartSection, ...]:
     """Give the pressed-in pins inside the sleeves; none elsewhere."""
     design = reducer.design
     if not design.ring.has_sleeves:
@@ -80,7 +80,7 @@ def _cores(reducer: Reducer, half: float) -> tuple[Section, ...]:
     angles = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     centres = design.ring.pin_circle_radius * profile.unit(angles)
     radius = sleeve_core_radius(reducer)
-    return tuple(Section("pins", ((_circle(radius, centre),),), -half, half) for centre in centres)
+    return tuple(PartSection("pins", ((_circle(radius, centre),),), -half, half) for centre in centres)
 
 
 def _circle(radius: float, centre: Array | tuple[float, float] = (0.0, 0.0)) -> Circle:
@@ -94,7 +94,7 @@ def _gear_outline(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     """
     gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
-    backwards = Flank(
+    backwards = SmoothCurve(
         points=lambda x: profile.outline(gear, -x, offset),
         arc_length=lambda x: -profile.arc_length(gear, -x, offset),
         tangents=lambda x: profile.unit(profile.normal_angle(gear, -x) - math.pi / 2.0),
@@ -133,7 +133,7 @@ def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     gear = reducer.tooth_profile
     pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), profile.best_phase(gear)
     arc = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
-    flank = Flank(
+    flank = SmoothCurve(
         points=lambda B: envelope.sigma_points(gear, B),
         arc_length=lambda B: envelope.sigma_arc_length(gear, B),
         tangents=lambda B: profile.unit(envelope.sigma_normal_angle(gear, B) - math.pi / 2.0),
@@ -157,7 +157,7 @@ def _pinwheel(reducer: Reducer) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(ring.teeth) for curve in (socket, land))
 
 
-def _crank(reducer: Reducer) -> dict[str, tuple[Section, ...]]:
+def _crank(reducer: Reducer) -> dict[str, tuple[PartSection, ...]]:
     """Give the crank with the faces of its solids: one part, or shaft, spacer and cams."""
     design = reducer.design
     solids, radius = parts(reducer, VISUAL_CHORD_ERROR), design.shaft.radius
@@ -168,33 +168,33 @@ def _crank(reducer: Reducer) -> dict[str, tuple[Section, ...]]:
     for name, phase in zip(names.all_numbered(names.CAM, design.gear.discs), reducer.phases, strict=True):
         (cam,) = solids[name].prisms
         rings[name] = (cam, _circle(design.gear.bore_radius, design.gear.eccentricity * profile.unit(-phase)))
-    found: dict[str, tuple[Section, ...]] = {
-        names.SHAFT: (Section("journal", ((_circle(radius),),), shaft.z0, shaft.z1),)
+    found: dict[str, tuple[PartSection, ...]] = {
+        names.SHAFT: (PartSection("journal", ((_circle(radius),),), shaft.z0, shaft.z1),)
     }
     for name, (ring, outline) in rings.items():
-        found[name] = (Section(names.family(name), ((outline,), (_circle(radius),)), ring.z0, ring.z1),)
+        found[name] = (PartSection(names.family(name), ((outline,), (_circle(radius),)), ring.z0, ring.z1),)
     return found
 
 
-def _shaft(reducer: Reducer) -> tuple[Section, ...]:
+def _shaft(reducer: Reducer) -> tuple[PartSection, ...]:
     """Give journal, counterweight, journal and cam, with the faces of the balanced solid."""
     design = reducer.design
     shaft, cam = design.shaft, design.gear.bore_radius
     outer, inner = shaft.counterweight_radius, shaft.radius
     counterweight = (
         Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
-        Line((outer, 0.0), (inner, 0.0)),
+        LineSegment((outer, 0.0), (inner, 0.0)),
         Arc((0.0, 0.0), inner, 0.0, math.pi),
-        Line((-inner, 0.0), (-outer, 0.0)),
+        LineSegment((-inner, 0.0), (-outer, 0.0)),
     )
     special = {"counterweight": (counterweight,), "cam": ((_circle(cam, (0.0, design.gear.eccentricity)),),)}
     return tuple(
-        Section(name, special.get(name, ((_circle(inner),),)), stretch.z0, stretch.z1)
+        PartSection(name, special.get(name, ((_circle(inner),),)), stretch.z0, stretch.z1)
         for name, stretch in crank_stretches(reducer).items()
     )
 
 
-def _output(reducer: Reducer) -> tuple[Section, ...]:
+def _output(reducer: Reducer) -> tuple[PartSection, ...]:
     """Give the disc and its pins, and the second disc where it holds them, too."""
     disc, *others = output_solid(reducer, VISUAL_CHORD_ERROR).prisms
     rim = float(np.linalg.norm(disc.outline, axis=1).max())
@@ -202,10 +202,10 @@ def _output(reducer: Reducer) -> tuple[Section, ...]:
     pins, second = others[: len(centres)], others[len(centres) :]
     pin, eye = pin_radius(reducer), reducer.design.gear.bore_radius + reducer.design.gear.eccentricity
     return (
-        Section("disc", ((_circle(rim),),), disc.z0, disc.z1),
+        PartSection("disc", ((_circle(rim),),), disc.z0, disc.z1),
         *(
-            Section("pins", ((_circle(pin, centre),),), one.z0, one.z1)
+            PartSection("pins", ((_circle(pin, centre),),), one.z0, one.z1)
             for one, centre in zip(pins, centres, strict=True)
         ),
-        *(Section("second_disc", ((_circle(rim),), (_circle(eye),)), one.z0, one.z1) for one in second),
+        *(PartSection("second_disc", ((_circle(rim),), (_circle(eye),)), one.z0, one.z1) for one in second),
     )

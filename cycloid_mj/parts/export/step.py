@@ -14,8 +14,8 @@ import numpy as np
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import signals_kept
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Line, Spline
-from cycloid_mj.parts.export.section import Section
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
+from cycloid_mj.parts.export.section import PartSection
 
 SPLINES = 6
 """Splines to a lobe or root: OpenCASCADE's integrals are coarse on long splines (0.6 % of the volume at one a lobe)."""
@@ -24,7 +24,7 @@ _SESSION = re.compile(rb"FILE_NAME\(.*?\);", re.DOTALL)
 _PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
 
 
-def step_part(name: str, sections: tuple[Section, ...], solids_wanted: int = 1) -> bytes:
+def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int = 1) -> bytes:
     """Give the sections of a part as one solid in STEP, or as so many; the same sections give the same bytes.
 
     Raises
@@ -115,7 +115,7 @@ def _kernel(name: str) -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _extruded(occ: Any, section: Section) -> tuple[int, int]:
+def _extruded(occ: Any, section: PartSection) -> tuple[int, int]:
     loops = [occ.addCurveLoop([_edge(occ, curve, section.z0) for curve in loop]) for loop in section.loops]
     face = occ.addPlaneSurface(loops)
     height = (section.z1 - section.z0) * MILLIMETRES
@@ -132,7 +132,7 @@ def _edge(occ: Any, curve: Curve, z: float) -> int:
         case Arc():
             x, y = np.array(curve.centre) * MILLIMETRES
             return int(occ.addCircle(x, y, z, curve.radius * MILLIMETRES, angle1=curve.start, angle2=curve.end))
-        case Line():
+        case LineSegment():
             ends = [occ.addPoint(*(np.array(end) * MILLIMETRES), z) for end in (curve.start, curve.end)]
             return int(occ.addLine(*ends))
         case Spline():
