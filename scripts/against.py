@@ -47,7 +47,7 @@ class Ended:
 
 
 def figures(run: Run) -> dict[str, float]:
-    """Give the figures of a run over the crank turn at its end: speeds, transmission error, cam force, efficiency."""
+    """Find the figures of a run over the crank turn at its end: speeds, transmission error, cam force, efficiency."""
     lobes = loads(run.attachments["design.toml"].decode()).lobes
     late = run.select(run.time > max(SETTLING, run.time[-1] - TURN))
     error = (late["output_angle"] + late["crank_angle"] / lobes) / ARCSEC
@@ -65,13 +65,13 @@ def figures(run: Run) -> dict[str, float]:
 
 
 def of_the_log(ended: Ended) -> Figures:
-    """Give the figures of the one run that a command has logged."""
+    """Return the figures of the one run that a command has logged."""
     (log,) = ended.out.glob("*.mcap")
     return figures(read(log))
 
 
 def of_the_json(ended: Ended) -> Figures:
-    """Give every number that a command has printed as JSON, by its place there, but for what depends on the machine."""
+    """Get every number that a command has printed as JSON, by its place there, but for what depends on the machine."""
     found: dict[str, float] = {}
 
     def gather(place: str, value: Any) -> None:
@@ -117,7 +117,7 @@ class Trial:
 
 
 def loaded(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
-    """Give the words of a run at full speed under the rated load, by default of one crank turn after it has settled."""
+    """List the words of a run at full speed under the rated load, by default of one crank turn after it has settled."""
     return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", repr(hold), *flags)
 
 
@@ -266,7 +266,7 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[E
 
 
 def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]]:
-    """Give what `LOOPS` finds of each case in this tree and in another, in turn, pass by pass."""
+    """Collect what `LOOPS` finds of each case in this tree and in another, in turn, pass by pass."""
     found: dict[str, tuple[list[float], list[float]]] = {}
     trial = Trial("loops", (LOOPS,), figures=of_the_json, logged=False)
     with TemporaryDirectory() as folder:
@@ -279,7 +279,7 @@ def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]
 
 
 def difference(ours: Figures, theirs: Figures) -> tuple[str, float, int]:
-    """Give the figure that differs most between two runs, by how much, and of how many.
+    """Return the figure that differs most between two runs, by how much, and of how many.
 
     The difference is a share of the other's figure; figures that only one side has are left out.
     """

@@ -76,7 +76,7 @@ def main() -> int:
 
 
 def _in_browser(design: str, moves: int) -> list[dict[str, float]]:
-    """Give the times of each move by the browser's clock [ms]."""
+    """List the times of each move by the browser's clock [ms]."""
     from selenium import webdriver
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
@@ -105,7 +105,7 @@ def _in_browser(design: str, moves: int) -> list[dict[str, float]]:
 
 
 def _wait_for(driver: Any, steps: Iterable[str], seconds: float) -> dict[str, float]:
-    """Give the times once all steps have theirs, or those that have after some seconds."""
+    """Compute the times once all steps have theirs, or those that have after some seconds."""
     for _ in range(int(seconds / 0.2)):
         time.sleep(0.2)
         times: dict[str, float] = driver.execute_script("return window.times")
@@ -115,7 +115,7 @@ def _wait_for(driver: Any, steps: Iterable[str], seconds: float) -> dict[str, fl
 
 
 def _computed(design: Design) -> Iterable[tuple[str, list[float]]]:
-    """Give what each step computes, and its CPU times on designs that differ a little [ms]."""
+    """Yield what each step computes, and its CPU times on designs that differ a little [ms]."""
     design = design.but(load={"torque": design.rated_torque})
     designs = [turned(design, {KEY: 1e3 * design.gear.eccentricity * (1.0 - 1e-4 * step)}) for step in range(9)]
     works: dict[str, Callable[[Design], object]] = {

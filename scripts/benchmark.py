@@ -86,7 +86,7 @@ def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
 
 
 def ratio(row: Row, over: str, under: str) -> Row:
-    """Give the ratio of two cases pass by pass."""
+    """Return the ratio of two cases pass by pass."""
     return {f"{over} / {under}": [a / b for a, b in zip(row[over], row[under], strict=True)]}
 
 
@@ -195,7 +195,7 @@ def command_table(passes: int) -> Table:
 
 
 def _lasting(steps: int, step: float) -> tuple[str, str]:
-    """Give the changes of a run of so many steps [s] after the warm ones, which are those before its 100th sample."""
+    """Return the changes of a run of so many steps [s] after the warm ones, which are those before its 100th sample."""
     return f"drive.hold_s={(WARM + steps) * step!r}", f"settings.log_rate_hz={100.0 / (WARM * step)!r}"
 
 
@@ -238,7 +238,7 @@ def discs_table(passes: int) -> Table:
 
 
 def _of_discs(name: str, discs: int) -> Case:
-    """Give a case with so many discs; the preset turns slowly, so that a sample each 100 steps sees every tooth."""
+    """Return a case with so many discs; the preset turns slowly, so that a sample each 100 steps sees every tooth."""
     if name in KINDS:
         return example(name, 36.0 * discs, 10_000, f"gear.discs={discs}")
     step = float(build(PRESETS[name]).model.opt.timestep)
@@ -291,7 +291,7 @@ def against_table(revision: str, passes: int) -> Table:
 
 
 def cores() -> int:
-    """Give the cores that this process may use."""
+    """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0))
 
 

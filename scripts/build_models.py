@@ -32,17 +32,17 @@ MODELLED = ("pin", "nonpin")
 
 
 def designs() -> dict[str, Design]:
-    """Give the designs that models are made of."""
+    """Collect the designs that models are made of."""
     return {name: override(PRESETS[name], [STEP]) for name in MODELLED}
 
 
 def two_discs() -> Design:
-    """Give the design of models/twodisc."""
+    """Return the design of models/twodisc."""
     return override(PRESETS["twodisc"], [STEP])
 
 
 def two_disc_files() -> dict[str, bytes]:
-    """Give every file of models/twodisc, with its README."""
+    """Collect every file of models/twodisc, with its README."""
     made = model_files(Reducer(two_discs()), COARSE)
     manifest = json.loads(made[MANIFEST])
     rows = [
@@ -62,13 +62,13 @@ def two_disc_files() -> dict[str, bytes]:
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
-    """Give every generated file of one model folder but its picture."""
+    """Collect every generated file of one model folder but its picture."""
     made = model_files(Reducer(design))
     return {**made, "README.md": readme(name, json.loads(made[MANIFEST]), plain).encode()}
 
 
 def readme(name: str, manifest: dict[str, Any], plain: dict[str, dict[str, Any]]) -> str:
-    """Give the README of a model folder from its manifest and the figures of plain CoACD."""
+    """Write the README of a model folder from its manifest and the figures of plain CoACD."""
     ring = "free pins in a pinwheel" if name == "pin" else "a double-enveloping internal gear"
     surfaces = {key: value for key, value in manifest["surfaces"].items() if key in ("teeth", "lobe")}
     titles = {"teeth": "gear teeth, sliced (this model)", "lobe": "internal gear, sliced (this model)"}
@@ -97,12 +97,12 @@ def _row(title: str, figures: dict[str, Any]) -> str:
 
 
 def measured(name: str) -> Any:
-    """Give what scripts/measure_models.py found."""
+    """Return what scripts/measure_models.py found."""
     return json.loads((MODELS / name).read_text(encoding="utf-8"))
 
 
 def overview(manifests: dict[str, dict[str, Any]]) -> str:
-    """Give the README of models/ from the manifests and what was measured."""
+    """Write the README of models/ from the manifests and what was measured."""
     plain, rows, free = (measured(name) for name in (PLAIN, AGREEMENT, FREE))
     sliced = {
         "gear teeth, sliced": manifests["pin"]["surfaces"]["teeth"],
@@ -118,7 +118,7 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
 
 
 def _run_row(row: dict[str, Any]) -> str:
-    """Give a run as a row of the table."""
+    """Return a run as a row of the table."""
     cells = (
         row["design"],
         f"{row['load_nm']:g} N m",
@@ -135,7 +135,7 @@ def _run_row(row: dict[str, Any]) -> str:
 
 
 def _free_row(name: str, found: dict[str, float]) -> str:
-    """Give a free run as a row of the table."""
+    """Return a free run as a row of the table."""
     keys = ("mean_error", "largest_mesh_period_error", "rms_error", "peak_error")
     errors = [f"{found[f'{key}_percent']:g} %" for key in keys]
     return f"| {' | '.join([name, *errors, str(found['warnings'])])} |"

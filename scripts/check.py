@@ -19,7 +19,7 @@ LINTS = (
 
 
 def tests(room: str | None) -> tuple[str, ...]:
-    """Give the command that runs all tests, or those of a room.
+    """List the command that runs all tests, or those of a room.
 
     Raises
     ------

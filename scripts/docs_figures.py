@@ -146,7 +146,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
 
 
 def statics_of(preset: str) -> dict[str, Value]:
-    """Give the figures of a preset by statics."""
+    """Collect the figures of a preset by statics."""
     from cycloid_mj.design import PRESETS as DESIGNS
     from cycloid_mj.statics.sheet import glance
 
@@ -171,7 +171,7 @@ def short_run(kind: str) -> Any:
 
 
 def run_of(kind: str) -> dict[str, Value]:
-    """Give rms values over the second half of such a run: the crank's torque, and the errors of gear and output."""
+    """Collect rms values over the second half of such a run: the crank's torque, and the errors of gear and output."""
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
@@ -189,7 +189,7 @@ def run_of(kind: str) -> dict[str, Value]:
 
 
 def words_of_the_report() -> dict[str, Value]:
-    """Give the titles and the heads of tables, down to the mechanism that ends the picture, for two short runs."""
+    """Collect the titles and the heads of tables, down to the mechanism that ends the picture, for two short runs."""
     from cycloid_mj.base.errors import CycloidWarning
     from cycloid_mj.report import report
 
@@ -202,7 +202,7 @@ def words_of_the_report() -> dict[str, Value]:
 
 
 def look_of_the_animation() -> dict[str, Value]:
-    """Give how bright the parts of its first frame are, from 0 to 1, for a short run."""
+    """Collect how bright the parts of its first frame are, from 0 to 1, for a short run."""
     import numpy as np
 
     from cycloid_mj.plots.animation import film, take
@@ -213,7 +213,7 @@ def look_of_the_animation() -> dict[str, Value]:
 
 
 def numbers_of_the_paper() -> dict[str, Value]:
-    """Give the digest of what the paper is said to state."""
+    """Collect the digest of what the paper is said to state."""
     from hsieh2014 import stated
 
     told = {key: repr(value) for key, value in sorted(vars(stated).items()) if key.isupper()}
@@ -231,7 +231,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
 
 @cache
 def probed(name: str) -> Values:
-    """Give what a probe says now."""
+    """Return what a probe says now."""
     return PROBES[name]()
 
 
@@ -241,7 +241,7 @@ def stamps() -> dict[str, Any]:
 
 
 def stamp(artefact: Artefact) -> dict[str, Any]:
-    """Give the stamp of what has been written just now."""
+    """Collect the stamp of what has been written just now."""
     probes = {name: {key: _short(value) for key, value in probed(name).items()} for name in artefact.probes}
     return {"probes": probes, "files": {name: _digest(name) for name in artefact.files}}
 
@@ -323,7 +323,7 @@ def _do(step: Step, out: Path) -> None:
 
 
 def cpu() -> float:
-    """Give the CPU time of all commands that have ended [min]."""
+    """Compute the CPU time of all commands that have ended [min]."""
     used = getrusage(RUSAGE_CHILDREN)
     return (used.ru_utime + used.ru_stime) / 60.0
 

@@ -72,7 +72,7 @@ LEVELS = (
 
 
 def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
-    """Give what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
+    """List what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
     found: dict[str, dict[str, Any]] = {}
     for measure in MEASURES:
         told = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
 
 
 def compared(told: Mapping[str, Any]) -> dict[str, Any]:
-    """Give what the page shows of the JSON of `compare`: by load and design, and how each run was stepped."""
+    """Collect what the page shows of the JSON of `compare`: by load and design, and how each run was stepped."""
     runs = []
     for run in told["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}
@@ -102,7 +102,7 @@ def compared(told: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def comparison(found: Mapping[str, Any]) -> str:
-    """Give the table of `compare`: a column for each run, no load first, with what it holds for above."""
+    """Return the table of `compare`: a column for each run, no load first, with what it holds for above."""
     runs = found["runs"]
     loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
     names = [run["design"].replace("-", " ") for run in runs]
@@ -128,7 +128,7 @@ def _level(value: float | Sequence[float]) -> str:
 
 
 def table(found: Mapping[str, Quantities]) -> str:
-    """Give the table: value, its numerical error, and its closed form or statics in brackets."""
+    """Return the table: value, its numerical error, and its closed form or statics in brackets."""
     lines = ["| | " + " | ".join(found) + " |", "|---" * (len(found) + 1) + "|"]
     for label, keys in ROWS:
         cells = [_cell(next(one[key] for key in keys if key in one)) for one in found.values()]
@@ -144,7 +144,7 @@ def _cell(quantity: Mapping[str, Any]) -> str:
 
 
 def written(page: str, name: str, text: str) -> str:
-    """Give the page with one of its tables replaced; raise ValueError if it lacks the marks."""
+    """Replace one of the page's tables; raise ValueError if it lacks the marks."""
     begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
     if begin not in page or end not in page:
         raise ValueError(f"the page lacks {begin} or {end}")
@@ -153,7 +153,7 @@ def written(page: str, name: str, text: str) -> str:
 
 
 def whole(page: str) -> str:
-    """Give the page with the tables of all that is kept."""
+    """Write the page with the tables of all that is kept."""
     page = written(page, "measured", table(_read(KEPT)))
     return written(page, "compared", comparison(_read(COMPARED))) if COMPARED.exists() else page
 

@@ -22,12 +22,12 @@ TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not d
 
 
 def sections(found: dict[str, Any]) -> dict[str, str]:
-    """Give the generated sections of the page by name."""
+    """Collect the generated sections of the page by name."""
     return {"results": results(found), "errata": errata(found["errata"])}
 
 
 def results(found: dict[str, Any]) -> str:
-    """Give the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
+    """Return the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
     claims, told = found["claims"], tally(found)
     head = (
         *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
@@ -50,7 +50,7 @@ def tally(found: dict[str, Any]) -> str:
 
 
 def load(condition: dict[str, float]) -> str:
-    """Give the load of a claim's condition in words."""
+    """Format the load of a claim's condition in words."""
     if "input_torque_nm" in condition:
         return f"{condition['input_torque_nm']:g} N m in"
     return f"{condition['load_nm']:g} N m" if condition["load_nm"] else "none"
@@ -68,7 +68,7 @@ def _row(one: dict[str, Any]) -> tuple[str, ...]:
 
 
 def errata(found: Sequence[dict[str, Any]]) -> str:
-    """Give the errata: printed and corrected, and by how much each misses what its proof holds it against."""
+    """Return the errata: printed and corrected, and by how much each misses what its proof holds it against."""
     head = ("Eq.", "printed", "right", "relative error as printed", "corrected", "held against")
     rows = [
         (
@@ -85,7 +85,7 @@ def errata(found: Sequence[dict[str, Any]]) -> str:
 
 
 def written(page: str, texts: Mapping[str, str]) -> str:
-    """Give a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
+    """Return a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
     for name, text in texts.items():
         begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
         if begin not in page or end not in page:
@@ -97,7 +97,7 @@ def written(page: str, texts: Mapping[str, str]) -> str:
 
 
 def kept(found: dict[str, Any]) -> dict[str, Any]:
-    """Give what of the command's JSON the page stands on; raise ValueError if a stage broke or was left out."""
+    """Collect what of the command's JSON the page stands on; raise ValueError if a stage broke or was left out."""
     stages = {stage["key"]: stage["error"] for stage in found["stages"]}
     if broken := [key for key, error in stages.items() if error]:
         raise ValueError(f"the page is not written from a run with a broken stage: {', '.join(broken)}")
@@ -107,7 +107,7 @@ def kept(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def _bounded(error: float) -> str:
-    """Give the decade below which an error lies: its digits are rounding, another machine has others."""
+    """Return the decade below which an error lies: its digits are rounding, another machine has others."""
     return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
 
 

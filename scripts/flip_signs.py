@@ -98,12 +98,12 @@ class Found:
 
 
 def of_package(path: Path) -> str:
-    """Give a file of the package from its root on, any other by its name."""
+    """Return a file of the package from its root on, any other by its name."""
     return path.relative_to(ROOT / PACKAGE).as_posix() if path.is_relative_to(ROOT / PACKAGE) else path.name
 
 
 def flips(path: Path) -> Iterator[Flip]:
-    """Give every sign of a file."""
+    """Yield every sign of a file."""
     content = path.read_bytes()
     starts = [0]
     for line in content.splitlines(keepends=True):
@@ -133,7 +133,7 @@ def flips(path: Path) -> Iterator[Flip]:
 
 
 def made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
-    """Give the parts of all statements with what each makes, as in `Flip`; every expression is in one of them."""
+    """Yield the parts of all statements with what each makes, as in `Flip`; every expression is in one of them."""
     for node in ast.walk(tree):
         match node:
             case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)) if len(names) == len(values):
@@ -153,7 +153,7 @@ def made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
 
 
 def named(target: ast.expr) -> str:
-    """Give the name of what is given a value, without the object that it belongs to and its place there."""
+    """Return the name of what is given a value, without the object that it belongs to and its place there."""
     match target:
         case ast.Tuple(elts=targets):
             return ", ".join(map(named, targets))
@@ -165,7 +165,7 @@ def named(target: ast.expr) -> str:
 
 
 def flipped(content: bytes, flip: Flip) -> bytes:
-    """Give a file with one sign flipped."""
+    """Encode a file with one sign flipped."""
     other = b"+" if flip.old == "-" else b"-"
     return content[: flip.place] + other + content[flip.place + 1 :]
 
@@ -286,7 +286,7 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
 
 
 def wanted(only: str, lines: str, sample: int) -> list[Flip]:
-    """Give the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
+    """List the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
     files = [ROOT / PACKAGE / file for file in FILES if only in ("", file, Path(file).name)]
     of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files)
     every = [flip for of_file in of_files for flip in of_file]

@@ -87,7 +87,7 @@ def timers() -> Iterator[None]:
 
 
 def example(kind: str, load: float, steps: int, *changes: str) -> Case:
-    """Give a design with its model: at full speed, `steps` of 1 us long after the warm ones."""
+    """Return a design with its model: at full speed, `steps` of 1 us long after the warm ones."""
     preset, pins = KINDS[kind]
     hold = (WARM + steps) * 1e-6
     run = ["settings.timestep_us=1.0", "drive.ramp_s=0.0", f"drive.hold_s={hold!r}", f"load.torque_nm={load}"]

@@ -55,7 +55,7 @@ class Motion:
 
 
 def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
-    """Give the reducer without what Exudyn's model leaves out."""
+    """Return the reducer without what Exudyn's model leaves out."""
     changes = [
         f'ring.pins="{pins}"',
         'contact.stiffness_law="uniform"',
@@ -94,7 +94,7 @@ def run_ours(step: float, friction: float, end: float, pins: str = "fixed") -> M
 
 
 def bedding(design: Design, stiffness: float) -> float:
-    """Give the stiffness [N/m2] of a bed of springs that a pin enters as deep as it enters our contact.
+    """Compute the stiffness [N/m2] of a bed of springs that a pin enters as deep as it enters our contact.
 
     A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times it.
     """
@@ -357,14 +357,14 @@ def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") 
 
 
 def inertia_about_axis(body: Any) -> float:
-    """Give the moment of inertia of a body about the axis of the crank [kg m2]."""
+    """Compute the moment of inertia of a body about the axis of the crank [kg m2]."""
     axes = np.empty(9)
     mujoco.mju_quat2Mat(axes, body.iquat)
     return float(axes.reshape(3, 3)[2] ** 2 @ body.inertia)
 
 
 def judged(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
-    """Give mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], efficiency."""
+    """Compute mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], efficiency."""
     half = slice(len(motion.crank) // 2, None)
     crank, gear, speed, torque = (values[half] for values in (motion.crank, motion.gear, motion.speed, motion.torque))
     error = np.degrees(gear + crank / lobes) * 3600.0

@@ -37,12 +37,12 @@ class Work:
 
 
 def nothing(_: int) -> PointResult:
-    """Give a row of the size that statics gives, without any work."""
+    """Return a row of the size that statics gives, without any work."""
     return PointResult({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
 
 
 def works(many: int, few: int) -> dict[str, Work]:
-    """Give what is measured, with so many points of the fast kind and of the others."""
+    """Collect what is measured, with so many points of the fast kind and of the others."""
     pin = PRESETS["pin"]
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
@@ -95,7 +95,7 @@ def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, l
 
 
 def cpu_of(process: int) -> float:
-    """Give the CPU time of a process so far [s]."""
+    """Compute the CPU time of a process so far [s]."""
     from psutil import Process
 
     times = Process(process).cpu_times()
@@ -103,7 +103,7 @@ def cpu_of(process: int) -> float:
 
 
 def hours(points: float, cpu: float, overhead: float, cores: int) -> float:
-    """Give the wall time [h] of points on a cluster: its workers', or the scheduler's or client's where that is longer.
+    """Find the wall time [h] of points on a cluster: its workers', or the scheduler's or client's where that is longer.
 
     `cpu` of a point and `overhead` of the busier of client and scheduler in ms a point, as `sweep_table` has them. It
     is an extrapolation: no two points share anything but the scheduler.

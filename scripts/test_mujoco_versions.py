@@ -27,7 +27,7 @@ AHEAD = "mujoco-core"
 
 
 def requirements() -> tuple[str, str]:
-    """Give what pyproject.toml asks of MuJoCo, as the requirement of its oldest release and of its newest."""
+    """Return what pyproject.toml asks of MuJoCo, as the requirement of its oldest release and of its newest."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     allowed = next(line for line in project["dependencies"] if re.match(r"mujoco\b", line))
     oldest = re.search(r">=\s*([\d.]+)", allowed)

@@ -52,5 +52,5 @@ def show(driver: Any, page: Path, width: int = 390, scheme: str = "dark") -> Non
 
 
 def errors(driver: Any) -> list[str]:
-    """Give what the console has said of errors since it was last asked."""
+    """List what the console has said of errors since it was last asked."""
     return [line["message"] for line in driver.get_log("browser") if line["level"] == "SEVERE"]

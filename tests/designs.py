@@ -30,7 +30,7 @@ def unlike(name: str) -> Design:
 
 
 def cases(every: Collection[Any], *quick: Any) -> list[Any]:
-    """Give the cases of a test of which the quick ones run by default, and all others with ``-m slow``."""
+    """List the cases of a test of which the quick ones run by default, and all others with ``-m slow``."""
     assert all(case in every for case in quick)
     return [
         pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=[pytest.mark.slow] * (case not in quick))

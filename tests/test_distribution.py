@@ -20,7 +20,7 @@ PACKAGES = {"cycloid_mj": ROOT / "cycloid_mj", "hsieh2014": ROOT / "papers" / "h
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[set[str], Path]:
-    """Give the files of the source archive, and the wheel that is built of what the archive holds alone."""
+    """Return the files of the source archive, and the wheel that is built of what the archive holds alone."""
     folder = tmp_path_factory.mktemp("built")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(ROOT)

@@ -54,7 +54,7 @@ OTHERS = ("python3 -m venv", ".venv/bin/", "pip install", "dask ", "python -m mu
 
 
 def blocks(text: str) -> list[tuple[str, str]]:
-    """Give the code blocks of a page with their languages, without Sphinx's directives."""
+    """List the code blocks of a page with their languages, without Sphinx's directives."""
     return [
         (language, block)
         for language, block in re.findall(r"^```(\S*)\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
@@ -63,7 +63,7 @@ def blocks(text: str) -> list[tuple[str, str]]:
 
 
 def lines(text: str, *languages: str) -> Iterator[str]:
-    """Give the shell's lines of a page, one for each program that is called, without prompts and comments."""
+    """Yield the shell's lines of a page, one for each program that is called, without prompts and comments."""
     for language, block in blocks(text):
         if language in languages:
             for line in block.replace("\\\n", " ").splitlines():
@@ -71,7 +71,7 @@ def lines(text: str, *languages: str) -> Iterator[str]:
 
 
 def commands(text: str, *languages: str) -> list[str]:
-    """Give the commands of this package on a page, from its name on."""
+    """List the commands of this package on a page, from its name on."""
     return [line[line.index("cycloid-mj ") :] for line in lines(text, *languages) if _is_own(line)]
 
 
@@ -80,7 +80,7 @@ def _is_own(line: str) -> bool:
 
 
 def words_of(command: str) -> list[str]:
-    """Give what stands behind ``cycloid-mj`` in a command, without its redirection."""
+    """List what stands behind ``cycloid-mj`` in a command, without its redirection."""
     return shlex.split(command.split(" > ")[0], comments=True)[1:]
 
 
@@ -88,7 +88,7 @@ whole = cache(application)
 
 
 def parsed(words: list[str]) -> dict[str, object]:
-    """Give the values that a command would be called with: every flag is known, and its value read and tested."""
+    """Collect the values that a command would be called with: every flag is known, and its value read and tested."""
     _, bound, unknown = whole().parse_args(words, exit_on_error=False, print_error=False)[:3]
     assert not unknown
     values = dict(bound.arguments)
@@ -98,7 +98,7 @@ def parsed(words: list[str]) -> dict[str, object]:
 
 
 def shortened(words: list[str]) -> list[str]:
-    """Give the same command with the shortest run."""
+    """List the same command with the shortest run."""
     quick = QUICK.get(words[0], [])
     for flag in ("--ramp-s", "--hold-s"):
         if flag in words and flag in quick:
@@ -124,7 +124,7 @@ CALLED = sorted({command for text in PAGES.values() for command in commands(text
 
 @pytest.fixture(scope="module")
 def tutored(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Give the folder in which a reader of the tutorial has run its commands."""
+    """Return the folder in which a reader of the tutorial has run its commands."""
     folder = tmp_path_factory.mktemp("tutorial")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

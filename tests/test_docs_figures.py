@@ -26,7 +26,7 @@ def script() -> ModuleType:
 
 @pytest.fixture
 def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
-    """Give the script in a folder of its own, with one artefact of two steps, and a probe."""
+    """Return the script in a folder of its own, with one artefact of two steps, and a probe."""
     copy = (sys.executable, "-c", "import sys; open('runs', 'a').write(sys.argv[1]); print(sys.argv[1])")
     join = "import sys, pathlib; a, b = map(pathlib.Path, sys.argv[1:]); "
     join += "pathlib.Path('out').write_text(a.read_text() + b.read_text())"

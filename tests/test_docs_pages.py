@@ -59,7 +59,7 @@ def built(made: Path, examples: str) -> dict[Path, _Links]:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
-    """Give the pages, with one example drawn."""
+    """Collect the pages, with one example drawn."""
     return built(tmp_path_factory.mktemp("docs"), EXAMPLE)
 
 

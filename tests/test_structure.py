@@ -87,7 +87,7 @@ def is_sentence(node: ast.AST) -> bool:
 
 
 def decisions_by_words(module: Nodes) -> Iterator[tuple[int, str]]:
-    """Give line and words of each comparison, search or case that looks for several words in a text."""
+    """Yield line and words of each comparison, search or case that looks for several words in a text."""
     for node in module:
         asked: list[ast.AST] = []
         if isinstance(node, ast.Compare):

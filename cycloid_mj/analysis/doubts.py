@@ -67,7 +67,7 @@ class PowerBalance:
 
 
 def balance(run: Run) -> PowerBalance:
-    """Give the mean powers of all samples of a run."""
+    """Compute the mean powers of all samples of a run."""
     still = np.zeros(len(run))
     energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
     losses = [float(np.mean(run[name])) for name in run.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
@@ -80,7 +80,7 @@ def balance(run: Run) -> PowerBalance:
 
 
 def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
-    """Give the warnings of a run that was judged over a window."""
+    """Yield the warnings of a run that was judged over a window."""
     run, design = motion.run, motion.design
     if not run.complete:
         yield f"the run did not reach its end: {run.note or 'no reason is known'}"

@@ -10,7 +10,7 @@ Phase = Literal["hold", "ramp"]
 
 
 def condition(reducer: Reducer) -> Condition:
-    """Give the condition that a design is run under."""
+    """Return the condition that a design is run under."""
     return Condition(reducer.design.load.torque, reducer.design.drive.speed)
 
 
@@ -187,5 +187,5 @@ class Findings:
         return str(self.condition) + ("" if self.window.phase == "hold" else " (not reached: in the ramp)")
 
     def as_json(self) -> dict[str, Any]:
-        """Give the findings as dicts, lists, numbers, text and None only."""
+        """Convert the findings to dicts, lists, numbers, text and None only."""
         return dict(plain(vars(self)))

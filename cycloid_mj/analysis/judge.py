@@ -201,7 +201,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:
-    """Give the losses of each kind of pair that was ever in touch."""
+    """List the losses of each kind of pair that was ever in touch."""
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     found = []

@@ -53,7 +53,7 @@ class Compared:
         return Compared(np.linalg.norm(self.simulated, axis=1), np.linalg.norm(self.theory, axis=1))
 
     def at(self, rows: Mask | slice) -> "Compared":
-        """Give some of the samples."""
+        """Return some of the samples."""
         return Compared(self.simulated[rows], self.theory[rows])
 
 
@@ -143,7 +143,7 @@ class Series:
         return "gear" if discs == 1 else f"gear {self.disc + 1} of {discs}"
 
     def of_disc(self, disc: int) -> "Series":
-        """Give the same with the motion of another disc, by its index."""
+        """Return the same with the motion of another disc, by its index."""
         motion: dict[str, Any] = _disc_motion(self.run, Reducer(self.design), self.q, disc)
         return replace(self, disc=disc, **motion)
 
@@ -223,7 +223,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
 def point_path(
     reducer: Reducer, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
 ) -> kinematics.PointPath:
-    """Give the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
+    """Compute the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
 
     Where the ring turns, the discs do not.
 
@@ -244,7 +244,7 @@ def point_path(
 
 
 def design_of(run: Run) -> Design:
-    """Give the design that a run carries.
+    """Return the design that a run carries.
 
     Raises
     ------
@@ -279,7 +279,7 @@ def _require_fit(run: Run, reducer: Reducer) -> None:
 
 
 def _usable(run: Run, needed: tuple[str, ...]) -> Run:
-    """Give the run up to its first sample that is not all usable numbers; a run that went wrong may end with some."""
+    """Cut a run off before its first sample that is not all usable numbers; one that went wrong may end with some."""
     missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
@@ -310,7 +310,7 @@ def _planar(gear: str) -> tuple[str, ...]:
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Give what a `Series` has of one disc."""
+    """Collect what a `Series` has of one disc."""
     design = reducer.design
     *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]

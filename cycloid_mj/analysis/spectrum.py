@@ -69,12 +69,12 @@ class Orders:
     spread: float = 1.0
 
     def rms(self, kept: Mask) -> float:
-        """Give the rms value of some orders together."""
+        """Compute the rms value of some orders together."""
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 
 
 def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float = np.inf) -> Orders:
-    """Give the orders of values that repeat, over as many whole cycles as there are.
+    """Compute the orders of values that repeat, over as many whole cycles as there are.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
 
 
 def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
-    """Give the orders of logged values about their mean, over as many whole cycles of a base as there are.
+    """Compute the orders of logged values about their mean, over as many whole cycles of a base as there are.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
 
 
 def between_samples(values: Array, places: Array) -> Array:
-    """Give the band-limited signal through even samples, right to 1e-3 up to ``BAND`` of their rate.
+    """Compute the band-limited signal through even samples, right to 1e-3 up to ``BAND`` of their rate.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def thinned(values: Array, every: int, means: bool = False) -> Array:
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
-    """Give frequencies [Hz] and one-sided power spectral densities by Welch's method, Hann windows half laid over.
+    """Compute frequencies [Hz] and one-sided power spectral densities by Welch's method, Hann windows half laid over.
 
     Parameters
     ----------

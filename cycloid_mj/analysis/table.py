@@ -36,12 +36,12 @@ GROUPS = ("output", "gear", "path of q", "contacts", "pin 1", "torques and losse
 
 
 def table(findings: Findings) -> list[FigureRow]:
-    """Give the findings as rows: quantity, simulated, closed form, error, unit."""
+    """List the findings as rows: quantity, simulated, closed form, error, unit."""
     return [row for group in groups(findings) for row in group.rows]
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """Give the rows of `table` by what they are about; a group without rows is left out."""
+    """List the rows of `table` by what they are about; a group without rows is left out."""
     rows = (
         _part("output", findings.output_speed, findings.output_transmission_error),
         _gears(findings),

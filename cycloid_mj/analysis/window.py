@@ -38,7 +38,7 @@ def require_hold(reducer: Reducer, time: Array) -> None:
 
 
 def settling(reducer: Reducer) -> float:
-    """Give the time that a run of a design takes to ring out [s]."""
+    """Compute the time that a run of a design takes to ring out [s]."""
     speed, contacts = abs(reducer.design.drive.speed), SETTLING * slowness(reducer)
     return max(contacts, SETTLING_TURN * 2.0 * np.pi / speed) if speed else contacts
 
@@ -69,7 +69,7 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
-    """Give the longest first part that lasts whole crank turns, or else whole mesh periods, or else everything.
+    """Find the longest first part that lasts whole crank turns, or else whole mesh periods, or else everything.
 
     Sums over it are free of the ripple that repeats with the turn or the mesh; the odd share of one sample is left.
     """
@@ -83,7 +83,7 @@ def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
 
 
 def turn_by_turn(crank_angle: Array) -> list[slice]:
-    """Give each whole crank turn from the first sample on; everything where it is shorter than one turn."""
+    """List each whole crank turn from the first sample on; everything where it is shorter than one turn."""
     swept = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
     # a turn of n samples ends one sample after its last
     turns = int(swept[-1] * swept.size / max(swept.size - 1, 1) + 1e-6)
@@ -93,7 +93,7 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
 
 
 def one_turn(crank_angle: Array) -> slice:
-    """Give the first turn from crank angle 0 (modulo a turn), else the first turn from anywhere, else everything."""
+    """Find the first turn from crank angle 0 (modulo a turn), else the first turn from anywhere, else everything."""
     turns = np.abs(crank_angle) / (2 * np.pi)
     for start in (np.ceil(turns[0] - 1e-6), turns[0]):
         first, last = np.searchsorted(turns, [start - 1e-6, start + 1 + 1e-6])
@@ -103,6 +103,6 @@ def one_turn(crank_angle: Array) -> slice:
 
 
 def last_turn(crank_angle: Array) -> slice:
-    """Give the last turn, or everything where there is less: in a ramp it is the nearest to the drive's speed."""
+    """Find the last turn, or everything where there is less: in a ramp it is the nearest to the drive's speed."""
     turns = np.abs(crank_angle) / (2 * np.pi)
     return slice(int(np.searchsorted(turns, turns[-1] - 1 - 1e-6)), turns.size)

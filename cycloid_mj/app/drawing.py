@@ -32,7 +32,7 @@ FINENESS = 4000.0
 
 
 def mechanism_svg(design: Design, crank: float) -> str:
-    """Give the ideal mechanism at a crank angle [rad] as an SVG element, one unit a millimetre, +y up.
+    """Draw the ideal mechanism at a crank angle [rad] as an SVG element, one unit a millimetre, +y up.
 
     Raises
     ------

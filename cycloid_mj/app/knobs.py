@@ -70,12 +70,12 @@ WIDE_UM = 100.0
 
 
 def knobs(design: Design) -> tuple[Knob, ...]:
-    """Give the sliders of a design."""
+    """List the sliders of a design."""
     return tuple(_knob(design, name, label) for name, label in LABELS.items())
 
 
 def shape_of(design: Design) -> str | None:
-    """Give which of `SHAPES` a design has; none where it has, say, three discs."""
+    """Return which of `SHAPES` a design has; none where it has, say, three discs."""
     own = {"ring.kind": design.ring.kind, "gear.discs": design.gear.discs}
     return next((name for name, values in SHAPES.items() if values == own), None)
 
@@ -99,7 +99,7 @@ def _knob(design: Design, name: str, label: str) -> Knob:
 
 
 def turned(design: Design, values: Mapping[str, Any]) -> Design:
-    """Give a design with values of its knobs; holes stay as wide as output pin and eccentricity make them.
+    """Return a design with values of its knobs; holes stay as wide as output pin and eccentricity make them.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def turned(design: Design, values: Mapping[str, Any]) -> Design:
 
 
 def angle(degrees: Any) -> float:
-    """Give what the crank's slider says in radians.
+    """Convert the crank slider's value to radians.
 
     Raises
     ------
@@ -125,5 +125,5 @@ def angle(degrees: Any) -> float:
 
 
 def _counted(value: Any) -> Any:
-    """Give a whole number as one, for a slider's are floats; what is none is left for the validation to tell."""
+    """Return a whole number as one, for a slider's are floats; what is none is left for the validation to tell."""
     return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -10,19 +10,19 @@ from cycloid_mj.reducer import Reducer
 
 
 def design_file(design: Design) -> dict[str, bytes]:
-    """Give the design as TOML."""
+    """Write the design as TOML."""
     return {f"{design.name}.toml": dump(design).encode()}
 
 
 def model(design: Design) -> dict[str, bytes]:
-    """Give a model folder that any MuJoCo opens, packed."""
+    """Pack a model folder that any MuJoCo opens."""
     from cycloid_mj.dynamics.mjcf.folder import model_files
 
     return _packed(f"{design.name}-mjcf", model_files(Reducer(design)))
 
 
 def data_sheet(design: Design) -> dict[str, bytes]:
-    """Give the data sheet as PDF."""
+    """Draw the data sheet as PDF."""
     from cycloid_mj.life.datasheet import datasheet
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
@@ -31,7 +31,7 @@ def data_sheet(design: Design) -> dict[str, bytes]:
 
 
 def parts_in(file_format: str) -> Callable[[Design], dict[str, bytes]]:
-    """Give the function that makes every part of a design in a format, packed."""
+    """Return the function that makes every part of a design in a format, packed."""
 
     def made(design: Design) -> dict[str, bytes]:
         return _packed(f"{design.name}-{file_format}", export(design, file_format).files)  # type: ignore[arg-type]

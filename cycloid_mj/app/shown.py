@@ -41,23 +41,23 @@ class FigureLine:
 
 
 def refused(error: CycloidError) -> tuple[FigureLine, ...]:
-    """Give what stands in the place of figures and checks that an error leaves nothing of."""
+    """Return what stands in the place of figures and checks that an error leaves nothing of."""
     return (FigureLine("not possible", str(error).removeprefix("override: ")),)
 
 
 def error_lines(design: Design) -> tuple[FigureLine, ...]:
-    """Give the reasons for which a design cannot be built; none of a sound one."""
+    """List the reasons for which a design cannot be built; none of a sound one."""
     return _broken(one for one in soundness(Reducer(design)) if one.severity == "error")
 
 
 def check_lines(design: Design) -> tuple[FigureLine, ...]:
-    """Give the checks that do not hold, errors before warnings, or that all do."""
+    """List the checks that do not hold, errors before warnings, or that all do."""
     ordered = sorted(check(design), key=lambda one: one.severity != "error")
     return _broken(ordered) or (FigureLine("checks", "all hold"),)
 
 
 def static_lines(design: Design) -> tuple[FigureLine, ...]:
-    """Give the figures of a sound design by statics, at its load, or why there are none."""
+    """List the figures of a sound design by statics, at its load, or why there are none."""
     try:
         found = glance(Reducer(design), design.load.torque or None)
     except CycloidError as error:
@@ -68,7 +68,7 @@ def static_lines(design: Design) -> tuple[FigureLine, ...]:
 
 
 def life_lines(design: Design) -> tuple[FigureLine, ...]:
-    """Give the weakest item of a sound design at its load and its shortest-lived bearing, or why there are none."""
+    """Return the weakest item of a sound design at its load and its shortest-lived bearing, or why there are none."""
     try:
         rating = rate(design, steady(design.load.torque or design.rated_torque, design.drive.speed))
     except CycloidError as error:

@@ -26,7 +26,7 @@ class Workers:
         self._pool = self._started()
 
     async def do(self, work: Work, design: Design) -> tuple[FigureLine, ...]:
-        """Give what a work makes of a design; if a process has died, as for want of memory, with new ones."""
+        """Return what a work makes of a design; if a process has died, as for want of memory, with new ones."""
         loop, pool = asyncio.get_running_loop(), self._pool
         try:
             return await loop.run_in_executor(pool, work, design)

@@ -48,7 +48,7 @@ def cacheable() -> bool:
 
 
 def digest(*modules: ModuleType) -> int:
-    """Give a digest of the sources of modules whose code is compiled into another's.
+    """Compute a digest of the sources of modules whose code is compiled into another's.
 
     Numba does not follow them into other files: with the digest among what a function closes over, its cache does.
     """

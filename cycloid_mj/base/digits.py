@@ -17,12 +17,12 @@ LENGTH = 1e-15
 
 
 def significant(value: float) -> float:
-    """Give a number with `DIGITS` significant digits."""
+    """Round a number to `DIGITS` significant digits."""
     return float(f"{value:.{DIGITS - 1}e}")
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Give numbers that belong together with as many decimals as leave the largest of them `DIGITS` digits."""
+    """Round numbers that belong together to as many decimals as leave the largest of them `DIGITS` digits."""
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:
@@ -32,7 +32,7 @@ def significant_tensor(values: npt.ArrayLike) -> Array:
 
 
 def on_grid(values: npt.ArrayLike) -> Array:
-    """Give coordinates [m], sines or cosines on the grid of `LENGTH`."""
+    """Round coordinates [m], sines or cosines to the grid of `LENGTH`."""
     decimals = -int(np.log10(LENGTH))
     rounded: Array = np.asarray(values, dtype=np.float64).round(decimals) + 0.0
     return rounded

@@ -37,7 +37,7 @@ class Tabular:
         raise NotImplementedError
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """Give the rows as a stream of Arrow; raise CycloidError if DuckDB, which makes it, is not installed."""
+        """Return the rows as a stream of Arrow; raise CycloidError if DuckDB, which makes it, is not installed."""
         with _duckdb("a table for other packages", "take the arrays of its columns").connect() as database:
             database.register("frame", dict(self.frame.columns))
             return database.table("frame").__arrow_c_stream__(requested_schema)
@@ -47,7 +47,7 @@ class Tabular:
         return self.frame.rows
 
     def __getitem__(self, name: str) -> Column:
-        """Give a column, shape (rows,)."""
+        """Return a column, shape (rows,)."""
         return self.frame.columns[name]
 
 
@@ -83,7 +83,7 @@ class Frame(Tabular):
 
 
 def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
-    """Give rows as a frame; what a row does not have is NaN, or no text."""
+    """Gather rows in a frame; what a row does not have is NaN, or no text."""
     return Frame({name: _column([row.get(name) for row in rows]) for name in names}, units)
 
 
@@ -158,5 +158,5 @@ def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = Cycl
 
 
 def _quoted(text: str) -> str:
-    """Give text as SQL has it."""
+    """Quote text as SQL does."""
     return "'" + text.replace("'", "''") + "'"

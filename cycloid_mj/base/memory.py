@@ -5,7 +5,7 @@ import sys
 
 
 def give_back() -> None:
-    """Give memory that is free back to the system, where the C library can."""
+    """Hand free memory back to the system, where the C library can."""
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform != "win32" else None
     if trim:
         trim(0)

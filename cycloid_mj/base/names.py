@@ -59,24 +59,24 @@ def column(stem: str, quantity: str) -> str:
 
 
 def kind_of(pair: str) -> str | None:
-    """Give the kind of a mating pair by its name; None of any other name."""
+    """Return the kind of a mating pair by its name; None of any other name."""
     return KINDS.get(_OF_DISC.sub("", pair).rstrip("0123456789").rstrip("_"))
 
 
 def number_of(pair: str) -> int:
-    """Give the number of a pin, lobe or mating pair by its name: 1, 2, ...; 1 of the cam, which has none."""
+    """Return the number of a pin, lobe or mating pair by its name: 1, 2, ...; 1 of the cam, which has none."""
     return int(pair.rpartition("_")[2]) if pair[-1].isdigit() else 1
 
 
 @cache
 def disc_of(pair: str) -> int:
-    """Give the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
+    """Return the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
     found = _OF_DISC.match(pair)
     return int(found.group(1)) - 1 if found else 0
 
 
 def family(part: str) -> str:
-    """Give what a part is, by its name: ``gear_2`` is a ``gear``, ``cam_1`` a ``cam``."""
+    """Return what a part is, by its name: ``gear_2`` is a ``gear``, ``cam_1`` a ``cam``."""
     return part.rstrip("0123456789").rstrip("_")
 
 

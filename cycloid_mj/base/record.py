@@ -30,7 +30,7 @@ class Deferred(Mapping[str, bytes]):
         self._made = {name: cache(content) for name, content in made.items()}
 
     def __getitem__(self, name: str) -> bytes:
-        """Give the content of a file."""
+        """Return the content of a file."""
         return self._made[name]()
 
     def __iter__(self) -> Iterator[str]:
@@ -100,11 +100,11 @@ class Run:
         return tuple(self.provenance.get("warnings", "").splitlines())
 
     def __len__(self) -> int:
-        """Give the number of samples n."""
+        """Return the number of samples n."""
         return self.time.size
 
     def __getitem__(self, name: str) -> Array:
-        """Give the column `name`, shape (n,); raise LogError if there is none."""
+        """Return the column `name`, shape (n,); raise LogError if there is none."""
         if name not in self.columns:
             raise LogError(_unknown(name, list(self.columns)))
         return self.columns[name]
@@ -140,14 +140,14 @@ class Run:
         return {topic: {name: self.units[name] for name in names} for topic, names in self.topics.items()}
 
     def block(self, names: Sequence[str]) -> Array:
-        """Give the k columns `names` side by side, shape (n, k); raise LogError if one is unknown."""
+        """Stack the k columns `names` side by side, shape (n, k); raise LogError if one is unknown."""
         block = np.empty((len(self), len(names)))
         for k, name in enumerate(names):
             block[:, k] = self[name]
         return block
 
     def by_stem(self, quantity: str) -> dict[str, Array]:
-        """Give a quantity, as of `names.column`, by what has it: `names.PEAK_FORCE` by pair, for one."""
+        """Return a quantity, as of `names.column`, by what has it: `names.PEAK_FORCE` by pair, for one."""
         end = column("", quantity)
         return {name.removesuffix(end): values for name, values in self.columns.items() if name.endswith(end)}
 
@@ -156,7 +156,7 @@ class Run:
         return tuple(pair for pair in self.by_stem(FORCE_X) if kind_of(pair) == kind)
 
     def forces(self, kind: str) -> Array:
-        """Give the forces in the k mating pairs of a kind, such as ``pin_gear``: x and y [N], shape (n, k, 2).
+        """Return the forces in the k mating pairs of a kind, such as ``pin_gear``: x and y [N], shape (n, k, 2).
 
         Raises
         ------
@@ -173,11 +173,11 @@ class Run:
         return self.block(names).reshape(len(self), len(pairs), 2)
 
     def usable(self) -> "Run":
-        """Give the run with NaN for every value that no reducer can have; see `usable`."""
+        """Return the run with NaN for every value that no reducer can have; see `usable`."""
         return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
 
     def select(self, rows: Mask | slice) -> "Run":
-        """Give the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
+        """Return the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(
                 f"cannot select samples by an array of {rows.dtype}, shape {rows.shape}: "
@@ -188,7 +188,7 @@ class Run:
 
 
 def usable(values: Array) -> Array:
-    """Give values of any shape with NaN for those that are infinite or beyond `LARGEST`: one can compute with them."""
+    """Replace values that are infinite or beyond `LARGEST` by NaN, with which one can compute; any shape."""
     sound = np.abs(values) <= LARGEST
     return values if sound.all() else np.where(sound, values, np.nan)
 
@@ -229,7 +229,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
 
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
-    """Give the topics of all columns; raise LogError if they have another name, or one of them twice."""
+    """Collect the topics of all columns; raise LogError if they have another name, or one of them twice."""
     found = {topic: tuple(names) for topic, names in topics.items()}
     listed = [name for names in found.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:

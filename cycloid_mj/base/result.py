@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def plain(value: Any) -> Any:
-    """Give records, mappings and sequences as dicts, lists, numbers, text and None: what is no number becomes None.
+    """Convert records, mappings and sequences to dicts, lists, numbers, text and None: what is no number becomes None.
 
     A record that has `as_json` is what that gives, another its fields.
     """
@@ -57,7 +57,7 @@ class Quantity:
     note: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Give the quantity for a program."""
+        """Convert the quantity to JSON values."""
         return {
             "name": self.name,
             "value": self.value,
@@ -70,12 +70,12 @@ class Quantity:
 
 
 def keyed(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
-    """Give the quantities of all groups by their keys, in their order."""
+    """Collect the quantities of all groups by their keys, in their order."""
     return {quantity.key: quantity for group in groups for quantity in group}
 
 
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
-    """Give quantities as a table of text, a line each; an error or a reference that is not known is left empty."""
+    """Tabulate quantities as text, a line each; an error or a reference that is not known is left empty."""
     rows = (
         (
             one.name,
@@ -121,7 +121,7 @@ class Curve:
     of: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Give the curve for a program."""
+        """Convert the curve to JSON values."""
         x, y = self.x.tolist(), self.y.tolist()
         return {
             "panel": self.panel,
@@ -157,12 +157,12 @@ class Table:
         return [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in self.rows]
 
     def as_markdown(self) -> str:
-        """Give header and rows as a table in Markdown."""
+        """Write header and rows as a table in Markdown."""
         lines = [self.header, ["---"] * len(self.header), *self.cells]
         return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
     def as_json(self) -> dict[str, Any]:
-        """Give the table for a program."""
+        """Convert the table to JSON values."""
         return {"title": self.title, "columns": list(self.header), "rows": [list(row) for row in self.rows]}
 
 
@@ -197,7 +197,7 @@ class Condition:
     input_torque: float | None = None
 
     def __str__(self) -> str:
-        """Give the condition in words, such as "36.68 N m, 1640 rpm"."""
+        """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
         return f"{self.words}, {self.speed_rpm:g} rpm"
 
     @property
@@ -211,7 +211,7 @@ class Condition:
         return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
 
     def as_json(self) -> dict[str, float]:
-        """Give load [N m] and speed [rpm] for a program."""
+        """Convert load [N m] and speed [rpm] to JSON values."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque
 
@@ -241,7 +241,7 @@ class Value:
     spread: tuple[float, float] | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Give the value for a program."""
+        """Convert the value to JSON values."""
         spread = None if self.spread is None else list(self.spread)
         return {"value": self.value, "unit": self.unit, "spread": spread, "text": self.text}
 
@@ -267,7 +267,7 @@ class Range:
     source: str
 
     def as_json(self) -> dict[str, Any]:
-        """Give the range for a program."""
+        """Convert the range to JSON values."""
         return dict(vars(self))
 
 
@@ -280,7 +280,7 @@ class Removal:
     verdict: Verdict
 
     def as_json(self) -> dict[str, str]:
-        """Give the removal for a program."""
+        """Convert the removal to JSON values."""
         return {"taken_away": self.what, "ours": self.found, "verdict": str(self.verdict)}
 
 
@@ -332,7 +332,7 @@ class Claim:
     p: float | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Give the claim for a program."""
+        """Convert the claim to JSON values."""
         return {
             "key": self.key,
             "figure": self.figure,

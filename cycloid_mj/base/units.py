@@ -25,7 +25,7 @@ MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 
 
 def unit_suffix(unit: str) -> str:
-    """Give a unit as it ends a key or the name of a column: ``nm_arcmin`` for "N m/arcmin"; of a number nothing."""
+    """Return a unit as it ends a key or the name of a column: ``nm_arcmin`` for "N m/arcmin"; of a number nothing."""
     if unit in ("", "1"):
         return ""
     spelt = unit.replace("N m", "nm").replace("%", "percent").lower()
@@ -33,6 +33,6 @@ def unit_suffix(unit: str) -> str:
 
 
 def with_unit(key: str, unit: str) -> str:
-    """Give a key that ends in its unit, once."""
+    """Return a key that ends in its unit, once."""
     suffix = unit_suffix(unit)
     return key if not suffix or key.endswith(f"_{suffix}") else f"{key}_{suffix}"

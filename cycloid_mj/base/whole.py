@@ -13,7 +13,7 @@ from cycloid_mj.base.replacing import LOG, as_own, require_replaceable
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give the name of a new hidden file beside `path`, which takes its place when the block ends without an error.
+    """Yield the name of a new hidden file beside `path`, which takes its place when the block ends without an error.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
-    """Give new hidden files beside `paths`, which take their places together when the block ends without an error.
+    """Yield new hidden files beside `paths`, which take their places together when the block ends without an error.
 
     Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
     symbolic link stays one: what it points to is replaced.
@@ -79,7 +79,7 @@ def write_whole(files: Mapping[Path, bytes]) -> None:
 
 
 def hidden_beside(path: Path) -> Path:
-    """Give a hidden name in the folder of `path`, with its ending, that no file has."""
+    """Return a hidden name in the folder of `path`, with its ending, that no file has."""
     # not the process's number: in containers the next process has the same one, and a killed one's file may be there
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
 

@@ -134,7 +134,7 @@ class Calibration:
         return tuple(key for key, one in self.estimates.items() if not one.identified)
 
     def tables(self) -> tuple[Table, ...]:
-        """Give parameters, figures, loops and variants as tables."""
+        """Tabulate parameters, figures, loops and variants."""
         rows = tuple(
             (key, one.value, f"{one.ci95[0]:.4g} to {one.ci95[1]:.4g}", one.unit, "" if one.identified else "no")
             for key, one in self.estimates.items()
@@ -201,7 +201,7 @@ class Calibration:
         return tuple(found)
 
     def as_json(self) -> dict[str, Any]:
-        """Give all of it for a program."""
+        """Convert all of it to JSON values."""
         loops = self.fitted.loops
         return {
             "design": self.design.name,
@@ -358,7 +358,7 @@ def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
 
 
 def correlations(fitted: Fitted) -> Array:
-    """Give the correlations of the parameters, shape (p, p); 0 of those at a bound."""
+    """Compute the correlations of the parameters, shape (p, p); 0 of those at a bound."""
     count = len(fitted.parameters)
     covariance = fitted.spread.covariance[:count, :count]
     size = np.sqrt(np.diag(covariance))
@@ -409,7 +409,7 @@ def _estimate(one: Parameter, place: float, ends: Array, at_bound: bool) -> Esti
 
 
 def _derived(fitted: Fitted, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:
-    """Give a figure of the fitted model and its interval, by how it answers to each value."""
+    """Compute a figure of the fitted model and its interval, by how it answers to each value."""
     count = len(fitted.parameters)
 
     def at(places: Array) -> float:
@@ -447,7 +447,7 @@ def _slope(fitted: Fitted, model: Model) -> float:
 
 
 def _smooth(reducer: Reducer) -> Design:
-    """Give a design whose contacts have no friction."""
+    """Return a design whose contacts have no friction."""
     return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
 
 

@@ -110,7 +110,7 @@ class Fitted:
         return tuple(len(one) / memory(one) for one in self.residuals)
 
     def criterion(self, independent: Sequence[float]) -> float:
-        """Give Bayes's information criterion over so many independent residuals of each loop.
+        """Compute Bayes's information criterion over so many independent residuals of each loop.
 
         Criteria of models compare where they count the same: a model that leaves something out has residuals that
         follow each other, and by its own count would have less to explain.
@@ -120,11 +120,11 @@ class Fitted:
         return total + len(self.places) * float(np.log(sum(independent)))
 
     def values_at(self, places: Array) -> Array:
-        """Give the parameters' values at other places."""
+        """Compute the parameters' values at other places."""
         return np.array([one.value(place) for one, place in zip(self.parameters, places, strict=False)])
 
     def rms(self, place: int) -> float:
-        """Give the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
+        """Compute the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
         loop = self.loops[place]
         return float(np.sqrt(np.mean((self.turns[place] - loop.deflection)[loop.lead :] ** 2)))
 
@@ -163,7 +163,7 @@ def fit(
 
 
 def _fitted(search: FitProblem, places: Array) -> Fitted:
-    """Give the fit at places, with the intervals of the straight neighbourhood."""
+    """Compute the fit at places, with the intervals of the straight neighbourhood."""
     low, high = search.bounds
     parts = search.parts(places)
     if all(np.all(part == FAILED) for part in parts):
@@ -220,7 +220,7 @@ def widen(search: FitProblem, found: Fitted, valleys: Sequence[tuple[float, Arra
 def _reach(
     search: FitProblem, found: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Give how far a value can be from where a valley has it, until the cost has risen by what is allowed.
+    """Compute how far a value can be from where a valley has it, until the cost has risen by what is allowed.
 
     With it comes a place, and its cost, where the search ran into one that misses the loops less than the valley.
     """

@@ -80,7 +80,7 @@ class MeasuredLoop:
         return self.turns[1] > self.turns[0]
 
     def middle(self) -> tuple[float, float]:
-        """Give the loop's width in deflection at zero torque [rad] and in torque half-way up the deflection [N m].
+        """Compute the loop's width in deflection at zero torque [rad] and in torque half-way up the deflection [N m].
 
         Each is the distance of the means of the branches there, over a window of a tenth of the range; no number where
         a branch does not get there.
@@ -89,7 +89,7 @@ class MeasuredLoop:
         return self._apart(self.torque, self.deflection, 0.0), -self._apart(self.deflection, self.torque, half)
 
     def _apart(self, along: Array, values: Array, level: float) -> float:
-        """Give how far the falling branches lie above the rising ones where what is `along` is at a level."""
+        """Compute how far the falling branches lie above the rising ones where what is `along` is at a level."""
         sides = []
         for rises in (False, True):
             chosen = ((self.branch % 2 == 0) == self.rising) == rises
@@ -105,7 +105,7 @@ class MeasuredLoop:
 
 
 def _between(along: Array, values: Array, level: float) -> float:
-    """Give the value at a level by the straight line between the points next to it on either side."""
+    """Compute the value at a level by the straight line between the points next to it on either side."""
     order = np.argsort(along)
     return float(np.interp(level, along[order], values[order]))
 
@@ -168,7 +168,7 @@ def _number(word: str, where: str) -> float:
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = "") -> MeasuredLoop:
-    """Give a loop from torque [N m] and deflection [deg], shape (n,) each; `where` it comes from, for errors.
+    """Build a loop from torque [N m] and deflection [deg], shape (n,) each; `where` it comes from, for errors.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
 
 
 def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
-    """Give how many points come before the loop: those of a first branch that begins off the others that go its way.
+    """Count how many points come before the loop: those of a first branch that begins off the others that go its way.
 
     A bench that starts from rest begins in the middle of the loop, and a loop that has closed, on its own branch.
     """
@@ -215,7 +215,7 @@ def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
 
 
 def _end(torque: Array, smooth: Array, place: int) -> float:
-    """Give the torque at which a course turns round near a place: the outermost there, unless it is an outlier."""
+    """Compute the torque at which a course turns round near a place: the outermost there, unless it is an outlier."""
     near = torque[max(place - SMOOTHED, 0) : place + SMOOTHED + 1]
     outermost = float(near.max() if smooth[place] >= np.median(near) else near.min())
     usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
@@ -223,7 +223,7 @@ def _end(torque: Array, smooth: Array, place: int) -> float:
 
 
 def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
-    """Give the torques at which a course turns round, with where it comes from and goes, and the branch of each point.
+    """Find the torques at which a course turns round, with where it comes from and goes, and the branch of each point.
 
     A first branch that starts half-way is taken to come from the extreme before it, as that of a closed loop does; the
     last to go to the one after.

@@ -33,14 +33,14 @@ class LoopCondition:
 
 
 def put_all(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
-    """Give a model with the values of parameters."""
+    """Return a model with the values of parameters."""
     for parameter, value in zip(parameters, values, strict=False):
         model = parameter.put(model, float(value))
     return model
 
 
 def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift: float = 0.0) -> Branches:
-    """Give torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
+    """Compute torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
 
     The course before the loop is a loop as large, so that its first branch is that of a loop which closes.
 
@@ -64,7 +64,7 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
 
 
 def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection: float) -> Array:
-    """Give the signed distance of every point from the model's branch, as shares of the loop's ranges.
+    """Compute the signed distance of every point from the model's branch, as shares of the loop's ranges.
 
     Points that only lead to the loop have none, shape (n - lead,). The model's loop is moved by an offset of `torque`
     [N m] and of `deflection` [rad].
@@ -80,7 +80,7 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
 
 
 def _from_line(points: Array, line: Array) -> Array:
-    """Give the distance of points (n, 2) from a line through points (m, 2), positive to the right of its way."""
+    """Compute the distance of points (n, 2) from a line through points (m, 2), positive to the right of its way."""
     begin, along = line[:-1], np.diff(line, axis=0)
     square = np.maximum(np.sum(along**2, axis=1), 1e-30)
     way = points[:, np.newaxis] - begin

@@ -59,11 +59,11 @@ class Parameter:
     by_factor: bool = False
 
     def place(self, value: float) -> float:
-        """Give where a value is on the scale on which it is looked for."""
+        """Compute where a value is on the scale on which it is looked for."""
         return math.log(value) / self.scale if self.by_factor else value / self.scale
 
     def value(self, place: float) -> float:
-        """Give the value at a place, or the bound that is nearest to it."""
+        """Compute the value at a place, or the bound that is nearest to it."""
         found = math.exp(self.scale * place) if self.by_factor else self.scale * place
         return min(max(found, self.least), self.most)
 
@@ -76,7 +76,7 @@ NAMED = (*DEFAULT, "play", "material_loss")
 
 
 def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Give the parameters of some keys: where the search for them begins, on which scale and between which bounds.
+    """List the parameters of some keys: where the search for them begins, on which scale and between which bounds.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def _drag(model: Model, value: float) -> Model:
 
 
 def _of_file(reducer: Reducer, key: str) -> Parameter:
-    """Give a number of the design file as a parameter."""
+    """Read a number of the design file as a parameter."""
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None

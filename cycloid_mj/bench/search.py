@@ -67,7 +67,7 @@ class FitProblem:
         return branches
 
     def parts(self, places: Array) -> list[Array]:
-        """Give the residuals of each loop's points."""
+        """Compute the residuals of each loop's points."""
         count, found = len(self.parameters), []
         for number, loop in enumerate(self.loops):
             offset = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2]
@@ -77,12 +77,12 @@ class FitProblem:
         return found
 
     def residuals(self, places: Array) -> Array:
-        """Give them in one, so that each loop counts the same."""
+        """Join the residuals of all loops, so that each loop counts the same."""
         self.told()
         return np.concatenate([part / np.sqrt(len(part)) for part in self.parts(places)])
 
     def slopes(self, places: Array, by: Sequence[int], central: bool = False) -> Array:
-        """Give their slopes by some of the places, shape (points, by): forward differences, or central ones."""
+        """Compute slopes of the residuals by some places, shape (points, by): forward differences, or central ones."""
         low, high = self.bounds
         columns = []
         for place in by:
@@ -97,7 +97,7 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Give where searches start: by `STARTS`, with the design's own values and the middle of each loop.
+        """Compute where searches start: by `STARTS`, with the design's own values and the middle of each loop.
 
         Where stiffness or play is fitted, those that bring the model's loops nearest to the measured ones.
         """
@@ -162,5 +162,5 @@ def _centre(loop: MeasuredLoop) -> float:
 
 
 def offset_scales(loop: MeasuredLoop) -> Array:
-    """Give the scales of a loop's offsets in torque [N m] and deflection [rad]."""
+    """Compute the scales of a loop's offsets in torque [N m] and deflection [rad]."""
     return np.array([0.02 * float(np.ptp(loop.torque)), 0.02 * loop.height])

@@ -18,7 +18,7 @@ UNKNOWN = 1e6
 
 
 def memory(residuals: Array) -> float:
-    """Give how many residuals that follow each other count as one: 1 for noise, more for what a model leaves out.
+    """Compute how many residuals that follow each other count as one: 1 for noise, more for what a model leaves out.
 
     That is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not above 0 (Geyer's initial sequence).
     """
@@ -60,11 +60,11 @@ class FitUncertainty:
         return np.sqrt(np.diag(self.covariance))
 
     def reach(self, covered: float) -> Array:
-        """Give how many standard errors an interval of each value reaches to either side to cover a share, (v,)."""
+        """Compute how many standard errors an interval of each value reaches to either side to cover a share, (v,)."""
         return np.array([self.reach_along(row, covered) for row in np.eye(len(self.inverse))])
 
     def reach_along(self, direction: Array, covered: float) -> float:
-        """Give the same for a sum of the values with factors (v,): Student's t.
+        """Compute the same for a sum of the values with factors (v,): Student's t.
 
         A few points may decide a value, such as those of a leap: of 181 some six. The error is then an estimate from as
         few residuals, and its degrees of freedom are Satterthwaite's, (sum a)^2 / sum a^2 with the share a that each

@@ -102,7 +102,7 @@ class BenchComparison:
         return [int(place) for place in np.argsort(-size) if size[place] > SHOWN * size.max()]
 
     def table(self, most: int = 20) -> Table:
-        """Give the strongest orders."""
+        """Tabulate the strongest orders."""
         rows = tuple(
             (
                 f"{self.order[place]:.6g}",
@@ -125,7 +125,7 @@ class BenchComparison:
         return Table(f"{self.measured.name} against {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Give all of it for a program."""
+        """Convert all of it to JSON values."""
         return {
             "design": self.design,
             "load_nm": self.load,
@@ -224,7 +224,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
 
 
 def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
-    """Give the orders that a measurement tells apart: whole ones, and of the gear's those that lie far enough off."""
+    """Find the orders that a measurement tells apart: whole ones, and of the gear's those that lie far enough off."""
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     sampled = 0.4 * len(measured.crank) / measured.turns
     most = min(HARMONICS * teeth, int(sampled))
@@ -235,7 +235,7 @@ def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
 
 
 def _zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
-    """Give the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
+    """Compute the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
 
     The least of all that do so: where parts come to the same places after some turns of the crank, all are alike.
     """
@@ -258,7 +258,7 @@ def _zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
 
 
 def _at(ideal: Array, crank: Array, lobes: int) -> Array:
-    """Give the model's error at crank angles [rad], between its own by cubic splines."""
+    """Compute the model's error at crank angles [rad], between its own by cubic splines."""
     from scipy.interpolate import CubicSpline
 
     turn = 2.0 * np.pi * lobes

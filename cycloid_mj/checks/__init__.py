@@ -37,7 +37,7 @@ __all__ = [
 
 
 def check(design: Design) -> tuple[Check, ...]:
-    """Give every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
+    """List every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
 
     The latter need a design without errors, and are all warnings.
     """
@@ -55,7 +55,7 @@ def check(design: Design) -> tuple[Check, ...]:
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:
-    """Give the checks of whether a design can be built and would turn.
+    """List the checks of whether a design can be built and would turn.
 
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
@@ -68,7 +68,7 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def _of_whole(reducer: Reducer) -> tuple[Check, ...]:
-    """Give what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
+    """List what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
 
     Several discs balance each other, and need none.
     """

@@ -89,7 +89,7 @@ def bearings(reducer: Reducer) -> Check:
 
 
 def _static_moments(reducer: Reducer) -> tuple[float, float]:
-    """Give the static moment of gear and cam [m4], and that of the counterweight per thickness [m3].
+    """Compute the static moment of gear and cam [m4], and that of the counterweight per thickness [m3].
 
     Both over the shaft's density.
     """

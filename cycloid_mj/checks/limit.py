@@ -65,7 +65,7 @@ class Limit:
     bound: float
 
     def value(self, reducer: Reducer) -> float:
-        """Give the design's value [SI]."""
+        """Compute the design's value [SI]."""
         table, name = self.key.split(".")
         return float(getattr(getattr(reducer.design, table), name))
 
@@ -74,11 +74,11 @@ class Limit:
         return bool(SIDES[self.side](self.value(reducer), self.bound))
 
     def told(self, reducer: Reducer) -> tuple[str, str]:
-        """Give value and limit as texts in the file's unit."""
+        """Format value and limit in the file's unit."""
         return told(self.value(reducer), self.side, self.bound, unit_of(self._field(reducer)))
 
     def numbers(self, reducer: Reducer) -> tuple[float, float, str]:
-        """Give value, bound and the file's unit of both."""
+        """Return value, bound and the file's unit of both."""
         unit = unit_of(self._field(reducer))
         return unit.from_si(self.value(reducer)), unit.from_si(self.bound), unit.suffix
 
@@ -95,12 +95,12 @@ class Limit:
         return f"{turn} {self.file_key(reducer)} to {number} or {beyond}"
 
     def file_key(self, reducer: Reducer) -> str:
-        """Give the key as the design file has it, with its unit."""
+        """Return the key as the design file has it, with its unit."""
         table, name = self.key.split(".")
         return f"{table}.{file_key(name, self._field(reducer))}"
 
     def _number(self, reducer: Reducer) -> str:
-        """Give the last number of four digits (or the last integer) inside the limit, in the file's unit."""
+        """Return the last number of four digits (or the last integer) inside the limit, in the file's unit."""
         unit, whole = unit_of(self._field(reducer)), self._field(reducer).annotation is int
         inward = -1 if self.side in UPPER else 1
         margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
@@ -177,7 +177,7 @@ def _remedy(reducer: Reducer, limits: list[Limit]) -> str:
 
 
 def told(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
-    """Give a value and its limit [SI] as texts in a unit, with as many digits as tell them apart, and at least four."""
+    """Format a value and its limit [SI] in a unit, with as many digits as tell them apart, and at least four."""
     symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     a, b = unit.from_si(value), unit.from_si(bound)
     digits = next((n for n in range(4, 17) if _shortened(a, n) != _shortened(b, n)), 4)
@@ -185,7 +185,7 @@ def told(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
 
 
 def millimetres(length: float) -> str:
-    """Give a length [m] as text."""
+    """Format a length [m]."""
     return f"{_shortened(MILLIMETRE.from_si(length), 4)} mm"
 
 

@@ -34,15 +34,15 @@ class Rated:
     found: Loads
 
     def peak_force(self, kind: str) -> float:
-        """Give the largest force on a contact of a kind [N]."""
+        """Compute the largest force on a contact of a kind [N]."""
         return peak_force(self.found, kind)
 
     def peak_pressure(self, kind: str) -> float:
-        """Give the largest Hertz pressure on a kind of contact [Pa]."""
+        """Compute the largest Hertz pressure on a kind of contact [Pa]."""
         return peak_pressure(self.reducer, self.springs, self.found, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Give the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
+        """Find the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
         try:
             return abs(torque_at_pressure(self.reducer, self.springs, kind, pressure, self.torque, self.found))
         except RunError:
@@ -72,7 +72,7 @@ class Rated:
 
 @once
 def rated(reducer: Reducer) -> Rated:
-    """Give a sound design under its rated torque.
+    """Return a sound design under its rated torque.
 
     Raises
     ------

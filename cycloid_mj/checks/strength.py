@@ -118,14 +118,14 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
 
 
 def _weaker(reducer: Reducer, kind: str, strength: str) -> tuple[str, float]:
-    """Give the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
+    """Return the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
     design = reducer.design
     parts = {f"{design.material_table(part)}.{strength}": design.material_of(part) for part in PARTNERS[kind]}
     return min(((key, float(getattr(made, strength))) for key, made in parts.items()), key=lambda found: found[1])
 
 
 def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
-    """Give the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
+    """Return the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
     width, found = reducer.design.gear.face_width, value(rated(reducer))
     for _ in range(GUESSES):
         width *= (1.0 + MARGIN) * (found / allowed) ** power
@@ -213,7 +213,7 @@ def _pressure_angle(state: Rated) -> Check:
 
 
 def _threshold(holds: Callable[[float], bool]) -> float:
-    """Give the largest share from 0 to 1, to a hundredth of it, where something holds that fails at 1; 0 for none."""
+    """Find the largest share from 0 to 1, to a hundredth of it, where something holds that fails at 1; 0 for none."""
 
     def kept(share: float) -> bool:
         try:
@@ -240,12 +240,12 @@ class Wall:
     share: float
 
     def stress(self, force: float, face_width: float) -> float:
-        """Give the stress [Pa] under a force [N], which two planes of shear, or of tension, bear."""
+        """Compute the stress [Pa] under a force [N], which two planes of shear, or of tension, bear."""
         return force / (2.0 * self.thickness * face_width)
 
 
 def walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Give the walls of gear and housing that pins press on."""
+    """List the walls of gear and housing that pins press on."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
@@ -308,7 +308,7 @@ def _alternatives(reducer: Reducer, limits: list[Limit]) -> str:
 
 
 def _numbers(value: float, bound: float, unit: Unit) -> _Numbers:
-    """Give a value and its bound [SI] in a unit of the file."""
+    """Return a value and its bound [SI] in a unit of the file."""
     return {"value": unit.from_si(value), "bound": unit.from_si(bound), "unit": unit.suffix}
 
 

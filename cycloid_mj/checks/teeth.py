@@ -165,12 +165,12 @@ def _housing(reducer: Reducer) -> Check:
 
 
 def pitches(half_pitch_share: float) -> float:
-    """Give how many circles fit on a circle, from the half of their pitch as a share of its radius."""
+    """Compute how many circles fit on a circle, from the half of their pitch as a share of its radius."""
     return math.pi / math.asin(min(half_pitch_share, 1.0))
 
 
 def _falling_root(function: Callable[[float], float], high: float) -> float:
-    """Give the root of a falling function between 0 and `high`, where it is negative; 0 if there is none."""
+    """Compute the root of a falling function between 0 and `high`, where it is negative; 0 if there is none."""
     low = 0.0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2

@@ -30,7 +30,7 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def _spread(deviation: float, *listed: Sequence[float]) -> float:
-    """Give the tolerance [m]: that of the random draw, or the largest of what is listed."""
+    """Compute the tolerance [m]: that of the random draw, or the largest of what is listed."""
     given = [max(abs(value) for value in values) for values in listed if values]
     return math.hypot(*given) if given else SIGMAS * deviation
 

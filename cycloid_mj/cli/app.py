@@ -131,7 +131,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def application() -> App:
-    """Give the whole command line: every command, its flags and its help."""
+    """Build the whole command line: every command, its flags and its help."""
     app = App(
         name="cycloid-mj",
         version=__version__,
@@ -169,7 +169,7 @@ def _workers(bound: BoundArguments) -> int | None:
 
 
 def _group_alone(app: App, words: Sequence[str]) -> str:
-    """Give the group of commands, such as ``measure``, that is asked for without any of its commands; else nothing."""
+    """Name the group of commands, such as ``measure``, that is asked for without any of its commands; else nothing."""
     chain, apps, rest = app.parse_commands(list(words))
     return chain[-1] if chain and not rest and apps[-1].default_command is None else ""
 

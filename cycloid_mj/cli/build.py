@@ -103,7 +103,7 @@ def _require_room(out: str) -> None:
 
 
 def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
-    """Give the figures of the manifest by surface."""
+    """Collect the figures of the manifest by surface."""
     from json import loads
 
     content = loads(manifest)
@@ -112,7 +112,7 @@ def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 
 def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
-    """Give the figures of plain CoACD on the toothed parts."""
+    """Collect the figures of plain CoACD on the toothed parts."""
     reducer = Reducer(design)
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring

@@ -272,7 +272,7 @@ def _from_runs(
             motions[design] = motion
 
     def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
-        """Give designs with one variation and the measures of all their starts."""
+        """List designs with one variation and the measures of all their starts."""
         found = ([variation.of(Reducer(start)) for start in starts[design]] for design in designs)
         return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in found]
 

@@ -53,7 +53,7 @@ EXAMPLES = """Examples:
 
 
 def commands(sort_key: int) -> App:
-    """Give the commands about design files; `sort_key` is their place in the help."""
+    """Build the commands about design files; `sort_key` is their place in the help."""
     about = "Make a design file, print one, or check one."
     app = App(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     parts: tuple[Callable[..., int], ...] = (new, show, check)

@@ -108,7 +108,7 @@ def _nearest(text: str) -> str:
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:
-    """Give a validator: the value must lie from `low` to `high`, both allowed."""
+    """Return a validator: the value must lie from `low` to `high`, both allowed."""
 
     def require(_: Any, value: float | None) -> None:
         if value is not None and not low <= value <= high:
@@ -195,7 +195,7 @@ Values = Sequence[tuple[DesignValue, float | None]]
 
 
 def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
-    """Give the design of a command line: file or preset, then ``--set``, then the flags.
+    """Return the design of a command line: file or preset, then ``--set``, then the flags.
 
     Raises
     ------
@@ -221,11 +221,11 @@ class DesignOptions:
     set_: SetFlag = ()
 
     def resolved(self, values: Values = ()) -> Design:
-        """Give the design, with `values` of other flags; see `designed` for the errors."""
+        """Return the design, with `values` of other flags; see `designed` for the errors."""
         return designed(self.design, self.set_, values)
 
     def sound(self, values: Values = ()) -> Design:
-        """Give the same; raise DesignError if it fails a check."""
+        """Return the same; raise DesignError if it fails a check."""
         from cycloid_mj.checks import require_sound
 
         design = self.resolved(values)
@@ -258,7 +258,7 @@ class EngineOptions:
     ] = None
 
     def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
-        """Give the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
+        """Return the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
         if self.workers and self.scheduler is not None:
             raise UsageError("--scheduler has workers of its own: leave --workers out")
         return Engine(self.workers or 0, kind, self.scheduler or "")
@@ -275,7 +275,7 @@ def require_distinct(designs: Iterable[Design]) -> None:
 
 
 def point(text: str | None) -> tuple[float, float] | None:
-    """Give q [m] from ``X,Y`` in mm, None from None; raise UsageError if it is no such point."""
+    """Parse q [m] from ``X,Y`` in mm, None from None; raise UsageError if it is no such point."""
     if text is None:
         return None
     try:

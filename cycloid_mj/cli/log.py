@@ -47,7 +47,7 @@ SceneFlag = Annotated[
 
 
 def commands(sort_key: int) -> App:
-    """Give the commands about logs; `sort_key` is their place in the help."""
+    """Build the commands about logs; `sort_key` is their place in the help."""
     about = "Tell what is in a log, get it out, or make a cut log whole."
     app = App(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
@@ -216,7 +216,7 @@ def _names(columns: str | None) -> list[str] | None:
 
 
 def _scene(found: "Log", rate: float | None) -> "Scene | None":
-    """Give the scene of a log that has a design, at the rate asked for, or at the log's own."""
+    """Build the scene of a log that has a design, at the rate asked for, or at the log's own."""
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
@@ -249,6 +249,6 @@ def _described(found: "Log") -> dict[str, Any]:
 
 
 def _rate(run: "Run") -> float:
-    """Give the samples per second [1/s]; 0 of a single one."""
+    """Compute the samples per second [1/s]; 0 of a single one."""
     span = float(run.time[-1] - run.time[0])
     return (len(run) - 1) / span if span else 0.0

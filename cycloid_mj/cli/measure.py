@@ -72,11 +72,11 @@ class MeasureOptions:
     """Whether the measure sets torques that a paper gives for the design beside its own."""
 
     def values(self) -> Values:
-        """Give the values that the options set in the design."""
+        """Return the values that the options set in the design."""
         return ()
 
     def arguments(self) -> dict[str, Any]:
-        """Give the arguments of the measure, in SI."""
+        """Collect the arguments of the measure, in SI."""
         given = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name.removesuffix("_nm").removesuffix("_rpm"): _in_si(name, value) for name, value in given.items()}
 
@@ -244,11 +244,11 @@ class TorqueOptions(MeasureOptions):
     ] = False
 
     def values(self) -> Values:
-        """Give the input torque and the speed: they are the design's."""
+        """Return the input torque and the speed: they are the design's."""
         return (TORQUE, self.torque_nm), (SPEED, self.speed_rpm)
 
     def arguments(self) -> dict[str, Any]:
-        """Give what the design does not hold."""
+        """Collect what the design does not hold."""
         return {"quick": self.quick}
 
 
@@ -325,7 +325,7 @@ WORDS = {"te": "transmission error", "lost-motion": "lost motion"}
 
 
 def commands(sort_key: int) -> App:
-    """Give the measures; `sort_key` is their place in the help."""
+    """Build the measures; `sort_key` is their place in the help."""
     app = App(name="measure", help=ABOUT, help_epilogue=EXAMPLES, sort_key=sort_key)
     for place, (name, options) in enumerate(COMMANDS.items()):
         app.command(_command(name, options), name=name, sort_key=place, help_epilogue=options.EXAMPLES)

@@ -17,7 +17,7 @@ from cycloid_mj.cli.page import commands
 
 
 def sentence(error: CycloptsError) -> str:
-    """Give one line that names the flag, what was got and what is allowed."""
+    """Return one line that names the flag, what was got and what is allowed."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
     what = " ".join(_what(error).split()).rstrip(".")
     return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"

@@ -142,7 +142,7 @@ def optimize(
 
 
 def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
-    """Give keys and ranges as they were written, once each."""
+    """Collect keys and ranges as they were written, once each."""
     found: dict[str, str] = {}
     for text in vary:
         key, equals, wanted = text.partition("=")

@@ -66,7 +66,7 @@ def write_csv(file: str, columns: Columns) -> None:
 
 
 def csv_bytes(columns: Columns) -> bytes:
-    """Give what `write_csv` writes, for files that are written together."""
+    """Encode what `write_csv` writes, for files that are written together."""
     return "".join(_lines(columns)).encode()
 
 

@@ -13,14 +13,14 @@ WIDEST = 80
 
 
 def console(stderr: bool = False) -> "Console":
-    """Give the console that help pages are printed on: stdout or `stderr`."""
+    """Return the console that help pages are printed on: stdout or `stderr`."""
     from rich.console import Console
 
     return Console(stderr=stderr, width=min(WIDEST, Console(stderr=stderr).width), highlight=False)
 
 
 def flowing(app: App) -> App:
-    """Give an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
+    """Build an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
     app.help = _paragraphs(app.help)
     for name in commands(app):
         flowing(app[name])
@@ -28,10 +28,10 @@ def flowing(app: App) -> App:
 
 
 def commands(app: App) -> list[str]:
-    """Give the names of an app's commands."""
+    """List the names of an app's commands."""
     return [name for name in app if not name.startswith("-")]
 
 
 def _paragraphs(text: str) -> str:
-    """Give a docstring with each paragraph in one line."""
+    """Join each paragraph of a docstring into one line."""
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in re.split(r"\n\s*\n", text.strip()))

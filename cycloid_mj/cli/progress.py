@@ -58,12 +58,12 @@ class Progress:
 
 
 def seconds_left(start: float, share: float) -> float:
-    """Give the time [s] that the rest of some work will take, of which a share is done since `start`."""
+    """Compute the time [s] that the rest of some work will take, of which a share is done since `start`."""
     return (monotonic() - start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
 
 
 def counted(what: str, quiet: bool) -> Callable[[int, int], None]:
-    """Give what writes, not too often, how many pieces of work are done, of how many, and the time left."""
+    """Return what writes, not too often, how many pieces of work are done, of how many, and the time left."""
     start = monotonic()
     last = [start]
 

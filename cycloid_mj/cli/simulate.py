@@ -134,7 +134,7 @@ class Ran:
     findings: "Findings | CycloidError"
 
     def judged(self) -> "Findings":
-        """Give the findings of the run; raise LogError if it cannot be judged."""
+        """Return the findings of the run; raise LogError if it cannot be judged."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
                 f"the run was logged to {self.log}, but cannot be judged: {self.findings}"
@@ -161,7 +161,7 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
 
 
 def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Give the folder for the files `names`: the one asked for, or the first of `usual`, `usual`-2, ... that is new.
+    """Return the folder for the files `names`: the one asked for, or the first of `usual`, `usual`-2, ... that is new.
 
     Making the folder claims it: of two commands at once each gets its own.
 
@@ -179,7 +179,7 @@ def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) 
 
 
 def _free_names(into: Path, name: str) -> Iterator[Path]:
-    """Give the names that the usual folder has for a design's runs and that are free, one after the other."""
+    """Yield the names that the usual folder has for a design's runs and that are free, one after the other."""
     numbered = (into / f"{name}-{number}.mcap" for number in count(2))
     yield from (path for path in chain([into / f"{name}.mcap"], numbered) if not path.exists())
 

@@ -184,7 +184,7 @@ def stress(
 
 
 def _loaded(design: Design, load_nm: float | None) -> Design:
-    """Give a design that runs from full speed for one settled turn, under a load."""
+    """Return a design that runs from full speed for one settled turn, under a load."""
     from cycloid_mj.comparison import settling
     from cycloid_mj.reducer.member import share
 
@@ -276,7 +276,7 @@ def _studied(
 
 
 def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
-    """Give the parts asked for that each design has; raise UsageError for one that none has."""
+    """List the parts asked for that each design has; raise UsageError for one that none has."""
     from cycloid_mj.stress.loads import part_names, require_part
 
     for part in parts:

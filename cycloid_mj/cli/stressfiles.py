@@ -62,7 +62,7 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path) -> dict[Path, bytes]:
 
 
 def _as_json(claim: "Claim") -> dict[str, str]:
-    """Give a claim for a program, which has its numbers from the parts."""
+    """Convert a claim to JSON values, which has its numbers from the parts."""
     return {
         "figure": claim.figure,
         "statement": claim.claim,

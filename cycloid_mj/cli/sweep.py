@@ -147,7 +147,7 @@ def sweep(
 
 
 def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
-    """Give the points that the flags ask for."""
+    """Return the points that the flags ask for."""
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import chosen
 

@@ -34,7 +34,7 @@ def say_json(value: Any) -> None:
 
 
 def json_text(value: Any) -> str:
-    """Give a JSON object as text, warnings included."""
+    """Format a JSON object as text, warnings included."""
     noted = with_warnings(value) if isinstance(value, dict) else value
     return json.dumps(finite(noted), indent=2, allow_nan=False)
 
@@ -87,7 +87,7 @@ def say_groups(
 
 
 def printable(text: str) -> str:
-    """Give text with what cannot be seen written as its escape, but for spaces, ends of lines and tabs."""
+    """Escape what cannot be seen in a text, but for spaces, ends of lines and tabs."""
     return "".join(
         sign if sign.isprintable() or sign in "\n\t" else sign.encode("unicode_escape").decode() for sign in text
     )
@@ -98,7 +98,7 @@ def _write(text: str) -> None:
 
 
 def finite(value: Any) -> Any:
-    """Give a value with null in place of what is no number: JSON has no NaN."""
+    """Replace what is no number by null: JSON has no NaN."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -134,7 +134,7 @@ def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
 
 
 def with_warnings(found: dict[str, Any]) -> dict[str, Any]:
-    """Give a command's JSON object with the warnings kept so far, ``warnings``, unless it has that key already."""
+    """Collect a command's JSON object with the warnings kept so far, ``warnings``, unless it has that key already."""
     seen = _seen.get(None)
     return found if seen is None or "warnings" in found else found | {"warnings": list(seen)}
 

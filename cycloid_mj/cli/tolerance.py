@@ -118,7 +118,7 @@ def _deliver(found: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
 
 
 def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
-    """Give what is written, by path: the worst designs first, the page last."""
+    """Collect what is written, by path: the worst designs first, the page last."""
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
     from cycloid_mj.plots.tolerance import tolerance_figures

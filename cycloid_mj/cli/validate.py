@@ -82,7 +82,7 @@ def _report(rows: "list[ValidationRow]", wall: float) -> None:
 
 
 def _line(number: int, row: "ValidationRow") -> tuple[str, ...]:
-    """Give a row as text; the bound is in the error's unit."""
+    """Format a row as text; the bound is in the error's unit."""
     one = row.measured
     return (
         f"{number} {one.name}",

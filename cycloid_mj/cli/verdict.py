@@ -31,7 +31,7 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
 
 
 def _words(comparison: "Comparison") -> Iterator[str]:
-    """Give what the tables do not say, in lines."""
+    """Yield what the tables do not say, in lines."""
     differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
     yield from _wrapped(f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}")
     if not comparison.rankings:
@@ -59,7 +59,7 @@ def _words(comparison: "Comparison") -> Iterator[str]:
 
 
 def _value(value: object) -> str:
-    """Give a value of a design in words: a number with six digits, which is more than a design is made to."""
+    """Format a value of a design in words: a number with six digits, which is more than a design is made to."""
     if value is None:
         return "not given"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -53,7 +53,7 @@ class Comparison:
         return tuple(sorted({trial.load for trial in self.trials}))
 
     def at(self, load: float) -> tuple[Trial, ...]:
-        """Give the runs under a load [N m]."""
+        """List the runs under a load [N m]."""
         return tuple(trial for trial in self.trials if trial.load == load)
 
     @property
@@ -75,7 +75,7 @@ class Comparison:
         return decisions(self.rankings, self.sweep)
 
     def as_json(self) -> dict[str, Any]:
-        """Give the comparison as dicts, lists, numbers, text and None only."""
+        """Convert the comparison to dicts, lists, numbers, text and None only."""
         content = {
             "designs": self.designs,
             "conditions": self.conditions,
@@ -181,7 +181,7 @@ def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
 
 
 def _run(trial: Trial) -> dict[str, Any]:
-    """Give a run: the measures of its first start, and, at no load, how each figure spreads over all of them."""
+    """Collect a run: the measures of its first start, and, at no load, how each figure spreads over all of them."""
     spreads = [
         {"quantity": words, "unit": unit, **spread.as_json()}
         for words, unit, measured in ROWS

@@ -20,7 +20,7 @@ NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 
 
 def values(reducer: Reducer) -> dict[str, Any]:
-    """Give every value of a design by its key in the file, ``table.key``, but for its name."""
+    """Collect every value of a design by its key in the file, ``table.key``, but for its name."""
     tables = tomllib.loads(dump(reducer.design))
     single = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
     keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
@@ -28,13 +28,13 @@ def values(reducer: Reducer) -> dict[str, Any]:
 
 
 def conditions(reducer: Reducer) -> dict[str, Any]:
-    """Give the values of a design that its rivals must share."""
+    """Collect the values of a design that its rivals must share."""
     found = values(reducer).items()
     return {key: value for key, value in found if key.split(".")[0] in TABLES and key not in NO_CONDITIONS}
 
 
 def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
-    """Give a design under shared conditions and a load torque [N m]."""
+    """Return a design under shared conditions and a load torque [N m]."""
     return override(reducer.design, {**shared, "load.torque_nm": load})
 
 
@@ -47,14 +47,14 @@ def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
 
 
 def total_play(reducer: Reducer) -> float:
-    """Give the clearance between the gear and the housing along a contact's normal [m]."""
+    """Compute the clearance between the gear and the housing along a contact's normal [m]."""
     design = reducer.design
     play = getattr(design.clearance, design.tooth_pair)
     return float(play + design.pin_play)
 
 
 def with_play_of(nonpin: Reducer, pin: Reducer) -> Design:
-    """Give an internal gear's design with the total play and the series stiffness of a pin design.
+    """Return an internal gear's design with the total play and the series stiffness of a pin design.
 
     The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
     """

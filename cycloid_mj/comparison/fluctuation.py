@@ -19,13 +19,13 @@ class Level:
 
 
 def turns(motion: Series) -> list[slice]:
-    """Give the samples of each whole crank turn of the settled hold; all of them where it is shorter than a turn."""
+    """List the samples of each whole crank turn of the settled hold; all of them where it is shorter than a turn."""
     first = int(np.argmax(motion.hold))
     return [slice(first + turn.start, first + turn.stop) for turn in turn_by_turn(motion.crank_angle[first:])]
 
 
 def level(values: Array, parts: Sequence[slice]) -> Level:
-    """Give the level of a signal (n,), or of a vector's size (n, 2), over parts of it."""
+    """Compute the level of a signal (n,), or of a vector's size (n, 2), over parts of it."""
     size = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
     return Level(_rms(np.concatenate([size[part] for part in parts])), tuple(_rms(size[part]) for part in parts))
 

@@ -37,7 +37,7 @@ class Measures:
 
 
 def settling(reducer: Reducer) -> float:
-    """Give the time after the ramp that is not judged [s]: until the load is on and settled, and one crank turn more.
+    """Find the time after the ramp that is not judged [s]: until the load is on and settled, and one crank turn more.
 
     At no load a gear that starts centred takes about a turn to its rattling.
     """

@@ -77,7 +77,7 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
 
 
 def sensitivity_table(found: Sequence[Sensitivity], condition: str) -> Table:
-    """Give the changes of each figure with each assumption, a column for each design, or "not determined"."""
+    """Tabulate the changes of each figure with each assumption, a column for each design, or "not determined"."""
     ends = " and ".join(each.words for each in ASSUMPTIONS)
     designs = list(dict.fromkeys(each.design for each in found))
     rows = []

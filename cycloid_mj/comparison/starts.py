@@ -46,7 +46,7 @@ class StartSpread:
         return max(self.values)
 
     def as_json(self) -> dict[str, Any]:
-        """Give values, least, mean and largest for a program."""
+        """Convert values, least, mean and largest to JSON values."""
         return {"values": list(self.values), "least": self.low, "mean": self.mean, "largest": self.high}
 
     @property
@@ -65,7 +65,7 @@ class StartSpread:
         return len(set(self.values))
 
     def over(self, other: "StartSpread") -> "StartSpread":
-        """Give the ratio to another quantity: of the means, and the least and most that starts of both make."""
+        """Return the ratio to another quantity: of the means, and the least and most that starts of both make."""
         pairs = ((self.mean, other.mean), (self.low, other.high), (self.high, other.low))
         return StartSpread(tuple(one / below if below else math.inf for one, below in pairs))
 
@@ -82,7 +82,7 @@ def order(one: StartSpread, other: StartSpread) -> int:
 
 
 def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:
-    """Give one of several independent starts of a design, the first as it is.
+    """Vary a design into one of several independent starts, the first as it is.
 
     Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
     the same phase of the mesh. A ring of fewer teeth than there are starts has gravity turned by equal parts of a turn.
@@ -98,11 +98,11 @@ def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:
 
 
 def all_started(reducer: Reducer, count: int = STARTS) -> tuple[Design, ...]:
-    """Give so many independent starts of a design; a single one where no gravity acts in its plane."""
+    """List so many independent starts of a design; a single one where no gravity acts in its plane."""
     return tuple(dict.fromkeys(started(reducer, number, count) for number in range(count)))
 
 
 def gravity_turn(reducer: Reducer) -> float:
-    """Give the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
+    """Compute the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
     pull = reducer.design.environment
     return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)

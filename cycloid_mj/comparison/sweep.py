@@ -26,7 +26,7 @@ class Variation:
         return f"{self.parameter} {self.value}"
 
     def of(self, reducer: Reducer) -> Design:
-        """Give the design with the change, or as it is where it does not concern it."""
+        """Return the design with the change, or as it is where it does not concern it."""
         design = reducer.design
         return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
 
@@ -66,7 +66,7 @@ def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:
 
 
 def _answers(base: Ranking, sweep: Sequence[Varied]) -> dict[str, list[tuple[str, Ranking]]]:
-    """Give parameter -> (value, ranking) of the same quantity, designs and load."""
+    """Map parameter to (value, ranking) of the same quantity, designs and load."""
     answers: dict[str, list[tuple[str, Ranking]]] = {}
     for point in sweep:
         same = next(ranking for ranking in point.rankings if _case(ranking) == _case(base))

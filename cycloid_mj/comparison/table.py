@@ -85,7 +85,7 @@ DYNAMIC = (
 
 
 def table(trials: Sequence[Trial]) -> Table:
-    """Give the figures of runs under one load: quantity, one column for each design, unit.
+    """Tabulate the figures of runs under one load: quantity, one column for each design, unit.
 
     A figure of several starts is given as least to largest, and the mean; a row without any value is left out.
     """

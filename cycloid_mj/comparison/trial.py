@@ -42,6 +42,6 @@ class Trial:
         return (self.measures, *self.others)
 
     def over_starts(self, figure: Callable[[Measures], float | None]) -> StartSpread | None:
-        """Give a figure of every start that has it; None where none has."""
+        """Return a figure of every start that has it; None where none has."""
         values = [value for each in self.starts if (value := figure(each)) is not None]
         return StartSpread.of(values) if values else None

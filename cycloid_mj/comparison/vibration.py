@@ -67,7 +67,7 @@ class VibrationLevels:
 
 
 def acceleration(motion: Series) -> Acceleration:
-    """Give the accelerations of a run about their closed form: differences of the velocities' errors.
+    """Compute the accelerations of a run about their closed form: differences of the velocities' errors.
 
     The centre is that of the disc which the series follows.
     """
@@ -80,7 +80,7 @@ def acceleration(motion: Series) -> Acceleration:
 
 
 def spectrum(motion: Series) -> Spectrum:
-    """Give the spectra of `acceleration` over whole crank turns, by Welch's method in segments of two turns.
+    """Compute the spectra of `acceleration` over whole crank turns, by Welch's method in segments of two turns.
 
     What the means between samples lose of high frequencies is made good.
     """
@@ -109,7 +109,7 @@ def _sampling(motion: Series) -> float:
 
 
 def _octaves(found: Spectrum) -> tuple[OctaveBand, ...]:
-    """Give the bands that lie whole within the spectrum."""
+    """List the bands that lie whole within the spectrum."""
     width = found.frequency[1] - found.frequency[0]
     bands = []
     for middle in OCTAVES:

@@ -33,7 +33,7 @@ _ASKED_BY: Mapping[str, tuple[str, ...]] = {
 
 
 def absent_layout(key: str) -> str:
-    """Give why there is no such key, where it asks for a layout that is not there; else nothing.
+    """Return why there is no such key, where it asks for a layout that is not there; else nothing.
 
     `key` is ``table.key`` of a design file, or the name of a table.
     """

@@ -27,7 +27,7 @@ LONGEST_LIST = 10_000
 
 
 def resolve(name_or_file: str | Path, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
-    """Give the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
+    """Load the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def load(path: Path) -> Design:
 
 
 def loads(text: str, where: str = "the design") -> Design:
-    """Give the design of a TOML text; keys left out keep the values of the preset ``pin``."""
+    """Read the design of a TOML text; keys left out keep the values of the preset ``pin``."""
     try:
         tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -63,7 +63,7 @@ def loads(text: str, where: str = "the design") -> Design:
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
-    """Give the design with changes in the words and units of its file, as ``table.key=value`` or as a mapping.
+    """Return the design with changes in the words and units of its file, as ``table.key=value`` or as a mapping.
 
     ``override(design, ["load.torque_nm=36"])`` and ``override(design, {"load.torque_nm": 36.0})`` are the same. In a
     mapping, values are those of Python: numbers, words, lists; `Design.but` takes SI units.
@@ -98,7 +98,7 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
 
 
 def declared(path: str) -> FieldInfo:
-    """Give the declaration of a key of the design file, such as ``load.torque_nm``.
+    """Return the declaration of a key of the design file, such as ``load.torque_nm``.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def declared(path: str) -> FieldInfo:
 
 
 def value_of(design: Design, path: str) -> Any:
-    """Give the value of a key of the design file, such as ``load.torque_nm``, in the file's unit; errors as `declared`.
+    """Get the value of a key of the design file, such as ``load.torque_nm``, in the file's unit; errors as `declared`.
 
     What all parts are made of stands for a part without a table of its own.
     """
@@ -139,18 +139,18 @@ def _pair(change: str) -> tuple[str, Any]:
 
 
 def _keys(path: str) -> list[str]:
-    """Give table and key, or the one key of a value outside of tables; nothing if a path is neither."""
+    """List table and key, or the one key of a value outside of tables; nothing if a path is neither."""
     keys = path.split(".")
     return keys if len(keys) <= 2 and all(keys) else []
 
 
 def _plain(value: Any) -> Any:
-    """Give a value of numpy's as one of Python's."""
+    """Convert a value of numpy's to one of Python's."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
-    """Give the complete commented design file of a design; reading it back gives an equal design.
+    """Write the complete commented design file of a design; reading it back gives an equal design.
 
     `reasons` tell why a value is as it is, by ``table.name`` as in the model, or by the name of a value in no table.
     """
@@ -170,7 +170,7 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
 
 
 def _summary(section: type[Section]) -> str:
-    """Give the first sentence on a section: the rest of its docstring is for readers of the code."""
+    """Return the first sentence on a section: the rest of its docstring is for readers of the code."""
     return (section.__doc__ or "").strip().partition("\n")[0]
 
 
@@ -182,7 +182,7 @@ def _line(name: str, field: FieldInfo, value: Any, reason: str = "") -> str:
 
 
 def _toml(value: Any) -> str:
-    """Give a value as TOML; the words that the model allows need no escapes."""
+    """Write a value as TOML; the words that the model allows need no escapes."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):
@@ -203,7 +203,7 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
 
 
 def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Give a section, or what is chosen of it by name, as the keys and values of its file."""
+    """Yield a section, or what is chosen of it by name, as the keys and values of its file."""
     for name, field, value in _fields(section):
         if chosen is not None and name not in chosen:
             continue
@@ -214,7 +214,7 @@ def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[
 
 
 def _untouched(design: Design, named: Container[str]) -> dict[str, Any]:
-    """Give the values of a design in SI, but for those named: they need no way through the units of a file."""
+    """Collect the values of a design in SI, but for those named: they need no way through the units of a file."""
     return {
         name: {key: item for key, _, item in _fields(value)} if isinstance(value, Section) else value
         for name, _, value in _fields(design)
@@ -224,7 +224,7 @@ def _untouched(design: Design, named: Container[str]) -> dict[str, Any]:
 
 @cache
 def _known(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
-    """Give key of the file -> name and declaration in the model."""
+    """Map key of the file to name and declaration in the model."""
     return {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
 
 
@@ -263,7 +263,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
-    """Give lists written as ``{3 = 5.0}``, the third value 5 and the others 0, as they are in full."""
+    """Write out lists given as ``{3 = 5.0}``, the third value 5 and the others 0."""
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
         fields = inner.model_fields if inner else {}
@@ -276,12 +276,12 @@ def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
-    """Give an integer of the file, or its default."""
+    """Return an integer of the file, or its default."""
     return values.get(table, {}).get(name, getattr(getattr(Design(), table), name))
 
 
 def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
-    """Give as many values as there are parts, 0 but for those named by their number from 1 on."""
+    """List as many values as there are parts, 0 but for those named by their number from 1 on."""
     if not all(isinstance(count, int) and count <= LONGEST_LIST for count in counts):
         return tuple(sparse.values())  # their number is none that is allowed: that is what will be told
     number = math.prod(counts)

@@ -47,7 +47,7 @@ def _entry(
     expansion: float,
     source: str,
 ) -> Entry:
-    """Give an entry from moduli and strengths in MPa, and expansion in um/(m K)."""
+    """Build an entry from moduli and strengths in MPa, and expansion in um/(m K)."""
     return Entry(modulus * 1e6, poisson, density, tensile * 1e6, limit * 1e6, hottest, expansion / 1e6, source)
 
 

@@ -12,7 +12,7 @@ MOST_ERRORS = 5
 
 
 def refusal(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
-    """Give the error that tells each mistake in a design: key, value and what is allowed, in the units of the file.
+    """Return the error that tells each mistake in a design: key, value and what is allowed, in the units of the file.
 
     `root` is the model that was validated; `where` tells where the values came from.
     """

@@ -49,7 +49,7 @@ class Section(BaseModel):
 
     @classmethod
     def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-        """Give the values of a table with some of them changed."""
+        """Collect the values of a table with some of them changed."""
         return {**values, **change}
 
 
@@ -549,7 +549,7 @@ class Material(Section):
 
     @classmethod
     def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-        """Give the values of a table with some of them changed; a new name brings its own numbers."""
+        """Collect the values of a table with some of them changed; a new name brings its own numbers."""
         return dict(change) if "name" in change else super().changed(values, change)
 
 
@@ -705,7 +705,7 @@ class Design(Section):
         )
 
     def but(self, **changes: Any) -> Self:
-        """Give the design with other values, in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
+        """Return the design with other values, in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
 
         A table's values that are not named stay as they are.
 
@@ -726,7 +726,7 @@ class Design(Section):
             raise refusal(error, type(self), "but") from error
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Give the design for a run at full speed from its start, with other values, in SI, as in `but`.
+        """Return the design for a run at full speed from its start, with other values, in SI, as in `but`.
 
         Parameters
         ----------
@@ -755,15 +755,15 @@ class Design(Section):
         return {**given, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
 
     def material_of(self, part: str) -> Material:
-        """Give what a part is made of: one of `PARTS`."""
+        """Return what a part is made of: one of `PARTS`."""
         return getattr(self, f"{part}_material") or self.material
 
     def material_table(self, part: str) -> str:
-        """Give the table of the design file that says what a part is made of."""
+        """Return the table of the design file that says what a part is made of."""
         return f"{part}_material" if getattr(self, f"{part}_material") else "material"
 
     def partners(self, pair: str) -> tuple[Material, Material]:
-        """Give the materials of the two parts that meet in a kind of mating pair."""
+        """Return the materials of the two parts that meet in a kind of mating pair."""
         one, other = PARTNERS[pair]
         return self.material_of(one), self.material_of(other)
 
@@ -843,7 +843,7 @@ class Design(Section):
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
-        """Give the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
+        """Compute the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
         rolling = {"cam": self.gear.bearing == "rolling", "output": self.output.rollers}
         coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
         if pair == "output" and self.output.rollers and self.output.core_radius:
@@ -904,5 +904,5 @@ class Design(Section):
 
 
 def _tupled(value: Any) -> Any:
-    """Give a list as the tuple that the model has in its place."""
+    """Convert a list to the tuple that the model has in its place."""
     return tuple(value) if isinstance(value, list) else value

@@ -8,7 +8,7 @@ from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
 
 def _printed() -> Design:
-    """Give the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
+    """Return the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that its drawings name: HK0509 needle rollers on 5 mm output pins, HK1522 with an inner ring 12 x 15 x 22.5 on
@@ -40,7 +40,7 @@ def _printed() -> Design:
 
 
 def _twodisc() -> Design:
-    """Give a drive with two discs, of a worked calculation: github.com/kubakos/cycloid-drive-generator.
+    """Return a drive with two discs, of a worked calculation: github.com/kubakos/cycloid-drive-generator.
 
     It gives ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics.
     What it does not give is assumed, each value with its `reasons`.
@@ -138,7 +138,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def reasons(name: str, design: Design) -> dict[str, str]:
-    """Give why values of a design from the preset `name` are as they are, by ``table.name``; not of changed ones."""
+    """Collect why values of a design from the preset `name` are as they are, by ``table.name``; not of changed ones."""
     return {
         key: reason
         for key, reason in _REASONS.get(name, {}).items()

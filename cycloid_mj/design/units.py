@@ -146,31 +146,31 @@ UNITS = {
 
 
 def unit_of(field: FieldInfo) -> Unit:
-    """Give the file's unit of a declared value."""
+    """Return the file's unit of a declared value."""
     extra = field.json_schema_extra
     return UNITS[str(extra["unit"])] if isinstance(extra, dict) else NONE
 
 
 def source_of(field: FieldInfo) -> str:
-    """Give where the default of a declared value comes from."""
+    """Return where the default of a declared value comes from."""
     extra = field.json_schema_extra
     return str(extra["source"]) if isinstance(extra, dict) else ASSUMED
 
 
 def counted_by(field: FieldInfo) -> tuple[tuple[str, str], ...]:
-    """Give table and name of the integers whose product is the length of a declared list; none if it is no list."""
+    """List table and name of the integers whose product is the length of a declared list; none if it is no list."""
     extra = field.json_schema_extra
     per = str(extra.get("per", "")) if isinstance(extra, dict) else ""
     return tuple((table, name) for table, _, name in (key.partition(".") for key in per.split()))
 
 
 def section_of(field: FieldInfo) -> Any:
-    """Give the class of the table that a declared value is; None for a value that is none."""
+    """Return the class of the table that a declared value is; None for a value that is none."""
     kinds = (field.annotation, *get_args(field.annotation))
     return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
 
 def file_key(name: str, field: FieldInfo) -> str:
-    """Give the key of a declared value in the file: its name and its unit."""
+    """Return the key of a declared value in the file: its name and its unit."""
     suffix = unit_of(field).suffix
     return f"{name}_{suffix}" if suffix else name

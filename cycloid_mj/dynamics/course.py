@@ -53,12 +53,12 @@ class Course:
     load: Signal
 
     def commands(self, time: Array) -> Array:
-        """Give both commands at times [s], shape (n, 2)."""
+        """Compute both commands at times [s], shape (n, 2)."""
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
 def ramp_and_hold(compiled: Held, reducer: Reducer) -> Course:
-    """Give a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
+    """Return a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
     design = reducer.design
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     return Course(
@@ -87,12 +87,12 @@ def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float
 
 
 def rising(torque: float, rise: float) -> Signal:
-    """Give a torque [N m] that comes on as a half cosine over `rise` [s], and then stays."""
+    """Return a torque [N m] that comes on as a half cosine over `rise` [s], and then stays."""
     return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
 
 def initial_state(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Any:
-    """Give the state at the start of a course, by default the design's own, as the closed form has it."""
+    """Return the state at the start of a course, by default the design's own, as the closed form has it."""
     course = course or ramp_and_hold(compiled, reducer)
     data = mujoco.MjData(compiled.model)
     position, velocity = joint_state(reducer, course.angle, course.speed)
@@ -110,7 +110,7 @@ def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
 
 
 def braking(reducer: Reducer) -> float:
-    """Give the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
+    """Compute the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
     return math.copysign(1.0, reducer.design.drive.speed) * sense(reducer.design)
 
 

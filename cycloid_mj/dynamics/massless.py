@@ -20,7 +20,7 @@ ASSUMPTION = (
 
 
 def massless(reducer: Reducer) -> Reducer:
-    """Give a design for loaded means: without the inertia of pins that move, else itself."""
+    """Return a design for loaded means: without the inertia of pins that move, else itself."""
     if not reducer.design.ring.has_pin_bodies:
         return reducer
     return reducer.but(ring={"pins": WITHOUT[reducer.design.ring.pins]})

@@ -105,7 +105,7 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
 
 
 def steps_ratio(law: ContactParameters, step: float) -> float:
-    """Give K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
+    """Compute K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
     return law.stiffness * step**2 / law.effective_mass
 
 
@@ -209,12 +209,12 @@ def _unused(reducer: Reducer) -> Iterator[str]:
 
 
 def _below(number: float) -> str:
-    """Give the next lower of 1, 2 and 5 times a power of ten: a remedy should not lie on the limit."""
+    """Return the next lower of 1, 2 and 5 times a power of ten: a remedy should not lie on the limit."""
     ten = 10.0 ** math.floor(math.log10(number))
     return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < number / ten) * ten:g}"
 
 
 def _above(number: float) -> str:
-    """Give the next higher one."""
+    """Return the next higher one."""
     ten = 10.0 ** math.floor(math.log10(number))
     return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > number / ten) * ten:g}"

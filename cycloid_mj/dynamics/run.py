@@ -129,7 +129,7 @@ class Schedule:
 
 
 def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
-    """Give the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
+    """Plan the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
 
     `step` is the time step [s] of the model that runs it; 0: the design's own.
     """
@@ -141,7 +141,7 @@ def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
 
 
 def columns(compiled: Model, reducer: Reducer) -> Groups:
-    """Give the log's columns with their units, by topic."""
+    """Return the log's columns with their units, by topic."""
     kinds = sorted(compiled.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {
@@ -251,7 +251,7 @@ def simulate(
 def provenance(
     reducer: Reducer, contact: Contact = "profile", step: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
-    """Give what a run stands on: solver, contact, time step, the forces that stiffness is the secant of, versions.
+    """Collect what a run stands on: solver, contact, time step, the forces that stiffness is the secant of, versions.
 
     `step` is as in `schedule`.
     """
@@ -283,12 +283,12 @@ def warnings(compiled: Model, reducer: Reducer, course: Course | None = None) ->
 
 
 def warned(texts: Sequence[str]) -> dict[str, str]:
-    """Give the entry of a run's provenance that keeps its warnings; none where there are none."""
+    """Collect the entry of a run's provenance that keeps its warnings; none where there are none."""
     return {"warnings": "\n".join(texts)} if texts else {}
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
+    """Collect the files that make a log complete: the design file and the model, with the meshes that it refers to."""
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
     def model() -> bytes:
@@ -407,7 +407,7 @@ class _Recorder:
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
-        """Give the rows of the next samples, up to the first with which something is wrong, and what that is."""
+        """Return the rows of the next samples, up to the first with which something is wrong, and what that is."""
         rows = self.steps.advance(samples)
         checks = list(self._checks(rows))
         wrong = np.any([failed for failed, _ in checks], axis=0)
@@ -417,7 +417,7 @@ class _Recorder:
         return rows[: first + 1], next(told(first) for failed, told in checks if failed[first])
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Give the values of samples by topic, one row for each."""
+        """Compute the values of samples by topic, one row for each."""
         seen, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
         powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
@@ -430,7 +430,7 @@ class _Recorder:
         return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Give what can be wrong: of which samples it is, and how it is told of one."""
+        """Yield what can be wrong: of which samples it is, and how it is told of one."""
         seen = rows[:, self.steps.copied]
         _, depth, _, iterations, moving, warnings = rows[:, self.steps.solver].T
         sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)

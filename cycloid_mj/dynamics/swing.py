@@ -34,7 +34,7 @@ OF_ECCENTRICITY = 0.25
 
 
 def closed_stiffness(reducer: Reducer) -> float:
-    """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
+    """Compute the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
 
     In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
     k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
@@ -53,7 +53,7 @@ def closed_stiffness(reducer: Reducer) -> float:
 
 
 def moving_inertia(reducer: Reducer) -> float:
-    """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
+    """Compute the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
     same = {"drive": Drive(), "settings": Settings(), "friction": Friction(), "name": "shape"}
     return _inertia(Reducer(reducer.design.model_copy(update=same)))
 
@@ -68,7 +68,7 @@ def _inertia(reducer: Reducer) -> float:
 
 
 def swing_period(reducer: Reducer) -> float:
-    """Give the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
+    """Find the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
 
     With wide clearances, of which fewer teeth carry, it is longer by half.
     """
@@ -82,7 +82,7 @@ def slowness(reducer: Reducer) -> float:
 
 
 def deepest(reducer: Reducer) -> float:
-    """Give the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
+    """Find the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
     design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration

@@ -65,13 +65,13 @@ class Step:
 
 
 def timestep(reducer: Reducer) -> float:
-    """Give the time step [s] that a design is run at."""
+    """Compute the time step [s] that a design is run at."""
     return chosen(reducer).seconds
 
 
 @once
 def chosen(reducer: Reducer) -> Step:
-    """Give the time step of a design and its reason: ``settings.timestep``, or the longest that `limits` allow.
+    """Return the time step of a design and its reason: ``settings.timestep``, or the longest that `limits` allow.
 
     A chosen step is at most `LONGEST`, and a whole number of them lies between two samples of the log.
     """
@@ -107,7 +107,7 @@ def held_figures(reducer: Reducer) -> str:
 
 
 def limits(reducer: Reducer) -> dict[str, float]:
-    """Give what limits the step of a design -> the longest step [s] that it allows."""
+    """Map what limits the step of a design to the longest step [s] that it allows."""
     found = {
         f"stiffness of {kind}": math.sqrt(resolved(reducer, kind) * mass / stiffest(reducer, kind))
         for kind, mass in effective_masses(reducer).items()
@@ -119,7 +119,7 @@ def limits(reducer: Reducer) -> dict[str, float]:
 
 
 def resolved(reducer: Reducer, kind: str) -> float:
-    """Give the K dt^2/m of a kind of pair [1] up to which the figures of a run hold."""
+    """Compute the K dt^2/m of a kind of pair [1] up to which the figures of a run hold."""
     design = reducer.design
     if not design.ring.has_pin_bodies or kind != design.seat_pair:
         return RESOLVED
@@ -127,7 +127,7 @@ def resolved(reducer: Reducer, kind: str) -> float:
 
 
 def rolling_limits(reducer: Reducer) -> dict[str, float]:
-    """Give what rolls in its play under its working force -> the longest step [s] that follows it."""
+    """Map what rolls in its play under its working force to the longest step [s] that follows it."""
     design = reducer.design
     gear, _, pin = _masses(reducer)
     found = {"the gear on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
@@ -143,13 +143,13 @@ def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> flo
 
 
 def passing_limit(reducer: Reducer) -> float:
-    """Give the longest step [s] for the teeth that pass at the design's crank speed."""
+    """Compute the longest step [s] for the teeth that pass at the design's crank speed."""
     design = reducer.design
     return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:
-    """Give the mass [kg] that moves on a contact of each kind of pair.
+    """Compute the mass [kg] that moves on a contact of each kind of pair.
 
     Half of the ring's and of the output's contacts carry at a time, on each disc; a free pin, or a sleeve, lies between
     two. What the load is on gives way by its turning: forces on the ring pass its axis at c N at most.
@@ -169,7 +169,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
 
 
 def _masses(reducer: Reducer) -> tuple[float, float, float]:
-    """Give a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none."""
+    """Compute a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none."""
     same = {"drive": Drive(), "load": Load(), "settings": Settings(), "friction": Friction(), "name": "shape"}
     return _masses_of(Reducer(reducer.design.model_copy(update=same)))
 

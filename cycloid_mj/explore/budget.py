@@ -49,7 +49,7 @@ class Share:
 
 
 def budget_blocks(zones: Mapping[str, Zone], samples: int = SAMPLES) -> dict[str, Batch]:
-    """Give the sets that are compared by name: two, and the first with one tolerance at a time of the second."""
+    """Collect the sets that are compared by name: two, and the first with one tolerance at a time of the second."""
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
     return both | swapped
@@ -112,7 +112,7 @@ class _Linear(NamedTuple):
 
 
 def _scaled(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Give departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
+    """Compute departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
     found = []
     for key, one in zones.items():
         values = departures[key][rows].reshape(rows.size, -1)
@@ -142,10 +142,10 @@ def _linear_part(departures: Sequence[list[Array]], f: _Sets) -> _Linear:
 
 
 def _indices(f: _Sets, linear: _Linear, rows: Integers) -> tuple[list[float], list[float]]:
-    """Give first-order and total indices from some of the samples."""
+    """Return first-order and total indices from some of the samples."""
 
     def means(sets: _Sets, mean: float) -> tuple[float, Array, Array]:
-        """Give what the variance, and its shares of first order and in total, are estimated by."""
+        """Compute what the variance, and its shares of first order and in total, are estimated by."""
         first, second, mixed = sets.first[rows] - mean, sets.second[rows] - mean, sets.mixed[:, rows] - mean
         variance = 0.5 * float(np.mean(first**2 + second**2))
         return variance, np.nanmean(second * (mixed - first), axis=1), 0.5 * np.nanmean((first - mixed) ** 2, axis=1)

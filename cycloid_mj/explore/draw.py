@@ -43,7 +43,7 @@ _INSIDE = 2.0**-54
 
 
 def tolerances(reducer: Reducer) -> dict[str, Zone]:
-    """Give the zones of a design's tolerances by their keys, those of waves by `WAVE` and order; none that is 0.
+    """Collect the zones of a design's tolerances by their keys, those of waves by `WAVE` and order; none that is 0.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Ba
 
 
 def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
-    """Give for each number that is drawn the share of parts that lie below it, by tolerance."""
+    """Compute for each number that is drawn the share of parts that lie below it, by tolerance."""
     shapes = {key: _shape(reducer, key) for key in zones}
     if not block.compared:
         whole = block.first + block.count
@@ -162,7 +162,7 @@ def _inside(shares: Array) -> Array:
 
 
 def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
-    """Give the shape of the numbers that a tolerance takes for one sample."""
+    """Compute the shape of the numbers that a tolerance takes for one sample."""
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
     shapes = {
@@ -200,7 +200,7 @@ def put(reducer: Reducer, same: Samples, changed: Mapping[str, Array]) -> Sample
 
 
 def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
-    """Give what `departures` draws as columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+    """Compute what `departures` draws as columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
 
     Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: the seventh of the second) are counted from 1.
     """
@@ -224,7 +224,7 @@ def filed(reducer: Reducer, made: Samples) -> Mask:
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
-    """Give a sample, counted from 0, as a design with its number in its name.
+    """Return a sample, counted from 0, as a design with its number in its name.
 
     Its errors are listed part by part, its clearances are as they came out.
 
@@ -259,7 +259,7 @@ def left_out(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple
 
 
 def as_design(reducer: Reducer, made: Samples, row: int, name: str) -> Design:
-    """Give one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
+    """Return one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
     clearance, errors = _parts(reducer, made, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
@@ -272,7 +272,7 @@ def as_design(reducer: Reducer, made: Samples, row: int, name: str) -> Design:
 
 
 def unchecked_design(reducer: Reducer, made: Samples, row: int) -> Design:
-    """Give the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
+    """Return the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
     design = reducer.design
     clearance, errors = _parts(reducer, made, row)
     return design.model_copy(
@@ -284,7 +284,7 @@ def unchecked_design(reducer: Reducer, made: Samples, row: int) -> Design:
 
 
 def _parts(reducer: Reducer, made: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Give the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
+    """Return the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
     design = reducer.design
     place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
     cams, waves = made.cam_place[row], made.waves[row]

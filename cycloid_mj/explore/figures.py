@@ -89,7 +89,7 @@ FIGURES = {
 def figures_of(
     reducer: Reducer, made: Samples, keys: Collection[str] = FIGURES, angles: int = ANGLES
 ) -> dict[str, Array]:
-    """Give figures of samples by their keys, shape (samples,) each: without friction, weight and inertia."""
+    """Compute figures of samples by their keys, shape (samples,) each: without friction, weight and inertia."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
     needed = [state for state in STATES if any(state in FIGURES[key].states for key in keys)]

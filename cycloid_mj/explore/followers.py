@@ -77,7 +77,7 @@ class Follower:
         return self.formula or RULES[self.key].words
 
     def at(self, start: Reducer, reducer: Reducer) -> Design:
-        """Give a design with the key set; `start` is what all points change.
+        """Return a design with the key set; `start` is what all points change.
 
         Raises
         ------
@@ -133,21 +133,21 @@ def following(reducer: Reducer, given: str | Sequence[str], varied: Iterable[str
 
 
 def by_themselves(given: Iterable[Follower], varied: Iterable[str]) -> tuple[Follower, ...]:
-    """Give the keys that follow in an optimisation unless they vary or follow otherwise: of a leader that varies."""
+    """List the keys that follow in an optimisation unless they vary or follow otherwise: of a leader that varies."""
     varied = set(varied)
     taken = varied | {one.key for one in given}
     return tuple(Follower(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
 
 
 def followed(start: Reducer, reducer: Reducer, followers: Iterable[Follower]) -> Design:
-    """Give the design of a point with all keys set that follow; raise DesignError where one cannot be."""
+    """Return the design of a point with all keys set that follow; raise DesignError where one cannot be."""
     for one in followers:
         reducer = Reducer(one.at(start, reducer))
     return reducer.design
 
 
 def values_of(reducer: Reducer, followers: Iterable[Follower]) -> dict[str, Value]:
-    """Give what followers came to, key -> value in the file's unit."""
+    """Collect what followers came to, key -> value in the file's unit."""
     values = {one.key: value_of(reducer.design, one.key) for one in followers}
     return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
@@ -173,7 +173,7 @@ def _require_numbers(told: str, key: str, formula: str, reducer: Reducer) -> Non
 
 
 def _keys(node: ast.expr) -> Iterator[str]:
-    """Give the keys in a formula; raise ValueError where there is anything but keys, numbers and operations."""
+    """Yield the keys in a formula; raise ValueError where there is anything but keys, numbers and operations."""
     match node:
         case ast.Constant(value=int() | float()):
             return

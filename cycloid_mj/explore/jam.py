@@ -35,7 +35,7 @@ def jams_of(figures: Mapping[str, Array]) -> Mask:
 
 
 def pressed_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Give by pair in words the share of all samples in which it presses without a load; those without a balance."""
+    """Compute, by pair in words, the share of samples in which it presses without a load; those without a balance."""
     counts = {
         PRESSED[free]: float(np.mean(figures[free] > JAM_SHARE * figures[loaded])) for free, loaded in PRELOADS.items()
     }
@@ -68,7 +68,7 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
 
 
 def _interference(reducer: Reducer, given: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Give how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
+    """Return how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
     made = put(reducer, alike(reducer, SEEN), given)
     depths, shares = [], dict[str, float]()
     for row in range(SEEN):

@@ -21,12 +21,12 @@ SWEEP = "sweep"
 
 
 def plan_file(study: str) -> str:
-    """Give the name of the file that says what a study is of."""
+    """Return the name of the file that says what a study is of."""
     return f"{study}.json"
 
 
 def rows_file(study: str) -> str:
-    """Give the name of the file that keeps the rows of a study."""
+    """Return the name of the file that keeps the rows of a study."""
     return f"{study}.rows.jsonl"
 
 
@@ -147,7 +147,7 @@ def _lock(stream: IO[bytes], into: Path, study: str) -> None:
 
 
 def _read(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Give the rows that are whole; half a line at the end, of a process that was killed or a full disk, is cut off."""
+    """Read the rows that are whole; half a line at the end, of a process that was killed or a full disk, is cut off."""
     stream.seek(0)
     rows: dict[int, PointResult] = {}
     end = 0

@@ -23,7 +23,7 @@ class FigureLimit:
         return np.asarray(values <= self.bound if self.at_most else values >= self.bound)
 
     def excess(self, value: float) -> float:
-        """Give by how much a value breaks it, relative to the bound; 0 where it keeps it, 1 for what is no number."""
+        """Find by how much a value breaks it, relative to the bound; 0 where it keeps it, 1 for what is no number."""
         if np.isnan(value):
             return 1.0
         beyond = value - self.bound if self.at_most else self.bound - value

@@ -46,7 +46,7 @@ class Measured:
 
 
 def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
-    """Give quantities by their keys, each ending in its unit."""
+    """Return quantities by their keys, each ending in its unit."""
     named = {with_unit(one.key, one.unit): one for one in quantities}
     units = {name: one.unit for name, one in named.items() if one.unit not in ("", "1")}
     return Measured({name: one.value for name, one in named.items()}, units, **more)
@@ -83,7 +83,7 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
 
 
 def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Give the numbers and switches of nested findings by their whole keys, whose last part has the unit."""
+    """Yield the numbers and switches of nested findings by their whole keys, whose last part has the unit."""
     for key, value in found.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}_")
@@ -104,7 +104,7 @@ def _mass(reducer: Reducer, _: MeasureSettings) -> Measured:
 
 
 def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
-    """Give the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
+    """Return the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
     from cycloid_mj.checks import check
 
     found = check(reducer.design)
@@ -155,7 +155,7 @@ MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
 
 
 def require_measures(names: Iterable[str]) -> tuple[str, ...]:
-    """Give the names of measures, each once; raise UsageError where one is none."""
+    """List the names of measures, each once; raise UsageError where one is none."""
     chosen = tuple(dict.fromkeys(names))
     if unknown := [name for name in chosen if name not in MEASURED]:
         raise UsageError(f"there is no measure {unknown[0]!r:.80}; there are {', '.join(MEASURED)}")

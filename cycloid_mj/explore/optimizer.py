@@ -139,7 +139,7 @@ def explored(
 
 
 def checked(found: Optimum, progress: Progress = silent) -> Optimum:
-    """Give an optimisation with its best design checked: full statics, dynamics, and tolerances where it has some."""
+    """Check the best design of an optimisation: full statics, dynamics, and tolerances where it has some."""
     best = found.design()
     ranges = tolerance(best, SAMPLES, found.seed, progress=progress) if tolerances(Reducer(best)) else None
     return Optimum(
@@ -151,7 +151,7 @@ def checked(found: Optimum, progress: Progress = silent) -> Optimum:
 
 
 def _sheet(reducer: Reducer) -> Sheet | None:
-    """Give the full statics of a design; None where it cannot be built, or has no balance in one of its states."""
+    """Return the full statics of a design; None where it cannot be built, or has no balance in one of its states."""
     try:
         require_sound(reducer)
         return sheet(reducer)
@@ -174,7 +174,7 @@ def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: i
 
 
 def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
-    """Give both objectives as one: the larger of the two, weighted, each over its reach so far (Chebyshev's norm)."""
+    """Return both objectives as one: the larger of the two, weighted, each over its reach so far (Chebyshev's norm)."""
     kept = [row for row in rows if row.values[FEASIBLE]]
 
     def costs(row: PointResult) -> tuple[float, ...]:
@@ -212,7 +212,7 @@ class _Work:
         return [self._rows.found[place] for place in range(self._count) if place in self._rows.found]
 
     def rows_of(self, points: Sequence[Point]) -> list[PointResult]:
-        """Give the rows of points."""
+        """List the rows of points."""
         first = self._count
         self._count += len(points)
         missing = [place for place in range(first, self._count) if not self._is_there(place, points[place - first])]

@@ -104,15 +104,15 @@ class Optimum(Tabular):
         return self.rows[0]
 
     def values(self, place: int) -> dict[str, Cell]:
-        """Give the values of the keys at a point [unit of the file]."""
+        """Collect the values of the keys at a point [unit of the file]."""
         return {key: self.rows[place].values[key] for key in self.task.keys}
 
     def figures(self, place: int) -> dict[str, float]:
-        """Give the figures of a point that matter: objectives, then those with limits."""
+        """Compute the figures of a point that matter: objectives, then those with limits."""
         return {key: float(self.rows[place].values[key]) for key in self.task.wanted}
 
     def design(self, place: int | None = None, name: str = "") -> Design:
-        """Give the design at a point, by default the best.
+        """Return the design at a point, by default the best.
 
         Raises
         ------
@@ -150,7 +150,7 @@ class Optimum(Tabular):
         return framed(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
 
     def as_json(self) -> dict[str, Any]:
-        """Give all of it for a program, but the history."""
+        """Convert all of it to JSON values, but the history."""
         place, objectives = self.best, self.task.objectives
         found = None if place is None else [self.figures(place)[one.key] for one in objectives]
         return {
@@ -181,7 +181,7 @@ class Optimum(Tabular):
         return {} if self.best is None else self.figures(self.best)
 
     def change(self, key: str) -> float:
-        """Give by how much a figure of the best differs from the start's, as a share; NaN where one is not known."""
+        """Compute by how much a figure of the best differs from the start's, as a share; NaN where one is not known."""
         before = self.start_figures.get(key, math.nan)
         return self.best_figures[key] / before - 1.0 if before else math.nan
 
@@ -225,7 +225,7 @@ def _short(value: Cell) -> str:
 
 
 def tables(found: Optimum) -> tuple[Table, ...]:
-    """Give the best point and its figures beside the start's, what refused points, the front, and what was checked."""
+    """List the best point and its figures beside the start's, what refused points, the front, and what was checked."""
     assert found.best is not None
     start, best = found.values(0), found.values(found.best)
     keys = tuple((key, _short(start[key]), _short(best[key])) for key in found.task.keys)
@@ -258,7 +258,7 @@ def tables(found: Optimum) -> tuple[Table, ...]:
 
 
 def _checked_tables(checked: Checked) -> list[Table]:
-    """Give the full statics of best and start, the dynamics of the best, and its yield."""
+    """Tabulate the full statics of best and start, the dynamics of the best, and its yield."""
     made = []
     if checked.sheet is not None:
         before = checked.start.quantities if checked.start else {}
@@ -271,7 +271,7 @@ def _checked_tables(checked: Checked) -> list[Table]:
 
 
 def _compared(best: Quantity, start: Quantity | None) -> tuple[str, ...]:
-    """Give a quantity of the best beside the start's."""
+    """List a quantity of the best beside the start's."""
     before = start.value if start else math.nan
     change = best.value / before - 1.0 if before else math.nan
     return best.name, _number(before), _number(best.value), _percent(change), best.unit

@@ -57,7 +57,7 @@ class Axis:
 
 
 def grid(vary: Mapping[str, Wanted]) -> Points:
-    """Give every combination of the values of each key, the last key's changing fastest.
+    """List every combination of the values of each key, the last key's changing fastest.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def sampled(vary: Mapping[str, Wanted], method: Method, count: int, seed: int) -
 
 
 def tabled(rows: Iterable[Mapping[str, Any]]) -> Points:
-    """Give the points of rows that all have the same keys; values may be in words.
+    """List the points of rows that all have the same keys; values may be in words.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def _require_few(count: int) -> None:
 
 
 def _field(key: str) -> FieldInfo:
-    """Give the declaration of a key that holds one value."""
+    """Return the declaration of a key that holds one value."""
     field = declared(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(f"{key} holds a list or a table: only single values can be varied")
@@ -152,7 +152,7 @@ def _field(key: str) -> FieldInfo:
 
 
 def _words(field: FieldInfo) -> tuple[str, ...]:
-    """Give the words of a choice; nothing for another kind of value."""
+    """List the words of a choice; nothing for another kind of value."""
     words = getattr(field.annotation, "__args__", ())
     return tuple(words) if words and all(isinstance(word, str) for word in words) else ()
 
@@ -195,7 +195,7 @@ def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axi
 
 
 def all_values(axis: Axis) -> tuple[Value, ...]:
-    """Give the values of an axis; raise UsageError for a range that misses whole numbers where they must be."""
+    """List the values of an axis; raise UsageError for a range that misses whole numbers where they must be."""
     if axis.values:
         return axis.values
     values = [significant(value) for value in np.linspace(axis.low, axis.high, axis.count or 2).tolist()]
@@ -209,7 +209,7 @@ def all_values(axis: Axis) -> tuple[Value, ...]:
 
 
 def _value(key: str, field: FieldInfo, given: Any) -> Value:
-    """Give a value of a key's kind; whether it is allowed is the design's to say, point by point."""
+    """Convert to a value of a key's kind; whether it is allowed is the design's to say, point by point."""
     kind, words = field.annotation, _words(field)
     text = str(given).strip().strip("\"'")
     try:
@@ -244,7 +244,7 @@ def _shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
 
 
 def _drawn(axis: Axis, shares: Array) -> list[Value]:
-    """Give the values of an axis at shares from 0 to 1."""
+    """List the values of an axis at shares from 0 to 1."""
     if axis.values or axis.count:
         values = all_values(axis)
         return [values[int(share * len(values))] for share in shares.tolist()]

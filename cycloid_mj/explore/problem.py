@@ -110,7 +110,7 @@ class Problem:
         return {one.key: one.words for one in self.followers}
 
     def at(self, values: Sequence[Value]) -> Design:
-        """Give the design at a point; raise DesignError where its file does not allow a value."""
+        """Return the design at a point; raise DesignError where its file does not allow a value."""
         design = override(self.reducer.design, dict(zip(self.keys, values, strict=True)))
         return followed(self.reducer, Reducer(design), self.followers)
 
@@ -202,7 +202,7 @@ def evaluated(task: Problem, values: Sequence[Value]) -> PointResult:
 
 
 def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
-    """Give figures, what is broken and by how much, where that begins, and the words of an error."""
+    """Return figures, what is broken and by how much, where that begins, and the words of an error."""
     try:
         design = task.at(values)
     except DesignError as error:

@@ -15,7 +15,7 @@ from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
 
 
 def _geometry(reducer: Reducer) -> dict[str, Quantity]:
-    """Give what the shape of the teeth alone decides."""
+    """Collect what the shape of the teeth alone decides."""
     design = reducer.design
     gear, ring = reducer.gear_profile, design.ring
     bend = MILLIMETRES * (profile.undercut_radius(gear) - reducer.profile_offset)
@@ -35,7 +35,7 @@ def _mass(reducer: Reducer) -> dict[str, Quantity]:
 
 
 def _summary(reducer: Reducer) -> dict[str, Quantity]:
-    """Give what `design check` sums up, under the keys of its JSON."""
+    """Collect what `design check` sums up, under the keys of its JSON."""
     found = summary(reducer)
     angle, play = math.degrees(found.pressure_angle), found.backlash / ARCMINUTE
     return keyed(
@@ -63,7 +63,7 @@ GROUPS: Mapping[str, Callable[[Reducer], dict[str, Quantity]]] = {
 
 @once
 def catalogue(reducer: Reducer) -> Mapping[str, tuple[str, Quantity]]:
-    """Give every figure that designs like this have, by key: its group, and what it is.
+    """Collect every figure that designs like this have, by key: its group, and what it is.
 
     Where a design cannot be built, or has no balance, they are those of a preset with such teeth: the same keys.
     """
@@ -81,12 +81,12 @@ def _all_figures(reducer: Reducer) -> Mapping[str, tuple[str, Quantity]]:
 
 
 def figures(reducer: Reducer, groups: Iterable[str]) -> dict[str, float]:
-    """Give the figures of some groups by their keys."""
+    """Compute the figures of some groups by their keys."""
     return {key: one.value for group in groups for key, one in GROUPS[group](reducer).items()}
 
 
 def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
-    """Give the failed checks of a design by name, each with how far it is off, as a share of its bound.
+    """Compute the failed checks of a design by name, each with how far it is off, as a share of its bound.
 
     Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
     """
@@ -96,7 +96,7 @@ def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
 
 
 def _excess(value: float | None, bound: float | None) -> float:
-    """Give by how much a value misses its bound, relative; 1 where that is no number."""
+    """Compute by how much a value misses its bound, relative; 1 where that is no number."""
     if value is None or bound is None or not math.isfinite(value - bound):
         return 1.0
     return abs(value - bound) / max(abs(value), abs(bound), 1e-12)

@@ -51,13 +51,13 @@ class Ranks:
 
 
 def number_inputs(found: Sweep) -> tuple[str, ...]:
-    """Give the inputs that are numbers."""
+    """List the inputs that are numbers."""
     numbers = found.frame.numbers
     return tuple(key for key in found.task.keys if key in numbers)
 
 
 def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Give the quantities to show: those wanted, else some that change, the headlines first.
+    """List the quantities to show: those wanted, else some that change, the headlines first.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def ranks(found: Sweep, quantities: tuple[str, ...]) -> Ranks:
 
 
 def tables(found: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
-    """Give the ranges of quantities, and their rank correlations where there are several inputs, as tables of text."""
+    """Tabulate the ranges of quantities, and their rank correlations where there are several inputs."""
     numbers = found.frame.numbers
     rows = []
     for name in quantities:

@@ -39,7 +39,7 @@ class Task:
     followers: tuple[Follower, ...] = ()
 
     def column(self, measure: str, name: str) -> str:
-        """Give the column of a measure's number: it says which measure, where there are several."""
+        """Return the column of a measure's number: it says which measure, where there are several."""
         return name if len(self.measures) == 1 else f"{measure}.{name}"
 
 
@@ -109,5 +109,5 @@ def _measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured
 
 
 def one_line(error: BaseException) -> str:
-    """Give the text of an error in one line."""
+    """Write the text of an error in one line."""
     return " ".join(str(error).split()) or type(error).__name__

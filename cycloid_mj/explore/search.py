@@ -57,7 +57,7 @@ class EvolutionSearch:
         return self._done
 
     def ask(self) -> list[Point]:
-        """Give the points of the next generation."""
+        """List the points of the next generation."""
         if self._strategy is None:
             self._asked = [np.zeros(0)]
         else:
@@ -88,20 +88,20 @@ def _strategy(start: Array, width: float, generator: np.random.Generator) -> Any
 
 
 def point_at(ranges: Sequence[Any], shares: Array) -> tuple[float, ...]:
-    """Give the real numbers at shares of their ranges."""
+    """Compute the real numbers at shares of their ranges."""
     return tuple(
         significant(one.low + (one.high - one.low) * float(share)) for one, share in zip(ranges, shares, strict=False)
     )
 
 
 def shares_of(ranges: Sequence[Any], values: Sequence[Value]) -> Array:
-    """Give the shares of their ranges at which real numbers lie; what is outside counts as at the bound."""
+    """Compute the shares of their ranges at which real numbers lie; what is outside counts as at the bound."""
     pairs = zip(ranges, values, strict=False)
     return np.clip([(float(value) - one.low) / (one.high - one.low) for one, value in pairs], 0.0, 1.0)
 
 
 def score(row: PointResult, figure: Callable[[PointResult], float]) -> float:
-    """Give a row's score: its figure, where it keeps all; else by how much it does not."""
+    """Compute a row's score: its figure, where it keeps all; else by how much it does not."""
     if row.values[FEASIBLE]:
         return figure(row)
     return WORST * (1.0 + float(row.values[VIOLATION]))

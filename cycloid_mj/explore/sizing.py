@@ -118,7 +118,7 @@ class Sized:
 
 
 def sized(name: str, ratio: int, diameter: float, torque: float, process: Process = "steel", discs: int = 1) -> Sized:
-    """Give a design of a ratio, an outer diameter [m] and a rated torque on the output [N m], with some discs.
+    """Size a design for a ratio, an outer diameter [m] and a rated torque on the output [N m], with some discs.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def sized(name: str, ratio: int, diameter: float, torque: float, process: Proces
 def _shaped(
     name: str, ratio: int, diameter: float, torque: float, process: Process, discs: int, short_width: float
 ) -> Design | None:
-    """Give the proportions at one K1; nothing where the design's own bounds refuse them."""
+    """Return the proportions at one K1; nothing where the design's own bounds refuse them."""
     made, teeth, outer = PROCESSES[process], ratio + 1, diameter / 2.0
     room = PIN_SHARE * (math.sin(math.pi / teeth) - 0.005)
     circle = _rounded((1.0 - WALL) * outer / (1.0 + room))

@@ -175,7 +175,7 @@ def task_of(
     real_pins: bool,
     follow: str | Sequence[str] = (),
 ) -> Task:
-    """Give what is done at each point; measures are named one by one or as ``a,b``.
+    """Return what is done at each point; measures are named one by one or as ``a,b``.
 
     Raises
     ------
@@ -246,7 +246,7 @@ def write_tables(found: Sweep, into: Path) -> None:
 
 
 def _plan(task: Task, points: Points) -> dict[str, Any]:
-    """Give what tells a sweep from others: rows of another one do not belong in its folder."""
+    """Collect what tells a sweep from others: rows of another one do not belong in its folder."""
     return {
         "design": dump(task.reducer.design),
         "keys": list(task.keys),
@@ -276,7 +276,7 @@ def chosen(
     points: int,
     seed: int,
 ) -> Points:
-    """Give the points that a call or command asks for; raise UsageError if it asks for none, or for two kinds."""
+    """List the points that a call or command asks for; raise UsageError if it asks for none, or for two kinds."""
     if bool(vary) == (table is not None):
         raise UsageError("give the points of a sweep by --vary KEY=VALUES, or by --table POINTS.csv")
     if table is not None:

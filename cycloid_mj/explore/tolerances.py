@@ -168,7 +168,7 @@ class Tolerances(Tabular):
         return {key: _distribution(values[~self.jams], FIGURES[key].unit) for key, values in self.figures.items()}
 
     def tables(self) -> tuple[Table, ...]:
-        """Give distributions, and where there are some budget and dynamics, as tables of text."""
+        """Tabulate distributions, and where there are some budget and dynamics."""
         header = ("figure", "mean", "std", "5 %", "median", "95 %", "unit")
         rows = tuple(
             (key, *(f"{value:.5g}" for value in (one.mean, one.std, one.p05, one.p50, one.p95)), one.unit)
@@ -188,7 +188,7 @@ class Tolerances(Tabular):
         return tuple(found)
 
     def as_json(self) -> dict[str, Any]:
-        """Give all of it for a program."""
+        """Convert all of it to JSON values."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -342,7 +342,7 @@ class _Study:
         return [*((block, tuple(FIGURES)) for block in self.main), *budget]
 
     def found(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Give what came of it, from the figures of all work, or of so much as is `done`: its first block at least."""
+        """Gather the result from the figures of all work, or of so much as is `done`: its first block at least."""
         main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
         figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in FIGURES}
         jams, parts = jams_of(figures), [departures(self.reducer, self.zones, self.seed, block) for block in main]

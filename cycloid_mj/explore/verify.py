@@ -69,7 +69,7 @@ def _dynamics(reducer: Reducer) -> dict[str, float]:
 
 
 def table_rows(found: Verified) -> list[tuple[str, ...]]:
-    """Give statics, dynamics and their difference as rows of text, a figure each."""
+    """List statics, dynamics and their difference as rows of text, a figure each."""
     return [
         (
             found.design,

@@ -29,7 +29,7 @@ class Zone:
     width: float
 
     def quantiles(self, share: Array) -> Array:
-        """Give the deviations [m] below which shares of the parts lie, between 0 and 1, of any shape."""
+        """Compute the deviations [m] below which shares of the parts lie, between 0 and 1, of any shape."""
         return np.asarray(self.middle + self.width * (ndtri(share) if self.kind == "normal" else 2.0 * share - 1.0))
 
     @property
@@ -98,7 +98,7 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
 
 
 def _grade(grade: int, size: float) -> float:
-    """Give the width of a standard tolerance grade at a diameter [m]."""
+    """Compute the width of a standard tolerance grade at a diameter [m]."""
     from pressfit.tables import GRADES, it_value
 
     if grade not in GRADES:
@@ -107,7 +107,7 @@ def _grade(grade: int, size: float) -> float:
 
 
 def _fit(text: str, size: float, clearance: float) -> Zone:
-    """Give the radial clearance of a fit, about the design's own; its limits are 3 standard deviations off."""
+    """Return the radial clearance of a fit, about the design's own; its limits are 3 standard deviations off."""
     from pressfit import fit
 
     try:

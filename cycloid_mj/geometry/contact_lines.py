@@ -39,7 +39,7 @@ class ContactLines:
 
 
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
-    """Give every contact line at some crank angles [rad], without clearance.
+    """Compute every contact line at some crank angles [rad], without clearance.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike
 
 
 def mesh_period(gear: CycloidGear, count: int) -> Array:
-    """Give `count` crank angles [rad] that divide one mesh period 2 pi/N equally, from 0, its end left out."""
+    """Compute `count` crank angles [rad] that divide one mesh period 2 pi/N equally, from 0, its end left out."""
     return 2 * np.pi / gear.ring_teeth * np.arange(count) / count
 
 

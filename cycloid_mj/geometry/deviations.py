@@ -61,7 +61,7 @@ class Deviations:
 
 
 def deviations(design: Design) -> Deviations:
-    """Give the departures of a design's parts; the same design gives the same ones."""
+    """Compute the departures of a design's parts; the same design gives the same ones."""
     errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
     place, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
     return Deviations(
@@ -76,7 +76,7 @@ def deviations(design: Design) -> Deviations:
 
 
 def profile_error(waves: Array, t: Array) -> Array:
-    """Give how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
+    """Compute how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
 
     It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
     `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order. The trochoid
@@ -98,7 +98,7 @@ def is_ideal(design: Design) -> bool:
 
 
 def _of_discs(design: Design, name: str, standard_deviation: float, count: int) -> Array:
-    """Give the error of each of `count` like parts of every disc [m], shape (D, count)."""
+    """Compute the error of each of `count` like parts of every disc [m], shape (D, count)."""
     listed = getattr(design.errors, name)
     if listed:
         return np.reshape(listed, (design.gear.discs, count))
@@ -106,7 +106,7 @@ def _of_discs(design: Design, name: str, standard_deviation: float, count: int) 
 
 
 def _each(design: Design, name: str, standard_deviation: float, count: int) -> Array:
-    """Give the error of each part [m]: its list, or normal deviates."""
+    """Compute the error of each part [m]: its list, or normal deviates."""
     values = getattr(design.errors, name)
     return np.array(values) if values else _drawn(design, name, standard_deviation, count)
 

@@ -40,26 +40,26 @@ class FlankEnds:
 
 
 def tooth_profile(design: Design) -> CycloidGear:
-    """Give the ideal mesh of a design, without clearance and modification: its ring, and its motion."""
+    """Return the ideal mesh of a design, without clearance and modification: its ring, and its motion."""
     ring = design.ring
     return CycloidGear(ring.teeth, design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
 
 
 def gear_profile(design: Design) -> CycloidGear:
-    """Give the mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
+    """Return the mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
     ring = design.ring
     generating = ring.pin_circle_radius + design.modification.pin_circle
     return CycloidGear(ring.teeth, design.gear.eccentricity, generating, ring.pin_radius)
 
 
 def profile_offset(design: Design) -> float:
-    """Give the distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
+    """Compute the distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
     clearance = design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
     return design.ring.pin_radius + clearance + design.modification.equidistant
 
 
 def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
-    """Give the ends of the flanks of a profile at `offset` [m] from its trochoid, turned by `rotation` >= 0 [rad].
+    """Compute the ends of the flanks of a profile at `offset` [m] from its trochoid, turned by `rotation` >= 0 [rad].
 
     The point of the unturned flank that comes to lie in the middle is at the polar angle of the middle less `rotation`.
 
@@ -89,7 +89,7 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
 
 
 def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
-    """Give the outline of the gear with turned flanks, (n, 2) [m], clockwise from the valley on +y.
+    """Compute the outline of the gear with turned flanks, (n, 2) [m], clockwise from the valley on +y.
 
     Its chords leave the flanks by at most `chord_error` [m]; every lobe is the same, and the corners are points of it.
 

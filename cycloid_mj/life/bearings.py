@@ -32,7 +32,7 @@ class RollerRow:
     pitch: float
 
     def __str__(self) -> str:
-        """Give number and size."""
+        """Format number and size."""
         return f"{self.rollers} rollers of {1e3 * self.diameter:.3g} x {1e3 * self.length:.3g} mm"
 
     @property
@@ -78,7 +78,7 @@ def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterato
 
 
 def cam_seat(reducer: Reducer) -> Seat:
-    """Give the bearing of each cam, whose outer ring is the gear's bore."""
+    """Return the bearing of each cam, whose outer ring is the gear's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)

@@ -54,7 +54,7 @@ class Datasheet:
     notes: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """Give the sheet for a program."""
+        """Convert the sheet to JSON values."""
         found = [one for group in self.groups.values() for one in group]
         return {
             "design": self.design.name,
@@ -69,7 +69,7 @@ class Datasheet:
 
 
 def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
-    """Give the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
+    """Compute the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Give the torque [N m] that is held once with a safety of 1, and the item that ends it.
+    """Compute the torque [N m] that is held once with a safety of 1, and the item that ends it.
 
     Forces go with the torque from those at the rated torque of the drive.
     """
@@ -188,7 +188,7 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def input_inertia(reducer: Reducer) -> float:
-    """Give the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
+    """Find the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
 
     Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
     """
@@ -210,7 +210,7 @@ def input_inertia(reducer: Reducer) -> float:
 
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:
-    """Give where the reducer begins and ends along z [m]."""
+    """Compute where the reducer begins and ends along z [m]."""
     ends = [end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
 

@@ -39,7 +39,7 @@ class Fatigue:
 def endurance_limit(
     tensile: float, diameter: float, surface: str = "machined", reliability: float = 0.9, turns: bool = False
 ) -> float:
-    """Give the endurance limit [Pa] of a steel part in bending.
+    """Compute the endurance limit [Pa] of a steel part in bending.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def endurance_limit(
 
 
 def size_factor(diameter: float) -> float:
-    """Give the size factor of a round bar in bending: 1 up to 2.79 mm, then 1.24 d^-0.107, from 51 mm 1.51 d^-0.157."""
+    """Find the size factor of a round bar in bending: 1 up to 2.79 mm, then 1.24 d^-0.107, from 51 mm 1.51 d^-0.157."""
     millimetres = 1e3 * diameter
     if millimetres <= 2.79:
         return 1.0
@@ -70,7 +70,7 @@ def size_factor(diameter: float) -> float:
 
 
 def notch_factor(shape_factor: float, fillet: float, tensile: float) -> float:
-    """Give K_f = 1 + q (K_t - 1), with Neuber's sensitivity q = 1/(1 + sqrt(a/r)) at a fillet r [m].
+    """Compute K_f = 1 + q (K_t - 1), with Neuber's sensitivity q = 1/(1 + sqrt(a/r)) at a fillet r [m].
 
     sqrt(a) in sqrt(inch) is 0.246 - 3.08e-3 S + 1.51e-5 S^2 - 2.67e-8 S^3, S the tensile strength in ksi (bending).
     """

@@ -22,7 +22,7 @@ class Give:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Give it for a program; a life beyond what its law was fitted to is None."""
+        """Convert it to JSON values; a life beyond what its law was fitted to is None."""
         return {
             "name": self.name,
             "cam_n_m": self.stiffness,
@@ -49,11 +49,11 @@ class CamGive:
         )
 
     def as_json(self) -> list[dict[str, Any]]:
-        """Give the rows for a program."""
+        """Convert the rows to JSON values."""
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:
-        """Give the rows as a table of text."""
+        """Tabulate the rows as text."""
         rows = tuple(
             (
                 row.name,

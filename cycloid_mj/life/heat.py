@@ -85,14 +85,14 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
 
 
 def outside(reducer: Reducer) -> float:
-    """Give the outside of a cylinder round ring and output disc [m2], both ends included."""
+    """Compute the outside of a cylinder round ring and output disc [m2], both ends included."""
     design = reducer.design
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:
-    """Give how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
+    """Compute how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
 
     Pins stand on the housing's circle, output pins on the output disc's, the gear grows from its centre:
     mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.

@@ -15,7 +15,7 @@ def hours(life: float) -> str:
 
 
 def plain_life(life: float | None) -> float | None:
-    """Give a life [h] for a program: None where there is none, and beyond `LONGEST`."""
+    """Compute a life [h] for a program: None where there is none, and beyond `LONGEST`."""
     return None if life is None or life > LONGEST else life
 
 

@@ -41,13 +41,13 @@ class RatedItem:
     note: str = ""
 
     def margin(self, life: float) -> float:
-        """Give how far it is from failing: its safety, or its life over a required one [h]; 1 is just enough."""
+        """Compute how far it is from failing: its safety, or its life over a required one [h]; 1 is just enough."""
         if self.safety is not None:
             return self.safety
         return math.inf if self.life is None else self.life / life
 
     def as_json(self) -> dict[str, Any]:
-        """Give the item for a program, which has its key beside it; what has no limit is None there.
+        """Convert the item to JSON values, which has its key beside it; what has no limit is None there.
 
         `unlimited` tells a life of more than `LONGEST` hours, or a safety without end, from what has none.
         """
@@ -123,13 +123,13 @@ class Rating:
         return next(iter(self.items.values()))
 
     def told_weakest(self) -> str:
-        """Give the weakest item in one line."""
+        """Format the weakest item in one line."""
         item = self.weakest
         what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
         return f"{item.name}: {what} at {self.duty}"
 
     def table(self) -> Table:
-        """Give the items as a table of text."""
+        """Tabulate the items as text."""
         header = ("item", "load", "limit", "safety or hours", "formula and source", "assumption")
         rows = tuple(
             (item.name, item.load, item.borne, item.verdict, item.source, item.note) for item in self.items.values()
@@ -137,7 +137,7 @@ class Rating:
         return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Give the rating for a program."""
+        """Convert the rating to JSON values."""
         found = {
             "design": self.design,
             "condition": self.duty,

@@ -78,12 +78,12 @@ class Loading:
 
 
 def relative_speed(reducer: Reducer, speed: float) -> float:
-    """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
+    """Compute the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
     return abs(speed) * (1.0 if reducer.design.output.turns_ring else 1.0 + 1.0 / reducer.design.lobes)
 
 
 def speed_past_ring(reducer: Reducer, speed: float) -> float:
-    """Give the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
+    """Compute the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
     return abs(speed) * (1.0 - 1.0 / reducer.design.reduction if reducer.design.output.turns_ring else 1.0)
 
 
@@ -127,7 +127,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
 
 
 def _rubs(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Rub]:
-    """Give how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
+    """Collect how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     seat = design.seat_pair
@@ -144,7 +144,7 @@ def _rubs(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Rub]:
 
 
 def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
-    """Give how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+    """Return how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
     rubbed, carries = force * speed, force > 0.0
     return Rub(
         power=float(rubbed.sum(axis=1).mean()),
@@ -154,7 +154,7 @@ def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
 
 
 def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: Array) -> tuple[Array, Array]:
-    """Give places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
+    """Compute places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
 
     The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a
     beam.
@@ -173,6 +173,6 @@ def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: A
 
 
 def bending(found: Loading, place: float) -> Array:
-    """Give the bending moment [N m] at a place along the shaft [m], in its frame, shape (m, 2)."""
+    """Compute the bending moment [N m] at a place along the shaft [m], in its frame, shape (m, 2)."""
     arm = np.maximum(found.places - place, 0.0)
     return np.asarray(np.einsum("p,mpx->mx", arm, found.shaft))

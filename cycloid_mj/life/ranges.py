@@ -23,7 +23,7 @@ class StressRange:
 
 
 def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
-    """Give the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
+    """Collect the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
 
     Raises
     ------

@@ -31,7 +31,7 @@ STOPS, NOT_COUNTED = "peak_", ("_wear", "_static")
 def rated_torque(
     reducer: Reducer, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
 ) -> tuple[float, RatedItem]:
-    """Give the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
+    """Compute the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
     `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
     a `guess` [N m], by default the drive's torque, and ends a hundred times above and a thousand times below that.
@@ -46,7 +46,7 @@ def rated_torque(
     found: dict[float, RatedItem] = {}
 
     def margin(logarithm: float) -> float:
-        """Give the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
+        """Compute the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
         try:
             items = rate(design, steady(math.exp(logarithm), speed), life).items
         except CycloidError:

@@ -21,7 +21,7 @@ WEIBULL, SAFE_SHARE = 1.5, 0.05
 
 
 def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
-    """Give the basic dynamic load rating of a row of radial rollers [N]: C = b_m f_c L^(7/9) Z^(3/4) D^(29/27).
+    """Compute the basic dynamic load rating of a row of radial rollers [N]: C = b_m f_c L^(7/9) Z^(3/4) D^(29/27).
 
     ISO 281:2007, 7.2, with f_c by the formula from which its table is made (ISO/TR 1281-1): lengths [m]. `rollers` need
     not be a whole number.
@@ -35,24 +35,24 @@ def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diame
 
 
 def static_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
-    """Give the basic static load rating of a row of radial rollers [N]: C0 = 44 (1 - D/D_pw) Z L D (ISO 76), in [m]."""
+    """Find the basic static load rating of a row of radial rollers [N]: C0 = 44 (1 - D/D_pw) Z L D (ISO 76), in [m]."""
     return 44.0 * (1.0 - diameter / pitch_diameter) * rollers * (1e3 * length) * (1e3 * diameter)
 
 
 def mean_load(force: npt.ArrayLike, weight: npt.ArrayLike = 1.0, exponent: float = EXPONENT) -> float:
-    """Give the load that costs as much life as forces [N] with weights, which are turns: (sum w F^p/sum w)^(1/p)."""
+    """Compute the load that costs as much life as forces [N] with weights, which are turns: (sum w F^p/sum w)^(1/p)."""
     forces, weights = np.broadcast_arrays(np.asarray(force, float), np.asarray(weight, float))
     return float((np.sum(weights * forces**exponent) / np.sum(weights)) ** (1.0 / exponent))
 
 
 def reliability_factor(reliability: float) -> float:
-    """Give a_1 at a reliability S, at least 0.9: 1 at 90 %, 0.64 at 95 %, 0.25 at 99 % (ISO 281:2007, Table 12)."""
+    """Compute a_1 at a reliability S, at least 0.9: 1 at 90 %, 0.64 at 95 %, 0.25 at 99 % (ISO 281:2007, Table 12)."""
     early = math.log(1.0 / reliability) / math.log(1.0 / 0.9)
     return SAFE_SHARE + (1.0 - SAFE_SHARE) * early ** (1.0 / WEIBULL)
 
 
 def life_hours(capacity: float, load: float, speed: float, reliability: float = 0.9) -> float:
-    """Give the rating life [h] at a load [N] and a relative speed of the rings [rad/s]: a_1 10^6 (C/P)^p turns."""
+    """Compute the rating life [h] at a load [N] and a relative speed of the rings [rad/s]: a_1 10^6 (C/P)^p turns."""
     if load == 0.0 or speed == 0.0:
         return math.inf
     turns = reliability_factor(reliability) * 1e6 * (capacity / load) ** EXPONENT
@@ -60,5 +60,5 @@ def life_hours(capacity: float, load: float, speed: float, reliability: float = 
 
 
 def magnitudes(force: Array) -> Array:
-    """Give the sizes of forces, shape (..., 2) -> (...)."""
+    """Compute the sizes of forces, shape (..., 2) -> (...)."""
     return np.asarray(np.linalg.norm(force, axis=-1))

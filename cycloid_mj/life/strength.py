@@ -70,7 +70,7 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
 
 
 def pin_moment(reducer: Reducer, force: Array) -> Array:
-    """Give the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
+    """Compute the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
 
     Each disc presses in its middle, see ``stress.notch.root_arms``; of two roots the larger moment.
     """

@@ -96,12 +96,12 @@ def _turns_an_hour(speed: float) -> float:
 
 
 def pitting_pressure(tensile: float) -> float:
-    """Give the pressure [Pa] that a steel of a tensile strength [Pa] bears 10^7 times without pits."""
+    """Compute the pressure [Pa] that a steel of a tensile strength [Pa] withstands for 10^7 cycles without pitting."""
     slope, base = PITTING
     return min(slope * 1e-6 * tensile / BRINELL + base, HARDEST)
 
 
 def pitting_cycles(pressure: float, allowed: float) -> float:
-    """Give the number of loads until pits at a pressure [Pa], by what is allowed for 10^7 [Pa]."""
+    """Compute the number of load cycles until pitting at a pressure [Pa], by what is allowed for 10^7 [Pa]."""
     factor, power = PITTING_LIFE
     return float((factor * allowed / pressure) ** (1.0 / power))

@@ -65,7 +65,7 @@ def _figure(key: str, name: str, value: float, unit: str, source: str, note: str
 
 
 def _face(reducer: Reducer, kind: str) -> float:
-    """Give the area of the surface that wears [m2], of one disc, or of all sockets or sleeves."""
+    """Compute the area of the surface that wears [m2], of one disc, or of all sockets or sleeves."""
     design = reducer.design
     width, ring = design.gear.face_width, design.ring
     if kind in ("pin_gear", "tooth"):

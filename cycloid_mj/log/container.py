@@ -73,7 +73,7 @@ class Messages:
 
 
 def corrupt(path: Path, what: str) -> LogError:
-    """Give the error for a log whose bytes contradict themselves."""
+    """Return the error for a log whose bytes contradict themselves."""
     return LogError(f"log {path} is corrupt: {what}; take an undamaged copy, or run the simulation again")
 
 
@@ -88,7 +88,7 @@ def reading(path: Path, what: str) -> Iterator[None]:
 
 
 def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
-    """Give the records of the data section that are wholly there, in order.
+    """Yield the records of the data section that are wholly there, in order.
 
     The last one is DATA_END if and only if the file is whole; otherwise it was cut, and the walk ends before the cut.
 
@@ -123,14 +123,14 @@ def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
 
 
 def metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
-    """Give name and entries of a metadata record."""
+    """Read name and entries of a metadata record."""
     with reading(path, f"malformed metadata at byte {record.offset}"):
         parsed = Metadata.read(_stream(record.content))
     return parsed.name, parsed.metadata
 
 
 def attachment(record: Record, path: Path) -> tuple[str, bytes]:
-    """Give name and content of an attachment whose CRC is right."""
+    """Read name and content of an attachment whose CRC is right."""
     with reading(path, f"malformed attachment at byte {record.offset}"):
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:
@@ -140,7 +140,7 @@ def attachment(record: Record, path: Path) -> tuple[str, bytes]:
 
 
 def messages(record: Record, path: Path) -> Messages:
-    """Give what a chunk holds; its CRC must be right."""
+    """Read a chunk; its CRC must be right."""
     with reading(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
         data = inflated(chunk.data, chunk.compression, chunk.uncompressed_size)
@@ -150,7 +150,7 @@ def messages(record: Record, path: Path) -> Messages:
 
 
 def inflated(data: bytes, compression: str, size: int) -> bytes:
-    """Give the content of a chunk, which is to have `size` bytes; never take the room for more.
+    """Decompress a chunk, which is to have `size` bytes; never take the room for more.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _messages(data: bytes) -> Messages:
 
 
 def _rows(data: bytes, starts: list[int]) -> Bytes | None:
-    """Give the records at `starts`, shape (k, length); None if their lengths differ."""
+    """Return the records at `starts`, shape (k, length); None if their lengths differ."""
     _, length = HEAD.unpack_from(data, starts[0])
     size = HEAD.size + length
     if size < MESSAGE_HEAD.itemsize:

@@ -86,7 +86,7 @@ class ColumnGroup:
         return np.setdiff1d(np.arange(self.zeros.size), self.offsets[:, np.newaxis] + np.arange(8))
 
     def encode(self, time: Array, values: Array) -> Bytes:
-        """Give the messages of k samples, shape (k, size), from `time` (k,) [s] and `values` (k, columns)."""
+        """Return the messages of k samples, shape (k, size), from `time` (k,) [s] and `values` (k, columns)."""
         messages = np.tile(self.zeros, (time.size, 1))
         records = messages.view(self.record)[:, 0]
         records[TIME] = time
@@ -95,7 +95,7 @@ class ColumnGroup:
         return messages
 
     def decode(self, messages: Bytes) -> npt.NDArray[np.void]:
-        """Give the records of k messages of shape (k, size), without a copy.
+        """View the records of k messages of shape (k, size), without a copy.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class ColumnGroup:
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
-        """Give the serialized FileDescriptorSet of the message, with the units as comments."""
+        """Encode the serialized FileDescriptorSet of the message, with the units as comments."""
         files = FileDescriptorSet()
         package, name = self.message.split(".")
         file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
@@ -124,12 +124,12 @@ class ColumnGroup:
         return files.SerializeToString(deterministic=True)
 
     def metadata(self) -> dict[str, str]:
-        """Give the metadata of the channel: the units."""
+        """Collect the metadata of the channel: the units."""
         return {"units": json.dumps(dict(self.units))}
 
 
 def group_of(channel: Any, schema: Any) -> ColumnGroup:
-    """Give the group that an MCAP `channel` with its `schema` describes.
+    """Return the group that an MCAP `channel` with its `schema` describes.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
 
 
 def _key(number: int) -> bytes:
-    """Give the varint that announces field `number` as a double (protobuf encoding, "Message Structure")."""
+    """Encode the varint that announces field `number` as a double (protobuf encoding, "Message Structure")."""
     value = number << 3 | FIXED64
     groups = [value >> shift & 0x7F for shift in range(0, max(value.bit_length(), 1), 7)]
     return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])

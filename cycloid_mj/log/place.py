@@ -123,7 +123,7 @@ class LogFile:
 
 
 def _partial_names(path: Path) -> Iterator[Path]:
-    """Give names for the samples of a log that is not complete: those of an earlier one are kept."""
+    """Yield names for the samples of a log that is not complete: those of an earlier one are kept."""
     yield path.with_name(f"{path.stem}.partial{path.suffix}")
     for number in count(2):
         yield path.with_name(f"{path.stem}.partial-{number}{path.suffix}")
@@ -166,6 +166,6 @@ def _taken(path: Path) -> LogError:
 
 
 def unwritable(path: Path, problem: OSError) -> LogError:
-    """Give the error for a log that cannot be written."""
+    """Return the error for a log that cannot be written."""
     reason = problem.strerror or problem
     return LogError(f"cannot write log {path}: {reason}; choose a folder that exists and can be written")

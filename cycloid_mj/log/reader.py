@@ -70,7 +70,7 @@ class _Contents:
 
 
 def read(path: str | os.PathLike[str]) -> Run:
-    """Give the run that a log holds.
+    """Read the run that a log holds.
 
     A log that was cut, by a killed process or a full disk, gives the samples of all its whole chunks, as a run that is
     not complete and whose note says how far it goes.
@@ -85,7 +85,7 @@ def read(path: str | os.PathLike[str]) -> Run:
 
 
 def load(path: str | os.PathLike[str]) -> Log:
-    """Give the run that a log holds and how the file holds it; see `read`."""
+    """Read the run that a log holds and how the file holds it; see `read`."""
     path = Path(path)
     try:
         with _opened(path) as stream:
@@ -125,7 +125,7 @@ def _alternatives(path: Path) -> str:
 
 
 def _scan(stream: BinaryIO, path: Path) -> tuple[_Contents, bool]:
-    """Give what the file holds, and whether it is whole."""
+    """Scan what the file holds, and whether it is whole."""
     contents = _Contents()
     whole = False
     for record in container.walk(stream, path):
@@ -188,7 +188,7 @@ def _number(text: str) -> float | None:
 
 
 def _table(group: ColumnGroup, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:
-    """Give the records of a group, shape (n,), none of which is missing before the last."""
+    """Read the records of a group, shape (n,), none of which is missing before the last."""
     if not blocks:
         return np.empty(0, dtype=group.record)
     split = container.MESSAGE_HEAD.itemsize
@@ -208,7 +208,7 @@ def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
 
 
 def _joined(contents: _Contents, tables: dict[int, Any], whole: bool, path: Path) -> Run:
-    """Give the run of all groups, which must share their times and have columns of their own."""
+    """Join the run of all groups, which must share their times and have columns of their own."""
     first, *others = tables.values()
     time = first[TIME]
     if any((other[TIME] != time).any() for other in others):

@@ -27,14 +27,14 @@ class Viewer(Protocol):
         """Topic -> name and serialized FileDescriptorSet of its protobuf message."""
 
     def opening(self, time: float) -> Iterable[Message]:
-        """Give the messages that come once, at the `time` [s] of the first sample."""
+        """Yield the messages that come once, at the `time` [s] of the first sample."""
 
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterable[Message]:
-        """Give the messages of k samples: `time` [s] and each column have shape (k,)."""
+        """Yield the messages of k samples: `time` [s] and each column have shape (k,)."""
 
 
 def due(time: Array, last: float, rate: float) -> npt.NDArray[np.intp]:
-    """Give the samples that are the first at or after a multiple of 1/`rate` [s].
+    """Find the samples that are the first at or after a multiple of 1/`rate` [s].
 
     Parameters
     ----------

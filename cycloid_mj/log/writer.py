@@ -185,7 +185,7 @@ class LogWriter:
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _shown(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Give the viewers' messages of some samples, by their time [ns]."""
+        """Collect the viewers' messages of some samples, by their time [ns]."""
         rows = due(time, self._last, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
             return {}
@@ -342,7 +342,7 @@ def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
 
 
 def _checked(groups: Groups) -> list[ColumnGroup]:
-    """Give the groups in order; raise LogError if there is none or a column occurs twice."""
+    """List the groups in order; raise LogError if there is none or a column occurs twice."""
     if not groups:
         raise LogError("a log needs at least one group of columns: give {'/topic': [(column, unit), ...]}")
     seen: dict[str, str] = {}

@@ -86,6 +86,6 @@ def break_away(reducer: Reducer) -> BreakAway:
 
 
 def _start(moving: Run) -> float:
-    """Give the time [s] at which a parabola through the crank's speed has no acceleration."""
+    """Compute the time [s] at which a parabola through the crank's speed has no acceleration."""
     square, linear, _ = np.polyfit(moving.time - moving.time[0], moving["crank_speed"], 2)
     return float(moving.time[0] - linear / (2.0 * square))

@@ -130,7 +130,7 @@ def backlash(
 
 
 def alone(reducer: Reducer, kind: str) -> Reducer:
-    """Give the design with the clearance of one kind of pairs alone, without errors, friction and weight."""
+    """Return the design with the clearance of one kind of pairs alone, without errors, friction and weight."""
     design = reducer.design
     others = {other: CLOSED_UP for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=others)
@@ -165,7 +165,7 @@ def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
 
 
 def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
-    """Give the backlash [rad] by the closed forms, whole and by each clearance alone."""
+    """Collect the backlash [rad] by the closed forms, whole and by each clearance alone."""
     turn = play.turn(reducer)
     found = {}
     if play.has_linear_gaps(reducer):

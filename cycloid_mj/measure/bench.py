@@ -55,20 +55,20 @@ DAMPING_RATIO = 1.0
 
 
 def crank_angles(reducer: Reducer, count: int) -> Array:
-    """Give crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
+    """Find crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
     period = np.round(reducer.design.mesh_periods * np.arange(count) / count)
     return np.asarray(2.0 * np.pi / reducer.design.mesh_periods * (period + np.arange(count) / count))
 
 
 def ideal(reducer: Reducer) -> Reducer:
-    """Give the design without friction and weight, the state of the closed forms."""
+    """Return the design without friction and weight, the state of the closed forms."""
     friction = Friction(**dict.fromkeys(Friction.model_fields, 0.0))
     level = reducer.design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
     return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
 
 
 def step(reducer: Reducer, torque: float) -> float:
-    """Give the step [s] for a torque on the output [N m]: the one given, if any."""
+    """Compute the step [s] for a torque on the output [N m]: the one given, if any."""
     design = reducer.design
     if design.settings.timestep:
         return design.settings.timestep
@@ -84,7 +84,7 @@ def step(reducer: Reducer, torque: float) -> float:
 
 
 def benched(reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0) -> Reducer:
-    """Give the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
+    """Return the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
 
     Below its creep speed the model's friction is viscous, and a slow motion would feel none of it: the creep speed is
     lowered as far as the step bears.
@@ -160,7 +160,7 @@ def run_to_the_end(
 
 
 def step_of(run: Run) -> float:
-    """Give the step [s] that a run was made with."""
+    """Compute the step [s] that a run was made with."""
     return float(run.provenance["timestep_s"])
 
 
@@ -184,18 +184,18 @@ def _rubbing(reducer: Reducer) -> float:
 
 
 def output_turn(run: Run, reducer: Reducer) -> Array:
-    """Give the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
+    """Compute the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
     return run["output_angle"] - output_angle(reducer.design, run["crank_angle"])
 
 
 def gear_turn(run: Run, reducer: Reducer) -> Array:
-    """Give the angle of the gear, of several discs in the mean, less the ideal one at the crank's own [rad]."""
+    """Compute the angle of the gear, of several discs in the mean, less the ideal one at the crank's own [rad]."""
     turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
     return np.mean(turned, axis=0) - gear_angle(reducer.design, run["crank_angle"])
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:
-    """Give how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise.
+    """Compute how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise.
 
     Of several discs, in the mean.
     """

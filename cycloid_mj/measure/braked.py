@@ -48,7 +48,7 @@ def braked_run(reducer: Reducer, torque: float, periods: int) -> Run:
 
 
 def with_slope(compiled: ReducerModel, slope: float) -> ReducerModel:
-    """Give the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
+    """Return the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
     import mujoco
 
     motor = compiled.spec.actuator(DRIVE)

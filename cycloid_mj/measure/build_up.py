@@ -14,7 +14,7 @@ NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and w
 
 
 def build_up(found: MeanPowers) -> dict[str, float]:
-    """Give the loss of each part as a share of the input power [1], and the damping of all contacts."""
+    """Compute the loss of each part as a share of the input power [1], and the damping of all contacts."""
     parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
     friction = {part: sum(found.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
     losses = {**friction, DAMPING: sum(found.normal.values())}
@@ -22,7 +22,7 @@ def build_up(found: MeanPowers) -> dict[str, float]:
 
 
 def table(found: MeanPowers, published: Sequence[Published], error: float) -> Table:
-    """Give the build-up as a table in percent of the input, with the published rates below it.
+    """Tabulate the build-up in percent of the input, with the published rates below it.
 
     `error` is the numerical error of the efficiency [1].
     """
@@ -44,7 +44,7 @@ def table(found: MeanPowers, published: Sequence[Published], error: float) -> Ta
 
 
 def as_json(found: MeanPowers, published: Sequence[Published]) -> dict[str, Any]:
-    """Give the build-up for a program: shares of the input power."""
+    """Convert the build-up to JSON values: shares of the input power."""
     frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
         for one in published

@@ -31,7 +31,7 @@ class Closed:
 
 
 def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
-    """Give the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
+    """Find the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
 
     The contacts carry the drag of the output's seals besides the load.
     """
@@ -49,7 +49,7 @@ def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Give a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
+    """Return a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
 
     The cam gives a hundredth of what the teeth do.
     """
@@ -66,7 +66,7 @@ def ideal_limit(reducer: Reducer) -> Reducer:
 
 
 def wang_efficiency(reducer: Reducer) -> Closed:
-    """Give eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
+    """Compute eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
     f at the surface of the output pins.

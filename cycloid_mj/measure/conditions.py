@@ -33,5 +33,5 @@ def drag_told(reducer: Reducer) -> str:
 
 
 def halved(reducer: Reducer) -> Reducer:
-    """Give the design with half the time step."""
+    """Halve the time step of a design."""
     return reducer.but(settings={"timestep": 0.5 * timestep(reducer)})

@@ -135,7 +135,7 @@ def _rated(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
 
 
 def _losses(rated: Point) -> list[Quantity]:
-    """Give the losses of the rated point by pair [W]."""
+    """List the losses of the rated point by pair [W]."""
     whole, shorter = rated.powers, rated.shorter
     quantities = [
         Quantity(
@@ -165,7 +165,7 @@ def _losses(rated: Point) -> list[Quantity]:
 
 
 def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
-    """Give what turns the reducer without a load, and from its output."""
+    """List what turns the reducer without a load, and from its output."""
     design = reducer.design
     ratio, rest = design.reduction, found.rest
     forward = found.rated.powers.efficiency
@@ -222,14 +222,14 @@ def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
 
 
 def _back_driving(found: EfficiencyMap) -> tuple[float, float]:
-    """Give the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
+    """Find the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
     if found.backward is None or found.backward.powers.crank > 0.0:
         return 0.0, 0.0
     return found.backward.powers.efficiency, found.backward.shift
 
 
 def _tables(found: EfficiencyMap) -> tuple[Table, ...]:
-    """Give the map with the losses at each of its points."""
+    """Tabulate the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
     for point in found.grid:
         efficiency, shift, left = (1e2 * value for value in _judged(point))
@@ -240,7 +240,7 @@ def _tables(found: EfficiencyMap) -> tuple[Table, ...]:
 
 
 def _details(point: Point) -> dict[str, float]:
-    """Give a point's torque, speed and every loss, as shares of the input, for a program."""
+    """Convert a point's torque, speed and every loss, as shares of the input, to JSON values."""
     return {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
 
 
@@ -249,14 +249,14 @@ def _judged(point: Point) -> tuple[float, float, float]:
 
 
 def _shares(point: Point) -> dict[str, float]:
-    """Give the losses of a point in % of its input: friction by pair, and the normal forces of all."""
+    """Compute the losses of a point in % of its input: friction by pair, and the normal forces of all."""
     found = point.powers
     losses = {**found.friction, "normal": sum(found.normal.values())}
     return {name: 1e2 * power / found.supplied for name, power in losses.items()}
 
 
 def _curves(found: EfficiencyMap) -> tuple[Curve, ...]:
-    """Give the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
+    """List the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
     x, rest = "output torque [N m]", found.rest.run
     speeds = list(dict.fromkeys(point.speed for point in found.grid))
     drawn = []

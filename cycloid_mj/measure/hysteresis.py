@@ -139,7 +139,7 @@ class HysteresisLoop:
 
 
 def signal(rated: float, period: float) -> course.Signal:
-    """Give the torque of the loop [N m]."""
+    """Return the torque of the loop [N m]."""
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
 
 
@@ -161,7 +161,7 @@ def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: flo
 
 
 def slow_period(reducer: Reducer, rated: float) -> float:
-    """Give the period [s] of a loop in which inertia does not matter.
+    """Compute the period [s] of a loop in which inertia does not matter.
 
     The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in
     (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is

@@ -128,7 +128,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
 
 
 def _missed(reducer: Reducer, one: ContactPressures) -> float:
-    """Give by which share a kind's largest force over the turn exceeds that of the samples in ideal sharing.
+    """Compute by how much a kind's largest force over the turn exceeds that of the samples in ideal sharing.
 
     It is 0 where the samples sweep the turn.
     """
@@ -137,14 +137,14 @@ def _missed(reducer: Reducer, one: ContactPressures) -> float:
 
 
 def _undecided(key: str, name: str) -> Quantity:
-    """Give a capacity that no contact decides."""
+    """Return a capacity that no contact decides."""
     return Quantity(key, name, math.nan, "N m", note=UNDECIDED)
 
 
 def _capacity(
     key: str, reducer: Reducer, weakest: str, torque: float, allowed: float, name: str, unsure: float
 ) -> Quantity:
-    """Give the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
+    """Find the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
 
     `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
     """
@@ -175,7 +175,7 @@ def _capacity(
 def _of_kind(
     reducer: Reducer, found: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
 ) -> Iterator[Quantity]:
-    """Give the numbers of one kind.
+    """Yield the numbers of one kind.
 
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
     peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
@@ -211,7 +211,7 @@ def _of_kind(
 
 
 def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Give the shares of several discs, and what the bearings hold; errors are what half the step changes."""
+    """Yield the shares of several discs, and what the bearings hold; errors are what half the step changes."""
     coarse = run.select(slice(0, len(finer)))
     whole, first, fine = ([*_spatial(one, reducer)] for one in (run, coarse, finer))
     for one, other, again in zip(whole, first, fine, strict=True):
@@ -219,7 +219,7 @@ def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Give shares and reactions over a run: forces on the discs, turned round, are those on shaft, output and ring."""
+    """Yield shares and reactions over a run: forces on the discs, turned round, are those on shaft, output and ring."""
     design = reducer.design
     output, discs = design.output, design.gear.discs
     shaft, pins, ring = (
@@ -234,7 +234,7 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _limits(found: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
-    """Give the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
+    """Compute the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
 
     A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
     """
@@ -257,7 +257,7 @@ def _curves(found: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
 
 
 def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Give the force on some of the contacts of a kind that carry, the most loaded among them.
+    """Yield the force on some of the contacts of a kind that carry, the most loaded among them.
 
     Of teeth that one beside ideal sharing.
     """
@@ -282,7 +282,7 @@ def _named(reducer: Reducer, contacts: int, place: int) -> str:
 
 
 def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
-    """Give size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
+    """Yield size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
     degrees, (x, y) = np.degrees(one.angle), one.vector[:, disc].T
     name = f"disc {disc + 1}" if one.vector.shape[1] > 1 else ""
     yield Curve("cam: force", name, degrees, np.hypot(x, y), _CRANK, _FORCE)
@@ -292,7 +292,7 @@ def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
 
 
 def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Give the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
+    """Yield the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     disc = int(np.argmax(teeth.force[row])) // count
     of_disc = slice(disc * count, (disc + 1) * count)
@@ -305,7 +305,7 @@ def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
 
 def _shared(reducer: Reducer, crank: Array) -> Array:
-    """Give the forces of ideal sharing on the teeth [N], shape (n, D teeth), at crank angles [rad], shape (n,)."""
+    """Compute the forces of ideal sharing on the teeth [N], shape (n, D teeth), at crank angles [rad], shape (n,)."""
     design = reducer.design
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
     gear, turned = tooth_profile(design), against_ring(design, crank)

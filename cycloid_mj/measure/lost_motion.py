@@ -75,7 +75,7 @@ def lost_motion(
 
 
 def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
-    """Give the static solutions; none where statics finds no balance."""
+    """List the static solutions; none where statics finds no balance."""
     try:
         return windups(reducer, cranks, rated)
     except RunError:

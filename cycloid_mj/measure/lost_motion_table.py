@@ -46,7 +46,7 @@ class LostMotionLoops:
 
 
 def quantities(found: LostMotionLoops) -> dict[str, Quantity]:
-    """Give every number of the measurement."""
+    """Collect every number of the measurement."""
     return keyed(_motions(found), _stiffness(found), _friction(found))
 
 
@@ -62,7 +62,7 @@ def _quantity(
     note: str = "",
     known: Known | None = None,
 ) -> Quantity:
-    """Give the mean of a reading over the crank angles; `known` tells what they leave out of the turn."""
+    """Compute the mean of a reading over the crank angles; `known` tells what they leave out of the turn."""
     reference = float(np.mean(closed)) if len(closed) else None
     values = [read(loop) for loop in loops]
     error = added(_error(read, loops, checks), error_of_mean(values, known))
@@ -70,7 +70,7 @@ def _quantity(
 
 
 def _error(read: Callable[[HysteresisLoop], float], loops: list[HysteresisLoop], checks: list[HysteresisLoop]) -> float:
-    """Give what the checks change of a reading at the first crank angle, together."""
+    """Compute what the checks change of a reading at the first crank angle, together."""
     return sum(abs(read(check) - read(loops[0])) for check in checks)
 
 
@@ -92,17 +92,17 @@ def _extremes(
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
-    """Give the lost motion at +-3 % of the rated torque [arcmin]."""
+    """Compute the lost motion at +-3 % of the rated torque [arcmin]."""
     return loop.lost_motion / ARCMINUTE
 
 
 def offset(loop: HysteresisLoop) -> float:
-    """Give the middle of the loop [rad]."""
+    """Compute the middle of the loop [rad]."""
     return loop.offset
 
 
 def stiffness(loop: HysteresisLoop) -> float:
-    """Give the torsional stiffness [N m/arcmin]."""
+    """Compute the torsional stiffness [N m/arcmin]."""
     return loop.stiffness * ARCMINUTE
 
 
@@ -125,7 +125,7 @@ def _motions(found: LostMotionLoops) -> Iterator[Quantity]:
 
 
 def _rigid(found: LostMotionLoops) -> Known | None:
-    """Give the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
+    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
     if not play.has_linear_gaps(found.reducer):
         return None
     cranks = np.array([loop.crank for loop in found.service])
@@ -153,7 +153,7 @@ def _stiffness(found: LostMotionLoops) -> Iterator[Quantity]:
 
 
 def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
-    """Give the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
+    """Compute the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
     return in_series(reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
 
 
@@ -197,7 +197,7 @@ def _friction(found: LostMotionLoops) -> list[Quantity]:
 
 
 def curves(found: LostMotionLoops) -> tuple[Curve, ...]:
-    """Give the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
+    """List the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
     loop, ideal = found.service[0], found.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
     near = np.abs(loop.torque) <= 3.0 * LOST_MOTION_SHARE * loop.rated
@@ -237,7 +237,7 @@ def _cut(loop: HysteresisLoop, rows: Mask) -> tuple[Array, Array]:
 
 
 def by_angle(found: LostMotionLoops) -> list[dict[str, Any]]:
-    """Give the readings at each crank angle, for a program."""
+    """Convert the readings at each crank angle to JSON values."""
     rows: list[dict[str, Any]] = []
     for place, (service, ideal) in enumerate(zip(found.service, found.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}

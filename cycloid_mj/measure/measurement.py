@@ -51,11 +51,11 @@ class Measurement:
         object.__setattr__(self, "assumptions", tuple(told))
 
     def __getitem__(self, key: str) -> float:
-        """Give the value of a quantity."""
+        """Return the value of a quantity."""
         return self.quantities[key].value
 
     def as_json(self) -> dict[str, Any]:
-        """Give the measurement for a program."""
+        """Convert the measurement to JSON values."""
         return {
             "measure": self.measure,
             "design": self.design.name,

@@ -46,11 +46,11 @@ class Cause:
     why: str
 
     def rms(self, found: Orders) -> float:
-        """Give the rms value of its orders in a spectrum of this base."""
+        """Compute the rms value of its orders in a spectrum of this base."""
         return found.rms(self._mask(found.order))
 
     def strongest(self, found: Orders) -> tuple[float, float]:
-        """Give the strongest of its orders and its amplitude."""
+        """Compute the strongest of its orders and its amplitude."""
         amplitude = np.where(self._mask(found.order), found.amplitude, 0.0)
         place = int(np.argmax(amplitude))
         return float(found.order[place]), float(amplitude[place])
@@ -65,12 +65,12 @@ class Cause:
         return np.isclose(multiple, whole, atol=1e-6) & (whole > 0) & self.takes(whole)
 
     def as_json(self) -> dict[str, Any]:
-        """Give the cause for a program."""
+        """Convert the cause to JSON values."""
         return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
 
 
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """Give the causes of transmission error that a design can have, with the orders that they give."""
+    """List the causes of transmission error that a design can have, with the orders that they give."""
     design = reducer.design
     teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
     ring = "pins" if design.ring.kind == "pin" else "lobes"

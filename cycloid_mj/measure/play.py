@@ -36,7 +36,7 @@ def has_linear_gaps(reducer: Reducer) -> bool:
 
 
 def parts_alone(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Give the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
+    """Compute the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
     design = reducer.design
     found = gaps(reducer, float(against_ring(design, crank)))
     arms = design.output.pin_circle_radius * found.slope[np.arange(found.disc.size), 3 * found.disc + 2]
@@ -47,7 +47,7 @@ def parts_alone(reducer: Reducer, crank: float) -> dict[str, float]:
 
 
 def clearance(reducer: Reducer, kind: str) -> float:
-    """Give the clearance of a kind of pairs [m] between parts in their ideal places."""
+    """Compute the clearance of a kind of pairs [m] between parts in their ideal places."""
     design = reducer.design
     output = design.output
     wider = {
@@ -63,18 +63,18 @@ def _both_ways(arms: Array) -> float:
 
 
 def total(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
-    """Give the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
+    """Compute the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
     ends = np.array([stops(reducer, float(crank), sides) for crank in cranks])
     return np.asarray(ends[:, 1] - ends[:, 0])
 
 
 @once
 def over_a_turn(reducer: Reducer) -> tuple[Array, Array]:
-    """Give crank angles [rad] all over a turn, shape (n,), and the backlash [rad] at each as `total` does."""
+    """Compute crank angles [rad] all over a turn, shape (n,), and the backlash [rad] at each as `total` does."""
     cranks = turn(reducer)
     return cranks, total(reducer, cranks, COARSE_SIDES)
 
 
 def turn(reducer: Reducer) -> Array:
-    """Give crank angles [rad] that resolve the mesh all over a turn, both of its ends among them."""
+    """Compute crank angles [rad] that resolve the mesh all over a turn, both of its ends among them."""
     return np.linspace(0.0, 2.0 * np.pi, max(PER_MESH_PERIOD * reducer.design.ring.teeth, FEWEST_IN_A_TURN) + 1)

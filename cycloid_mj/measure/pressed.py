@@ -89,7 +89,7 @@ class ContactPressures:
 
 
 def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
-    """Give the contacts of a run's samples by kind of pair."""
+    """Collect the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
     found = {}
@@ -103,7 +103,7 @@ def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
 
 
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
-    """Give the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it.
+    """Compute the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it.
 
     `crank_angle` [rad], shape (n,), is that from the ring.
     """

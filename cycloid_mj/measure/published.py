@@ -37,7 +37,7 @@ class Published:
 
 
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
-    """Give the frictions as quantities."""
+    """List the frictions as quantities."""
     note = "all pairs that slide alike; rolling bearings and seals as designed"
     return [
         Quantity(

@@ -57,14 +57,14 @@ class Reaction:
 
 
 def masses(reducer: Reducer) -> dict[str, MassProperties]:
-    """Give the mass properties of a gear, the crank and what the load is on, under the name of the output."""
+    """Collect the mass properties of a gear, the crank and what the load is on, under the name of the output."""
     solids = {GEAR: gear_solid(reducer), SHAFT: body_solids(reducer)[SHAFT]}
     output = moving_masses(reducer)[HOUSING if reducer.design.output.turns_ring else OUTPUT]
     return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
 
 
 def weight(reducer: Reducer) -> Array:
-    """Give the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
+    """Find the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
     design = reducer.design
     found = masses(reducer)
     mass = sum(part.mass for part in found.values()) + (design.gear.discs - 1) * found[GEAR].mass
@@ -74,7 +74,7 @@ def weight(reducer: Reducer) -> Array:
 
 
 def unbalance(reducer: Reducer) -> Unbalance:
-    """Give the unbalance of a design from its solids."""
+    """Compute the unbalance of a design from its solids."""
     design = reducer.design
     shaft, gear, orbit = body_solids(reducer)[SHAFT], mass_properties(gear_solid(reducer)), design.gear.eccentricity
     whole, discs = mass_properties(shaft), design.gear.discs
@@ -92,7 +92,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def of_discs(run: Run, reducer: Reducer) -> Reactions:
-    """Give what the discs put on shaft, output and ring in planes of their own, and what their bearings answer with."""
+    """Find what the discs put on shaft, output and ring in planes of their own, and what their bearings answer with."""
     design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
     by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
@@ -100,7 +100,7 @@ def of_discs(run: Run, reducer: Reducer) -> Reactions:
 
 
 def reaction(run: Run, reducer: Reducer) -> Reaction:
-    """Give the forces on the housing over a run, from its contact forces.
+    """Compute the forces on the housing over a run, from its contact forces.
 
     The ring's are logged. A bearing's is what the contacts and the weight of its body leave of its mass times
     acceleration; the shaft's centroid goes round the axis at the measured speed of the crank, the output's rests on it.
@@ -121,7 +121,7 @@ def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
 
 
 def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
-    """Give a force on the housing [N], shape (n, 2), as it were without the counterweight.
+    """Compute a force on the housing [N], shape (n, 2), as it were without the counterweight.
 
     The crank's bearing is rigid, so nothing else changes: the unbalance that the counterweight takes comes on top.
     """
@@ -131,7 +131,7 @@ def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
 
 
 def _outward(run: Run) -> Array:
-    """Give unit vectors along the eccentric, shape (n, 2)."""
+    """Compute unit vectors along the eccentric, shape (n, 2)."""
     return np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
 
 

@@ -26,7 +26,7 @@ class Known:
 
 
 def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | None:
-    """Give by how much the mean of values at some crank angles, shape (k,), may miss that over the turn.
+    """Compute by how much the mean of values at some crank angles, shape (k,), may miss that over the turn.
 
     Of what the closed form does not explain: the standard error of the mean, by Student's t for so few values.
 
@@ -45,7 +45,7 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:
-    """Give by how much the largest (or least) of some values, shape (k,), may miss that over the turn.
+    """Compute by how much the largest (or least) of some values, shape (k,), may miss that over the turn.
 
     Of what the closed form does not explain: its range over the number of values. A sine that is sampled k times in its
     period rises above the samples by less.
@@ -63,7 +63,7 @@ def added(*errors: float | None) -> float | None:
 
 
 def _parted(values: Array, known: Known | None) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Give what a closed form says that the samples miss of a statistic, and what it does not explain of the values."""
+    """Get what a closed form says that the samples miss of a statistic, and what it does not explain of the values."""
     if known is None:
         return lambda statistic: 0.0, values
     return lambda statistic: float(statistic(known.turn) - statistic(known.sampled)), values - known.sampled

@@ -36,14 +36,14 @@ class FrictionVariant:
 
 
 def variations(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """Give the rows of a design's table: its own friction first, then one pair at a time, then all together."""
+    """List the rows of a design's table: its own friction first, then one pair at a time, then all together."""
     kinds = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in kinds for row in _of_ring(kind, quick)]
     return rows if quick else [*rows, *_of_bearings(kinds[0])]
 
 
 def ring_kinds(reducer: Reducer) -> list[Reducer]:
-    """Give the design, and with its pins held in each other way; an internal gear has none."""
+    """List the design, and with its pins held in each other way; an internal gear has none."""
     if reducer.design.ring.kind == "nonpin":
         return [reducer]
     others = [pins for pins in ("free", "fixed", "sleeved") if pins != reducer.design.ring.pins]
@@ -56,7 +56,7 @@ def pins_of(reducer: Reducer) -> str:
 
 
 def sliding_pairs(reducer: Reducer) -> list[str]:
-    """Give the kinds of pair whose parts slide on each other."""
+    """List the kinds of pair whose parts slide on each other."""
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
@@ -64,7 +64,7 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
 
 
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
-    """Give the design with one coefficient for all pairs that slide."""
+    """Return the design with one coefficient for all pairs that slide."""
     return reducer.but(friction=dict.fromkeys(sliding_pairs(reducer), friction))
 
 
@@ -80,17 +80,17 @@ def friction_for(rates: Mapping[float, float], target: float) -> float:
 
 
 def slope(rates: Mapping[float, float]) -> float:
-    """Give by how much the rate changes with the common friction, over those tried [1]."""
+    """Compute by how much the rate changes with the common friction, over those tried [1]."""
     return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
 
 
 def common_rates(found: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
-    """Give common friction -> rate, for one way of holding the pins."""
+    """Map common friction to rate, for one way of holding the pins."""
     return {row.friction: rate for row, rate in found.items() if row.pair == EVERY and row.pins == pins}
 
 
 def table(reducer: Reducer, found: Mapping[FrictionVariant, float]) -> Table:
-    """Give the sensitivity as a table, each row beside the row of the design's own friction."""
+    """Tabulate the sensitivity, each row beside the row of the design's own friction."""
     ideal = reducer.design.rated_torque
     own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
     return Table(
@@ -139,7 +139,7 @@ def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 
 
 def _of_bearings(reducer: Reducer) -> list[FrictionVariant]:
-    """Give the rows of the rolling bearings, and of sliding in their place."""
+    """List the rows of the rolling bearings, and of sliding in their place."""
     rows, pins = [], pins_of(reducer)
     plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
     for pair in [pair for pair in plain if pair not in sliding_pairs(reducer)]:

@@ -57,7 +57,7 @@ class Moved:
 
 
 def inputs(reducer: Reducer) -> list[Input]:
-    """Give the assumed inputs that a design's rate rests on."""
+    """List the assumed inputs that a design's rate rests on."""
     design = reducer.design
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     stiffness = pair_stiffness(reducer, "cam")
@@ -79,13 +79,13 @@ def moved(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[Moved, .
 
 
 def plain_roller(reducer: Reducer) -> float:
-    """Give the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
+    """Compute the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
     design = reducer.design
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
 
 
 def table(rate: str, own: float, found: Sequence[Moved]) -> Table:
-    """Give the spread of a rate, by name, about the design's own [1] as a table in percent."""
+    """Tabulate the spread of a rate, by name, about the design's own [1] in percent."""
     rows = [
         (one.input.name, one.input.unit, one.input.low, one.input.high, 1e2 * one.value_low, 1e2 * one.value_high)
         for one in found
@@ -106,13 +106,13 @@ def told(own: float, found: Sequence[Moved]) -> str:
 
 
 def spread(own: float, found: Sequence[Moved]) -> tuple[float, float]:
-    """Give the least and the largest of a rate over all inputs [1]."""
+    """Compute the least and the largest of a rate over all inputs [1]."""
     values = [own, *(value for one in found for value in (one.value_low, one.value_high))]
     return min(values), max(values)
 
 
 def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
-    """Give the spread for a program."""
+    """Convert the spread to JSON values."""
     low, high = spread(own, found)
     return {
         "sensitivity": [
@@ -133,13 +133,13 @@ def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
 def _input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Give an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
+    """Return an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
     low, high = (reducer.but(**{table: dict.fromkeys(keys, end)}) for end in ends)
     return Input(name, unit, scale * ends[0], scale * ends[1], low.design, high.design)
 
 
 def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Give the plays of pairs in series, which add up."""
+    """Return the plays of pairs in series, which add up."""
     plays = [{kind: factor * getattr(reducer.design.clearance, kind) for kind in kinds} for factor in factors]
     least, most = (sum(1e6 * play for play in end.values()) for end in plays)
     low, high = (reducer.but(clearance=end) for end in plays)
@@ -147,6 +147,6 @@ def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[f
 
 
 def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
-    """Give the friction of cam or output pins: of a bearing, or of what slides."""
+    """Return the friction of cam or output pins: of a bearing, or of what slides."""
     name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TEETH)
     return _input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], ends)

@@ -24,7 +24,7 @@ NEAR_WHOLE = 0.1
 
 
 def whole_periods(reducer: Reducer, least: int) -> int:
-    """Give at least so many mesh periods, after which the output pins are near to whole periods as well.
+    """Round up to mesh periods after which the output pins are near to whole periods as well.
 
     Seen from the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
     which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of
@@ -61,7 +61,7 @@ def steady(
 
 
 def steady_design(reducer: Reducer) -> Reducer:
-    """Give the design with the log rate of these runs, at full speed from the start.
+    """Return the design with the log rate of these runs, at full speed from the start.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def steady_design(reducer: Reducer) -> Reducer:
 
 
 def first_half(run: Run) -> Run:
-    """Give the first half of the samples: a shorter average."""
+    """Return the first half of the samples: a shorter average."""
     return run.select(slice(0, len(run) // 2))
 
 
@@ -118,13 +118,13 @@ class MeanPowers:
         return (self.crank + self.output - self.lost - self.stored) / self.supplied
 
     def loss_shares(self) -> dict[str, float]:
-        """Give column -> share of the power supplied, for each loss."""
+        """Map column to share of the power supplied, for each loss."""
         friction = {f"{kind}_friction": power / self.supplied for kind, power in self.friction.items()}
         return friction | {f"{kind}_normal": power / self.supplied for kind, power in self.normal.items()}
 
 
 def powers(run: Run) -> MeanPowers:
-    """Give the mean powers of a run's samples."""
+    """Compute the mean powers of a run's samples."""
     energy = run["kinetic_energy"] + run["potential_energy"]
     return MeanPowers(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),

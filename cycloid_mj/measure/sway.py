@@ -78,19 +78,19 @@ class Sway:
     run: Run
 
     def rms(self, key: str) -> float:
-        """Give the rms size of a signal."""
+        """Compute the rms size of a signal."""
         return rms(self.signals[key])
 
     def above(self, key: str) -> float:
-        """Give the share of a signal's power that lies above half of the rate; 0 where nothing sways."""
+        """Compute the share of a signal's power that lies above half of the rate; 0 where nothing sways."""
         return max(0.0, 1.0 - (self.rms(key) / self.whole_rms[key]) ** 2) if self.whole_rms[key] else 0.0
 
     def rms_of_half(self, key: str) -> float:
-        """Give the same over the first half of the window: a shorter average."""
+        """Compute the same over the first half of the window: a shorter average."""
         return rms(self.signals[key][: len(self.crank) // 2])
 
     def rotating(self, key: str) -> float:
-        """Give the size of the part of a signal of vectors that goes round with the crank."""
+        """Compute the size of the part of a signal of vectors that goes round with the crank."""
         x, y = self.signals[key].T
         return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.speed) * self.crank))))
 
@@ -101,7 +101,7 @@ class Sway:
 
 
 def rms(signal: Array) -> float:
-    """Give the rms size of vectors (n, k)."""
+    """Compute the rms size of vectors (n, k)."""
     return float(np.sqrt(np.mean(np.sum(signal**2, axis=1))))
 
 
@@ -157,7 +157,7 @@ def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, spe
 
 
 def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
-    """Give what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
+    """Compute what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
     found = of_discs(run, reducer)
     return {
         "shaft_tilting": found.shaft.moment,
@@ -168,7 +168,7 @@ def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
 
 
 def _swaying(key: str, signal: Array) -> Array:
-    """Give an acceleration's departures as they are, a force less its mean."""
+    """Compute an acceleration's departures as they are, a force less its mean."""
     return signal if key in ("gear_centre", "output") else signal - signal.mean(axis=0)
 
 

@@ -31,7 +31,7 @@ Statics = Mapping[TraceCondition, ErrorCurves]
 
 
 def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
-    """Give the numbers: levels of each case, shifts between cases, and what each cause gives."""
+    """List the numbers: levels of each case, shifts between cases, and what each cause gives."""
     levels = [
         Quantity(
             key=f"{shaft}_{name}_{case.key}",
@@ -50,7 +50,7 @@ def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -
 
 
 def curves(reducer: Reducer, found: Found, statics: Statics) -> tuple[Curve, ...]:
-    """Give the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
+    """List the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
     paces = dict.fromkeys(case.pace for case in found)
     drawn = [*_panel(found, statics, next(iter(paces)), "output", whole=True)]
     drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(found, statics, pace, shaft)]
@@ -63,7 +63,7 @@ def curves(reducer: Reducer, found: Found, statics: Statics) -> tuple[Curve, ...
 
 
 def _panel(found: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
-    """Give the curves of one shaft at one pace, less their means or `whole`, each beside its own statics."""
+    """Yield the curves of one shaft at one pace, less their means or `whole`, each beside its own statics."""
     panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean")
     shown = {case: f"{case.load}, {case.way}" for case in found if case.pace == pace}
     for case, words in shown.items():
@@ -89,13 +89,13 @@ def details(reducer: Reducer, found: Found) -> dict[str, Any]:
 
 
 def chosen(found: Found) -> list[TraceCondition]:
-    """Give the cases whose orders are told: forward, at the first pace that was run."""
+    """List the cases whose orders are told: forward, at the first pace that was run."""
     first = next(iter(found)).pace
     return [case for case in found if case.way == "forward" and case.pace == first]
 
 
 def _shifts(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
-    """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
+    """Yield what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
 
     Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
     """
@@ -123,7 +123,7 @@ def _shifts(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> I
 
 
 def _caused(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
-    """Give the rms value of each cause's orders, and its strongest order."""
+    """Yield the rms value of each cause's orders, and its strongest order."""
     for case in chosen(found):
         for cause in causes(reducer):
             seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (found, statics))
@@ -141,7 +141,7 @@ def _caused(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> I
 
 
 def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """Give the strongest orders of a run, each with the cause whose order it is."""
+    """List the strongest orders of a run, each with the cause whose order it is."""
     rows = []
     for place, base in _bases(reducer).items():
         seen = _spectrum(reducer, trace, place, base)
@@ -164,7 +164,7 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) ->
 
 
 def _step_error(found: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
-    """Give by how much half the step changes a level, and half of what it changes from one half turn to the other."""
+    """Find by how much half the step changes a level, and half of what it changes from one half turn to the other."""
     if not finer:
         return None
     measure, error = _LEVELS[level][1], getattr(found[case], shaft)
@@ -179,7 +179,7 @@ def _mean_change(found: Found, finer: Finer, case: TraceCondition, place: str) -
 
 
 def _change(found: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
-    """Give the errors of the run forward under a case's load, and with half the step, where both have them."""
+    """Compute the errors of the run forward under a case's load, and with half the step, where both have them."""
     fine = finer[case.load, case.pace]
     coarse = found[next(one for one in found if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]
     inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)

@@ -114,12 +114,12 @@ def rated_test(reducer: Reducer, periods: int) -> BrakedRun:
 
 
 def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
-    """Give the efficiency under a load [N m] with the crank held at its speed: the second method."""
+    """Compute the efficiency under a load [N m] with the crank held at its speed: the second method."""
     return powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
 
 
 def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
-    """Give the numerical error of the rate: half the average, and half the step where it was run."""
+    """Compute the numerical error of the rate: half the average, and half the step where it was run."""
     others = [powers(first_half(ours.run)), *([finer.powers] if finer else [])]
     return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
 
@@ -127,7 +127,7 @@ def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
 def with_friction(
     published: Sequence[Published], reducer: Reducer, found: Mapping[FrictionVariant, float], error: float | None
 ) -> list[Published]:
-    """Give published torques with the friction that gives each of them.
+    """List published torques with the friction that gives each of them.
 
     With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
     """
@@ -144,7 +144,7 @@ def with_friction(
 
 
 def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
-    """Give the rate with one friction for all sliding pairs."""
+    """Compute the rate with one friction for all sliding pairs."""
     varied = massless(sensitivity.with_common_friction(reducer, friction))
     return rated_test(varied, periods).powers.efficiency
 
@@ -209,7 +209,7 @@ def _quantities(
 
 
 def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
-    """Give the output torque against the crank angle, and its orders."""
+    """List the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])
     teeth, x, y = reducer.design.mesh_periods, "crank angle [deg]", "torque [N m]"

@@ -78,12 +78,12 @@ class Trace(ErrorCurves):
 
 
 def own(compiled: ReducerModel) -> ReducerModel:
-    """Give a model with a specification of its own: one cannot be written to XML by two threads at a time."""
+    """Copy a model with its specification: one cannot be written to XML by two threads at a time."""
     return replace(compiled, spec=compiled.spec.copy())
 
 
 def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Course:
-    """Give the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
+    """Return the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
 
     A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
     sine squared, that ends in a few.

@@ -117,17 +117,17 @@ def vibration(
 
 
 def _signals(reducer: Reducer) -> tuple[str, ...]:
-    """Give the keys of what is measured of a design."""
+    """List the keys of what is measured of a design."""
     return (*_SIGNALS, *(_OF_PLANES if reducer.design.gear.discs > 1 else _OF_COUNTERWEIGHT))
 
 
 def _shown(reducer: Reducer) -> tuple[str, ...]:
-    """Give the keys of what spectra are drawn of."""
+    """List the keys of what spectra are drawn of."""
     return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
 
 
 def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
-    """Give the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
+    """Yield the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
     closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
     for one in at_speed:
         check = checks.get(one.load)
@@ -153,7 +153,7 @@ def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Swa
 
 
 def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
-    """Give the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
+    """Yield the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
     found, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
     one, check = at_speed[0], checks.get(at_speed[0].load)
     without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
@@ -176,7 +176,7 @@ def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, 
 
 
 def _error(one: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
-    """Give by how much half the step changes a reading."""
+    """Compute by how much half the step changes a reading."""
     return None if check is None else abs(read(check) - read(one))
 
 
@@ -189,7 +189,7 @@ def _mean_force(one: Sway) -> float:
 
 
 def _sweep(reducer: Reducer, found: Sequence[Sway]) -> Iterator[Curve]:
-    """Give the levels over speed, with the closed form of the unbalance."""
+    """Yield the levels over speed, with the closed form of the unbalance."""
     bare = unbalance(reducer).bare
     for key in _signals(reducer):
         name, unit = _ALL[key]
@@ -206,7 +206,7 @@ def _sweep(reducer: Reducer, found: Sequence[Sway]) -> Iterator[Curve]:
 
 
 def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
-    """Give the spectra at the design's speed: of vectors, the root of both components' squares."""
+    """Yield the spectra at the design's speed: of vectors, the root of both components' squares."""
     for key in _shown(reducer):
         name, unit = _ALL[key]
         for one in at_speed:

@@ -11,7 +11,7 @@ MASS_CHORD_ERROR = 5e-7
 
 
 def mass_chord_error(reducer: Reducer) -> float:
-    """Give the chord error for mass properties [m].
+    """Compute the chord error for mass properties [m].
 
     A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is slighter than
     the thinnest of pins and shaft: each volume is right to 1e-6.
@@ -21,7 +21,7 @@ def mass_chord_error(reducer: Reducer) -> float:
 
 
 def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
-    """Give the chord error that a part is drawn with [m]: the asked one, or that for mass properties if None.
+    """Compute the chord error that a part is drawn with [m]: the asked one, or that for mass properties if None.
 
     Raises
     ------

@@ -10,7 +10,7 @@ ASIDE = 1e-9
 
 
 def cut(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """Give from where to where along y [m] a prism reaches in the plane x = 0, whose frame stands at a centre [m].
+    """List from where to where along y [m] a prism reaches in the plane x = 0, whose frame stands at a centre [m].
 
     Between each two crossings with its outline and holes, in order, there is material or none in turn.
     """
@@ -24,7 +24,7 @@ def _rings(prism: Prism) -> tuple[Array, ...]:
 
 
 def _crossings(ring: Array) -> Array:
-    """Give y where the edges of a closed polygon (n, 2) cross x = 0."""
+    """Compute y where the edges of a closed polygon (n, 2) cross x = 0."""
     begin, end = ring, np.roll(ring, -1, axis=0)
     across = (begin[:, 0] < 0.0) != (end[:, 0] < 0.0)
     (x0, y0), (x1, y1) = begin[across].T, end[across].T

@@ -17,7 +17,7 @@ def require_below(key: str, value: float, bound: float, otherwise: str) -> None:
 
 
 def too_small(key: str, value: float, bound: float, otherwise: str) -> DesignError:
-    """Give the error of a length ``key`` that must be more than the bound [m], or else ``otherwise``."""
+    """Return the error of a length ``key`` that must be more than the bound [m], or else ``otherwise``."""
     return _misfit(key, value, f"more than {_told(bound)}", otherwise)
 
 

@@ -21,7 +21,7 @@ ROUNDING = 1e-9
 
 
 def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
-    """Give a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+    """Build a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
     The teeth of a disc that is ahead on the crank are turned back, clockwise, against its holes. Its profile is the
     modified one; its holes are where the design has them, without errors.
@@ -53,7 +53,7 @@ def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
-    """Give the gear's outline with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
+    """Compute the gear's outline with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
 
 def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Give one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
+    """Build one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
-    """Give the radius of the pressed-in pin inside a sleeve [m]: the bore's less the clearance.
+    """Compute the radius of the pressed-in pin inside a sleeve [m]: the bore's less the clearance.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Give the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
+    """Build the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
 
     The pinwheel of sleeved pins comes with the pressed-in ones, which both end plates hold (not drawn).
 
@@ -72,7 +72,7 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
-    """Give the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
+    """List the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
     design = reducer.design
     if not design.ring.has_sleeves:
         return []
@@ -82,12 +82,12 @@ def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
 
 
 def _sleeve_bore(reducer: Reducer, chord_error: float) -> Array:
-    """Give the bore of a sleeve as a polygon."""
+    """Compute the bore of a sleeve as a polygon."""
     return circle(sleeve_core_radius(reducer) + reducer.design.clearance.pin_sleeve, chord_error)
 
 
 def _pinwheel(reducer: Reducer, chord_error: float) -> Array:
-    """Give the wall with N open sockets: one pitch of it, turned N times."""
+    """Compute the wall with N open sockets: one pitch of it, turned N times."""
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     play = design.socket_play
@@ -104,7 +104,7 @@ def _pinwheel(reducer: Reducer, chord_error: float) -> Array:
 
 
 def _internal_gear(reducer: Reducer, chord_error: float) -> Array:
-    """Give the double-enveloping internal gear; the clearance is the cycloid gear's."""
+    """Compute the double-enveloping internal gear; the clearance is the cycloid gear's."""
     teeth = reducer.tooth_profile
     root, _ = envelope.radii(teeth)
     require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")

@@ -23,7 +23,7 @@ class MassProperties:
 
 @lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mass_properties(solid: Solid) -> MassProperties:
-    """Give the mass properties of a solid, rounded to the digits that they mean (``digits``).
+    """Compute the mass properties of a solid, rounded to the digits that they mean (``digits``).
 
     With V, s and S the integrals of 1, r and r r^T over the volume, the centroid is s/V, and the inertia about it is
     density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).
@@ -42,7 +42,7 @@ def mass_properties(solid: Solid) -> MassProperties:
 
 
 def region_moments(prism: Prism) -> AreaMoments:
-    """Give the area moments of a prism's cross-section: its outline less its holes."""
+    """Compute the area moments of a prism's cross-section: its outline less its holes."""
     rings = [np.array(area_moments(prism.outline)), *(-np.array(area_moments(hole)) for hole in prism.holes)]
     return AreaMoments(*map(float, np.sum(rings, axis=0)))
 

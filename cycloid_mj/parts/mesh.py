@@ -37,7 +37,7 @@ class Mesh:
 
 @lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mesh(part: Prism | Solid) -> Mesh:
-    """Give the mesh of a prism, or of a solid: one closed surface for each of its prisms.
+    """Build the mesh of a prism, or of a solid: one closed surface for each of its prisms.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def _prism_mesh(prism: Prism, name: str) -> Mesh:
 
 
 def _triangulate(points: Array, rings: list[Array]) -> Integers:
-    """Give the cap's triangles (m, 3), counter-clockwise.
+    """Compute the cap's triangles (m, 3), counter-clockwise.
 
     The earcut drops a vertex that lies exactly between its neighbours, which leaves the mesh open: it gets the
     vertices shaken, far below every feature, so that no three are in line.
@@ -84,7 +84,7 @@ def _triangulate(points: Array, rings: list[Array]) -> Integers:
 
 
 def _walls(rings: list[Array]) -> Integers:
-    """Give two triangles for every edge i -> j of the rings, between the bottom vertices and the top ones."""
+    """Compute two triangles for every edge i -> j of the rings, between the bottom vertices and the top ones."""
     total = sum(len(ring) for ring in rings)
     last = np.cumsum([len(ring) for ring in rings])
     i = np.arange(total)

@@ -11,7 +11,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
-    """Give part -> its mass properties; a ring that turns has those of its pins too, where they are no bodies.
+    """Map part to its mass properties; a ring that turns has those of its pins too, where they are no bodies.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
 
 
 def output_inertia(reducer: Reducer) -> float:
-    """Give the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
+    """Compute the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
     return float(moving_masses(reducer)["housing" if reducer.design.output.turns_ring else "output"].inertia[2, 2])
 
 

@@ -18,19 +18,19 @@ RIM = 0.5
 
 
 def near_face(reducer: Reducer) -> float:
-    """Give where along z what lies on the input side of the discs ends, the second output disc counted in [m]."""
+    """Compute where along z what lies on the input side of the discs ends, the second output disc counted in [m]."""
     output, near = reducer.design.output, -reducer.design.gear.stack_width / 2 - AXIAL_GAP
     return near - output.disc_thickness - AXIAL_GAP if output.support == "both_ends" else near
 
 
 def output_centres(reducer: Reducer) -> Array:
-    """Give the centres of the output pins, and of the gear's holes, (n, 2) [m]: the first on +y, then clockwise."""
+    """Compute the centres of the output pins, and of the gear's holes, (n, 2) [m]: the first on +y, then clockwise."""
     output = reducer.design.output
     return output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
 
 
 def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Give the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
+    """Build the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
 
     Where both ends of the pins are held, a second disc lies before the gear; the crank with its cams fits through it.
     Pins under rollers that are parts of their own (`roller_solid`) are as thick as their cores.
@@ -58,13 +58,13 @@ def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def pin_radius(reducer: Reducer) -> float:
-    """Give the radius of an output pin as it is drawn [m]: of its core under a roller that is a part of its own."""
+    """Compute the radius of an output pin as it is drawn [m]: of its core under a roller that is a part of its own."""
     design = reducer.design
     return design.output.core_radius if design.output.has_roller_parts else design.output.pin_radius
 
 
 def roller_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Give the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
+    """Build the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
 
     It is as wide as the disc, and its bore has the core's radius: needles between the two weigh as if they filled their
     room.

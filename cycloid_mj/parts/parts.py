@@ -18,7 +18,7 @@ KEPT = 8
 
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
+    """Build housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
 
     The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
     ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
@@ -40,7 +40,7 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
-    """Give what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
+    """Build what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
 
     The shaft is the whole crank then, and the output has its rollers, after its own prisms.
 
@@ -59,7 +59,7 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
 
 
 def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
-    """Give what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
+    """Collect what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
 
     Name of each copy -> its part, and its place (x, y, z) in the frame of what carries it, shape (3,) [m].
     """
@@ -77,12 +77,12 @@ def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
 
 
 def crank_stretches(reducer: Reducer) -> Mapping[str, Prism]:
-    """Give the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
+    """Build the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
     return _stretches(reducer.shape, None)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
-    """Give the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
+    """Build the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
     return _whole_crank(reducer.shape)
 
 

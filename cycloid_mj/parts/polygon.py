@@ -23,7 +23,7 @@ class AreaMoments(NamedTuple):
 
 
 def area_moments(polygon: Array) -> AreaMoments:
-    """Give the area moments about the origin of a polygon (n, 2) [m], exactly.
+    """Compute the area moments about the origin of a polygon (n, 2) [m], exactly.
 
     Green's theorem turns each integral over the region into a sum over the edges, which is exact in any order. A
     clockwise polygon has negative moments.
@@ -48,13 +48,13 @@ def _moments(vertices: bytes) -> AreaMoments:
 
 
 def signed_area(polygon: Array) -> float:
-    """Give the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
+    """Compute the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
     (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
     return _exact_sum(x * v - u * y) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Give points on an arc about the origin, both ends included.
+    """Compute points on an arc about the origin, both ends included.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
 
 
 def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0, 0.0)) -> Array:
-    """Give a circle as a counter-clockwise polygon (n, 2) [m] with its vertices on the circle.
+    """Compute a circle as a counter-clockwise polygon (n, 2) [m] with its vertices on the circle.
 
     Its area falls short of the circle's by 4/3 chord_error / radius, relatively (to first order).
     """
@@ -86,7 +86,7 @@ def turned(points: Array, angle: float) -> Array:
 
 
 def crossing(rings: Sequence[Array]) -> Array | None:
-    """Give a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
+    """Compute a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
 
     Edges that follow each other share a vertex and do not count. The sweep along x tests only pairs of edges whose
     bounding boxes overlap.

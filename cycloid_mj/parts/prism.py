@@ -55,7 +55,7 @@ class Solid:
 
 
 def _locked(polygon: Array) -> Array:
-    """Give a read-only copy of a polygon that is counter-clockwise."""
+    """Return a read-only copy of a polygon, counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
         raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")

@@ -21,7 +21,7 @@ JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_jo
 
 
 def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Give the whole crank, all that turns with the input, frame of the reducer axis, crank at 0 (cam 1 towards +y).
+    """Build the whole crank, all that turns with the input, frame of the reducer axis, crank at 0 (cam 1 towards +y).
 
     Of one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
     their crank is built up of a plain shaft, a cam for each disc and a spacer in each gap, which guides the discs.
@@ -44,7 +44,7 @@ def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def stretches(reducer: Reducer, chord_error: float | None = None, gear: Solid | None = None) -> Mapping[str, Prism]:
-    """Give the stretches of the crank by name; see `shaft_solid`.
+    """Build the stretches of the crank by name; see `shaft_solid`.
 
     Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; or
     journal, cam 1, neck with the spacer around it, cam 2, ...; and where the shaft straddles the discs, a journal
@@ -57,7 +57,7 @@ def stretches(reducer: Reducer, chord_error: float | None = None, gear: Solid | 
 
 
 def crank_parts(reducer: Reducer, chord_error: float | None = None) -> tuple[Solid, ...]:
-    """Give the parts that the crank of several discs is built up of: shaft, spacer (in its own frame), and the cams.
+    """List the parts that the crank of several discs is built up of: shaft, spacer (in its own frame), and the cams.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def crank_parts(reducer: Reducer, chord_error: float | None = None) -> tuple[Sol
 
 
 def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> dict[str, Prism]:
-    """Give the crank of one disc."""
+    """Build the crank of one disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
     journal = circle(shaft.radius, chord_error)
@@ -98,7 +98,7 @@ def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> di
 
 
 def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
-    """Give the crank of several discs, which needs no counterweight: their static moments add up to nothing."""
+    """Build the crank of several discs, which needs no counterweight: their static moments add up to nothing."""
     design = reducer.design
     gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
     room = gear.bore_radius - gear.eccentricity
@@ -117,7 +117,7 @@ def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
 
 
 def spacer_radius(reducer: Reducer) -> float:
-    """Give the outer radius of the spacer between two discs [m]: midway from what their bores reach to the output pins.
+    """Find the outer radius of the spacer between two discs [m]: midway from what their bores reach to the output pins.
 
     Both discs then run on it all round, wherever the crank is.
     """
@@ -128,7 +128,7 @@ def spacer_radius(reducer: Reducer) -> float:
 
 
 def bearing_width(reducer: Reducer, journal: float) -> float:
-    """Give the width [m] of each bearing on a journal [m] before the counterweight: as given, or its radius if it fits.
+    """Find the width [m] of each bearing on a journal [m] before the counterweight: as given, or its radius if it fits.
 
     Where that is longer than a third of the journal, it is the third.
     """
@@ -138,7 +138,7 @@ def bearing_width(reducer: Reducer, journal: float) -> float:
 def bearing_seats(
     reducer: Reducer, found: Mapping[str, Prism] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Give where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
+    """Compute where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
 
     `found` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
     """
@@ -152,7 +152,7 @@ def bearing_seats(
 
 
 def _far_journal(reducer: Reducer, outline: Array, journal: float) -> dict[str, Prism]:
-    """Give the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
+    """Build the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
     if reducer.design.shaft.mounting == "overhang":
         return {}
     half = reducer.design.gear.stack_width / 2
@@ -160,7 +160,7 @@ def _far_journal(reducer: Reducer, outline: Array, journal: float) -> dict[str, 
 
 
 def _counterweight(reducer: Reducer, chord_error: float) -> Array:
-    """Give the outline of the lower half disc, joined to the whole shaft in its middle."""
+    """Compute the outline of the lower half disc, joined to the whole shaft in its middle."""
     shaft = reducer.design.shaft
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     lower = arc(shaft.counterweight_radius, math.pi, 2 * math.pi, chord_error)

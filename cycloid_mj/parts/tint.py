@@ -10,7 +10,7 @@ Colour = tuple[float, float, float, float]
 
 
 def tinted(colour: Colour, part: str) -> Colour:
-    """Give the colour of a part by its name, from that of all its like."""
+    """Return the colour of a part by its name, from that of all its like."""
     if names.family(part) != names.GEAR:
         return colour
     red, green, blue, opacity = colour

@@ -20,7 +20,7 @@ __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Give the figures of a run by name; over one crank turn but for the input. Each names its load and speed.
+    """Build the figures of a run by name; over one crank turn but for the input. Each names its load and speed.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
 
 @styled
 def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
-    """Give the frames of a take, shape (height, width, 3), height and width even.
+    """Yield the frames of a take, shape (height, width, 3), height and width even.
 
     Raises
     ------

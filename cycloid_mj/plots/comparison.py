@@ -55,7 +55,7 @@ ROW, HEAD = 1.25, 0.75
 
 
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
-    """Give the figures of a comparison by name; one crank turn of the settled hold, but for the spectra.
+    """Build the figures of a comparison by name; one crank turn of the settled hold, but for the spectra.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def _second(sheet: Datasheet) -> Figure:
 
 
 def _page(sheet: Datasheet, number: int) -> Figure:
-    """Give a page with its band above and its line below."""
+    """Build a page with its band above and its line below."""
     figure, design = Figure(figsize=PAGE), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
@@ -96,7 +96,7 @@ def _page(sheet: Datasheet, number: int) -> Figure:
 
 
 def _fitting(name: str) -> float:
-    """Give the font size at which a name fits beside the ratio."""
+    """Compute the font size at which a name fits beside the ratio."""
     return min(25.0, 25.0 * 22.0 / max(len(name), 1))
 
 
@@ -131,7 +131,7 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
 
 
 def _shortened(text: str) -> str:
-    """Give a condition that fits its column."""
+    """Shorten a condition to fit its column."""
     return textwrap.shorten(text, 76, placeholder=" …")
 
 

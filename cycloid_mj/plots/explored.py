@@ -58,7 +58,7 @@ def sweep_figure(found: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _panels(found: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
-    """Give a figure with a panel for each quantity, two beside each other."""
+    """Build a figure with a panel for each quantity, two beside each other."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = Figure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
@@ -139,7 +139,7 @@ def _spans_a_plane(found: Sweep, inputs: Sequence[str]) -> bool:
 
 
 def _unit(values: Array) -> Array:
-    """Give values from 0 to 1."""
+    """Compute values from 0 to 1."""
     low, high = values.min(), values.max()
     return (values - low) / (high - low) if high > low else np.zeros_like(values)
 
@@ -190,7 +190,7 @@ def _pairs(found: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _most_telling(found: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Give the inputs to draw, in their order: of too many numbers those with the largest rank correlations."""
+    """List the inputs to draw, in their order: of too many numbers those with the largest rank correlations."""
     if len(found.task.keys) <= MOST_PAIRED:
         return found.task.keys
     one = ranks(found, tuple(quantities))

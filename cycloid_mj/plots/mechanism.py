@@ -86,7 +86,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
 
 def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Give the columns of the ideal mechanism's motion at one crank angle."""
+    """Compute the columns of the ideal mechanism's motion at one crank angle."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = member.gear_angle(design, crank)
@@ -97,7 +97,7 @@ def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
 
 
 def _sample(run: Run, crank_angle: float | None) -> int:
-    """Give the sample of the last turn that is nearest to a crank angle, modulo a turn."""
+    """Find the sample of the last turn that is nearest to a crank angle, modulo a turn."""
     angle = run["crank_angle"]
     if crank_angle is None:
         return len(run) - 1
@@ -175,7 +175,7 @@ def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: floa
 
 
 def _look(part: str, opacity: float) -> dict[str, Any]:
-    """Give the look of a part with a fill that lets what is behind show through."""
+    """Collect the look of a part with a fill that lets what is behind show through."""
     look = LOOKS[part]
     return look if opacity == 1.0 else look | {"facecolor": (look["facecolor"], opacity)}
 

@@ -74,7 +74,7 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 
 @styled
 def drawn(figure: Figure, form: str) -> bytes:
-    """Give a figure as the bytes of a file of a format."""
+    """Encode a figure as the bytes of a file of a format."""
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     return content.getvalue()
@@ -82,7 +82,7 @@ def drawn(figure: Figure, form: str) -> bytes:
 
 @styled
 def document(pages: Sequence[Figure]) -> bytes:
-    """Give figures as the pages of one PDF file."""
+    """Encode figures as the pages of one PDF file."""
     content = BytesIO()
     with PdfPages(content, metadata=METADATA["pdf"]) as file:
         for page in pages:

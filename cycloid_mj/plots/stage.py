@@ -159,7 +159,7 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 
 def _others(script: Script, row: int) -> list[Array]:
-    """Give the ideal poses of the discs that are not followed, shape (3,) each."""
+    """Compute the ideal poses of the discs that are not followed, shape (3,) each."""
     gaps, mesh, ahead = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
     return [

@@ -135,7 +135,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
 
 
 def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
-    """Give the figures that need no grid by name: maxima of each part, and the refinement."""
+    """Build the figures that need no grid by name: maxima of each part, and the refinement."""
     parts = [part for part in TITLES if any(part in each for each in findings)]
     drawn = {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
     return drawn | {"stress_refinement": refinement_figure(findings)}
@@ -226,7 +226,7 @@ def _seen(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, A
 
 
 def _surface(cells: Integers) -> tuple[Integers, Integers]:
-    """Give the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite to each.
+    """Compute the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite to each.
 
     Middles of a tetrahedron lie on its edges 01, 12, 02, 03, 13, 23.
     """

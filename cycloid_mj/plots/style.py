@@ -74,7 +74,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def sheet(height: float) -> Figure:
-    """Give an empty figure of the page's width and a height [in]."""
+    """Build an empty figure of the page's width and a height [in]."""
     return Figure(figsize=(WIDTH, height), layout="constrained")
 
 
@@ -99,7 +99,7 @@ def crank_axis(axes: Axes, degrees: Array) -> None:
 
 
 def centred(axes: Axes, *errors: Array) -> None:
-    """Give an axis of errors the same reach to both sides of zero, and a line at zero."""
+    """Scale an axis of errors alike to both sides of zero, and draw a line at zero."""
     reach = max(float(np.max(np.abs(error), initial=0.0)) for error in errors)
     axes.set_ylim(-1.15 * (reach or 1.0), 1.15 * (reach or 1.0))
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
@@ -114,12 +114,12 @@ def square(axes: Axes, reach: float) -> None:
 
 
 def typeset(text: str) -> str:
-    """Give a text with true minus signs before numbers."""
+    """Put true minus signs before the numbers of a text."""
     return re.sub(r"(?<![\w)])-(?=[\d.])|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", text)
 
 
 def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
-    """Give the entries of a legend from labels and looks."""
+    """List the entries of a legend from labels and looks."""
     return [Line2D([], [], label=label, **look) for label, look in entries]
 
 

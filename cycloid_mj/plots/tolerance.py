@@ -18,7 +18,7 @@ REACH = 0.001
 
 
 def tolerance_figures(found: Tolerances) -> Mapping[str, Figure]:
-    """Give the figures of a study by name: the error budget where there is one, and the distributions."""
+    """Build the figures of a study by name: the error budget where there is one, and the distributions."""
     drawn = {"distributions": distributions_figure(found)}
     if any(np.isfinite(share.total) for share in found.budget):
         drawn = {"budget": budget_figure(found), **drawn}

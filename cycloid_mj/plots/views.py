@@ -81,7 +81,7 @@ def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
 
 
 def _pin_angle(reducer: Reducer) -> float:
-    """Give the angle of the output pin that is nearest to 50 deg, counter-clockwise from +x [rad]."""
+    """Compute the angle of the output pin that is nearest to 50 deg, counter-clockwise from +x [rad]."""
     angles = math.pi / 2 - 2.0 * math.pi * np.arange(reducer.design.output.pins) / reducer.design.output.pins
     return float(min(angles, key=lambda angle: abs(angle - math.radians(50.0))))
 
@@ -94,7 +94,7 @@ def _pins_told(reducer: Reducer) -> str:
 
 
 def _centres(reducer: Reducer) -> list[Array]:
-    """Give the centre of each disc [m], the crank at 0: its own eccentric up, turned by its phase."""
+    """Compute the centre of each disc [m], the crank at 0: its own eccentric up, turned by its phase."""
     up = np.array([[0.0, reducer.design.gear.eccentricity]])
     return [turned(up, phase)[0] for phase in reducer.phases]
 
@@ -115,7 +115,7 @@ def _section(axes: Axes, reducer: Reducer, shift: float) -> None:
 
 
 def _placed(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
-    """Give each prism with its part's name, where the part's frame stands [m], and how far along z [m]."""
+    """Yield each prism with its part's name, where the part's frame stands [m], and how far along z [m]."""
     design = reducer.design
     discs = dict(
         zip(gears(design.gear.discs), zip(_centres(reducer), design.gear.disc_planes, strict=True), strict=True)

@@ -210,12 +210,12 @@ class Mechanism:
         return [pair.name for pair in self.pairs if carriers[pair.by] == body]
 
     def mating(self, kind: str, disc: int = 0) -> Mating:
-        """Give the pairs of a kind on a disc."""
+        """Return the pairs of a kind on a disc."""
         return next(mating for mating in self.matings if (mating.kind, mating.disc) == (kind, disc))
 
 
 def phases(design: Design) -> tuple[float, ...]:
-    """Give the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
+    """Compute the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
     discs = design.gear.discs
     return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
 
@@ -231,7 +231,7 @@ def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
 
 
 def mechanism(design: Design) -> Mechanism:
-    """Give the reducer of a design."""
+    """Return the reducer of a design."""
     made, discs = deviations(design), range(len(phases(design)))
     pins, seats = _ring(design, made)
     output = design.output
@@ -268,7 +268,7 @@ def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
 
 
 def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Give what meets the teeth, and how it is carried where it moves."""
+    """Return what meets the teeth, and how it is carried where it moves."""
     ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + made.pin_radius
     half = socket_half_angle(design) if ring.has_sockets else math.pi
 
@@ -297,7 +297,7 @@ def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
 
 
 def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
-    """Give the teeth of a disc on the ring: on a disc ahead on the crank they are turned back on it."""
+    """Return the teeth of a disc on the ring: on a disc ahead on the crank they are turned back on it."""
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
@@ -348,7 +348,7 @@ def _around(
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Give like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2)."""
+    """Place like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2)."""
     angle, count = first + _angles(len(numbered)), len(numbered)
     bodies = (body,) * count if isinstance(body, str) else body
     place = circle * profile.unit(angle) + departure

@@ -82,7 +82,7 @@ class Gaps:
     slip_slope: Array
 
     def select(self, rows: Mask) -> "Gaps":
-        """Give some of the gaps at one crank angle, by a mask of shape (n,)."""
+        """Return some of the gaps at one crank angle, by a mask of shape (n,)."""
         return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
@@ -92,12 +92,12 @@ class Gaps:
 
 
 def unknowns(reducer: Reducer) -> int:
-    """Give the number of unknowns: three for each disc, one for the output."""
+    """Count the unknowns: three for each disc, one for the output."""
     return 3 * len(reducer.phases) + 1
 
 
 def gaps(reducer: Reducer, crank: float) -> Gaps:
-    """Give the gaps of teeth and output pins of all discs at a crank angle [rad].
+    """Compute the gaps of teeth and output pins of all discs at a crank angle [rad].
 
     An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
     its gap is round, see `cam_places`.
@@ -108,7 +108,7 @@ def gaps(reducer: Reducer, crank: float) -> Gaps:
 
 
 def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
-    """Give the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
+    """Compute the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
     The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins.
     """
@@ -124,14 +124,14 @@ def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
 
 
 def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
-    """Give the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
+    """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
     gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
     lines = envelope.sigma_contacts(gear, turned)
     return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
 
 
 def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
-    """Give the gaps between a disc and the ring, pins in their places.
+    """Compute the gaps between a disc and the ring, pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
     flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
@@ -169,7 +169,7 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
 
 
 def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
-    """Give the gaps between the holes of a disc and the output pins.
+    """Compute the gaps between the holes of a disc and the output pins.
 
     Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
     A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
@@ -202,7 +202,7 @@ def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
-    """Give how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
+    """Compute how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
@@ -215,7 +215,7 @@ def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
 
 
 def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
-    """Give where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
+    """Find where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
 
     The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
     """
@@ -228,7 +228,7 @@ def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
 
 
 def _by_unknown(reducer: Reducer, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
-    """Give a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
+    """Find a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
     slope = np.zeros((*by_turn.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_place
     slope[..., 3 * disc + 2] = by_turn / reducer.design.output.pin_circle_radius

@@ -77,7 +77,7 @@ def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
 
 
 def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Array]:
-    """Give the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
+    """Return the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
     from scipy.optimize import linprog
 
     crank = float(member.against_ring(reducer.design, crank))
@@ -91,7 +91,7 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
 
 
 def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
-    """Give the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
+    """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
 
     All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
 
@@ -118,7 +118,7 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
 
 
 def _limits(reducer: Reducer, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:
-    """Give gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
+    """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
     slopes, rooms = [found.slope], [found.width + found.play]
     around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
     for disc, place in enumerate(cam_places(reducer, crank)):

@@ -18,7 +18,7 @@ from cycloid_mj.design import Design
 
 
 def gear_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Give the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a carrier that is held.
+    """Compute the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a carrier that is held.
 
     Of speeds it gives speeds.
     """
@@ -27,23 +27,23 @@ def gear_angle(design: Design, crank: npt.ArrayLike) -> Array:
 
 
 def ring_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Give the angle of the ring [rad], at crank angles [rad]: 0, or theta/N where it turns. Of speeds, speeds."""
+    """Compute the angle of the ring [rad], at crank angles [rad]: 0, or theta/N where it turns. Of speeds, speeds."""
     crank = np.asarray(crank, dtype=np.float64)
     return crank / design.ring.teeth if design.output.turns_ring else np.zeros_like(crank)
 
 
 def output_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Give the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
+    """Compute the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
     return np.asarray(crank, dtype=np.float64) / design.ratio
 
 
 def against_ring(design: Design, crank: npt.ArrayLike) -> Array:
-    """Give the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
+    """Compute the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
     return np.asarray(np.asarray(crank, dtype=np.float64) - ring_angle(design, crank))
 
 
 def share(design: Design) -> float:
-    """Give the torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
+    """Compute the torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
 
     And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of statics
     are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier, clockwise of the
@@ -53,12 +53,12 @@ def share(design: Design) -> float:
 
 
 def sense(design: Design) -> int:
-    """Give 1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
+    """Return 1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
     return -1 if design.output.turns_ring else 1
 
 
 def seen_from_ring(design: Design) -> Design:
-    """Give the drive as an observer on its ring has it: the carrier turns, at that speed and under those torques.
+    """Return the drive as an observer on its ring has it: the carrier turns, at that speed and under those torques.
 
     What its environment and its inertia forces are there, is for the caller to tell.
     """
@@ -76,7 +76,7 @@ def seen_from_ring(design: Design) -> Design:
 
 
 def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Give the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
+    """Compute the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
 
     Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
     the load becomes what holds the carrier, at rest: what crank and ring leave.

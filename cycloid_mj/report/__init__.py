@@ -20,7 +20,7 @@ MOST_RUNS = len(PALETTE)
 
 
 def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
-    """Give the review of runs as one self-contained HTML page; several are set side by side.
+    """Write the review of runs as one self-contained HTML page; several are set side by side.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from cycloid_mj.report.page import environment
 
 
 def calibration_page(found: Calibration, figure: str) -> str:
-    """Give a calibration as one page that needs no other file; `figure` is the SVG of its loops."""
+    """Write a calibration as one page that needs no other file; `figure` is the SVG of its loops."""
     drawing = figure[figure.index("<svg") :]
     return (
         environment()

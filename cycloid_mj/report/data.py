@@ -27,12 +27,12 @@ HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 
 
 def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
-    """Give the figures over time that the runs have something to show in."""
+    """List the figures over time that the runs have something to show in."""
     return [figure for figure in FIGURES if any(figure.shows(item.motion) for item in reviewed)]
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
-    """Give all that the page draws from."""
+    """Collect all that the page draws from."""
     return {
         "figures": [
             {"name": figure.name, "panels": [_panel(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
@@ -43,7 +43,7 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Give name -> values over the whole run, shape (n,), in the units of the panels; a theory's name ends so."""
+    """Map name to values over the whole run, shape (n,), in the units of the panels; a theory's name ends so."""
     found = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
         signal = SIGNALS[key]
@@ -89,7 +89,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
 
 
 def _path(key: str, motion: Series) -> dict[str, Any]:
-    """Give a path over one crank turn, shape (m, 2) each, and the unit of both axes; of pin 1 its clearance, too."""
+    """Collect a path over one crank turn, shape (m, 2) each, and the unit of both axes; of pin 1 its clearance, too."""
     signal, turn = SIGNALS[key], motion.one_turn
     path = {"unit": signal.unit, "simulated": encoded(signal.simulated(motion)[turn])}
     if signal.theory:
@@ -102,7 +102,7 @@ def _span(time: Array) -> list[float]:
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Give the order spectra of the output's and the gear's speed; None if there is no whole crank turn of the hold."""
+    """List the order spectra of the output's and the gear's speed; None if there is no whole crank turn of the hold."""
     motion, teeth = item.motion, item.motion.design.mesh_periods
     if motion.phase != "hold":
         return None

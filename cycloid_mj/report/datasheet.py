@@ -11,7 +11,7 @@ from cycloid_mj.report.page import environment
 
 
 def datasheet_page(sheet: Datasheet) -> str:
-    """Give a data sheet as one page that needs no other file."""
+    """Write a data sheet as one page that needs no other file."""
     pictures = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
     design = sheet.design
     return (
@@ -28,5 +28,5 @@ def _drawn(sheet: Datasheet) -> dict[str, str]:
 
 
 def _inline(svg: str) -> str:
-    """Give a drawing without what only a file of its own may begin with."""
+    """Return a drawing without what only a file of its own may begin with."""
     return re.sub(r"^.*?(?=<svg)", "", svg, count=1, flags=re.DOTALL)

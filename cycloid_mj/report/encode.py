@@ -10,13 +10,13 @@ from cycloid_mj.base.types import Array
 
 
 def encoded(values: npt.ArrayLike) -> dict[str, Any]:
-    """Give an array of any shape as JSON that the page decodes."""
+    """Encode an array of any shape as JSON that the page decodes."""
     array = np.asarray(values, dtype="<f4")
     return {"shape": list(array.shape), "f32": base64.b64encode(array.tobytes()).decode()}
 
 
 def decimated(time: Array, values: Array, most: int) -> tuple[Array, Array]:
-    """Give at most about `most` samples of columns that keep every extreme.
+    """Compute at most about `most` samples of columns that keep every extreme.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ LOADS = (0.0, 0.5, 1.0)
 def joint_page(
     reduced: ReducedJoint, against: Against, steps: Sequence[Tried], asked: Tried, bam: Mapping[str, Any]
 ) -> str:
-    """Give the page: one HTML file that needs no network."""
+    """Write the page: one HTML file that needs no network."""
     panels = list(dict.fromkeys(curve.panel for curve in against.curves))
     figures = [_figure([curve for curve in against.curves if curve.panel == panel]) for panel in panels]
     return (
@@ -59,7 +59,7 @@ def joint_page(
 
 
 def _numbers(reduced: ReducedJoint) -> dict[str, str]:
-    """Give the numbers that one looks for first."""
+    """Collect the numbers that one looks for first."""
     found = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",
@@ -84,7 +84,7 @@ def _texts(found: Result) -> TextTable:
 
 
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Give one chart: its curves by rising x, the full model broad and light under the joint."""
+    """Collect one chart: its curves by rising x, the full model broad and light under the joint."""
     first = curves[0]
     drawn = []
     for curve in curves:
@@ -102,7 +102,7 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
 
 
 def _dynamics(reduced: ReducedJoint) -> TextTable:
-    """Give what a format with nothing but a constant friction and a damping can hold, at the joint."""
+    """Tabulate what a format with nothing but a constant friction and a damping can hold, at the joint."""
     slow, fast = reduced.friction.speeds[0], reduced.friction.speeds[-1]
     low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
     damping = max(0.0, reduced.ratio**2 * (high - low) / (fast - slow))
@@ -115,7 +115,7 @@ def _dynamics(reduced: ReducedJoint) -> TextTable:
 
 
 def _efficiency(reduced: ReducedJoint) -> Result:
-    """Give the map both ways at the rated speed and the ends of the map."""
+    """Return the map both ways at the rated speed and the ends of the map."""
     friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
@@ -128,7 +128,7 @@ def _efficiency(reduced: ReducedJoint) -> Result:
 
 
 def _harmonics(reduced: ReducedJoint) -> TextTable:
-    """Give the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
+    """Tabulate the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated = [one for one in reduced.ripple.harmonics(reduced.way, reduced.rated_torque) if one["load_nm"] == load]
     least = SMALLEST * max((one["value"] for one in rated), default=0.0)

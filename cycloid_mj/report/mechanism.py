@@ -29,7 +29,7 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def mechanism(motion: Series) -> dict[str, Any]:
-    """Give the mechanism's outlines [mm] and its motion over one settled crank turn."""
+    """Collect the mechanism's outlines [mm] and its motion over one settled crank turn."""
     rows = _rows(motion)
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
     seen = seen_from_ring(motion.design)
@@ -84,7 +84,7 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
 
 
 def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Give what changes, in mm, rad and N."""
+    """Collect what changes, in mm, rad and N."""
     design, columns = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
     reducer = Reducer(design)
     measured, acting = gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)

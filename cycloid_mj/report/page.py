@@ -16,7 +16,7 @@ SCRIPTS = ("scale.js", "chart.js", "plane.js", "mechanism.js", "page.js")
 
 @cache
 def environment() -> Environment:
-    """Give what fills in the templates of ``assets``: text is escaped there and nowhere else."""
+    """Return what fills in the templates of ``assets``: text is escaped there and nowhere else."""
     loader = PackageLoader("cycloid_mj.report", "assets")
     filling = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     filling.globals["asset"] = lambda name: Markup(loader.get_source(filling, name)[0])
@@ -24,7 +24,7 @@ def environment() -> Environment:
 
 
 def page(reviewed: Sequence[Reviewed]) -> str:
-    """Give the page of the runs."""
+    """Write the page of the runs."""
     data = page_data(reviewed)
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
     return (
@@ -53,7 +53,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
 
 
 def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Give the numbers that one looks for first."""
+    """Yield the numbers that one looks for first."""
     found = item.findings
     none = "not in a ramp" if found.condition.load else "no load"
     yield "efficiency", none if found.efficiency is None else f"{100 * found.efficiency:.2f} %"
@@ -68,7 +68,7 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
 
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:
-    """Give the condition that all runs share, or that of each."""
+    """Return the condition that all runs share, or that of each."""
     conditions = {item.name: item.findings.condition_words for item in reviewed}
     if len(set(conditions.values())) == 1:
         return reviewed[0].findings.condition_words

@@ -9,7 +9,7 @@ NEAR = 1.5
 
 
 def rating_page(found: Rating) -> str:
-    """Give a rating as one page that needs no other file."""
+    """Write a rating as one page that needs no other file."""
 
     def state(item: RatedItem) -> str:
         margin = item.margin(found.life)

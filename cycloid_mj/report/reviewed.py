@@ -32,6 +32,6 @@ def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> list[Revi
 
 
 def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:
-    """Give a short name for each run: its design's, or its log's where designs share a name."""
+    """List a short name for each run: its design's, or its log's where designs share a name."""
     stems = [PurePath(log).stem for log in logs]
     return next(names for names in (designs, stems, logs) if len(set(names)) == len(names))

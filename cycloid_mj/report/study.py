@@ -24,7 +24,7 @@ class PageSection:
 
 
 def study_page(title: str, about: Sequence[str], numbers: Mapping[str, str], parts: Sequence[PageSection]) -> str:
-    """Give a study as one page that needs no other file.
+    """Write a study as one page that needs no other file.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ MOST_ROWS = 500
 
 
 def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
-    """Give a sweep as one page that needs no other file; the figure is an SVG."""
+    """Write a sweep as one page that needs no other file; the figure is an SVG."""
     task = found.task
     return (
         environment()
@@ -38,7 +38,7 @@ def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
 
 
 def _varied(found: Sweep) -> Table:
-    """Give the inputs with their values."""
+    """Tabulate the inputs with their values."""
     rows = []
     for key in found.task.keys:
         values = list(dict.fromkeys(found[key].tolist()))
@@ -52,7 +52,7 @@ def _varied(found: Sweep) -> Table:
 
 
 def _rows(found: Sweep, quantities: Sequence[str]) -> Table:
-    """Give the first points, with the quantities shown."""
+    """Tabulate the first points, with the quantities shown."""
     follows = (one.key for one in found.task.followers)
     names = ("point", *found.task.keys, *follows, *quantities, "error")
     columns = [found[name][:MOST_ROWS].tolist() for name in names]

@@ -25,20 +25,20 @@ class TextTable(NamedTuple):
         return max(map(len, (*self.head, *self.body)), default=1)
 
     def spanned(self, row: Sequence[str]) -> list[tuple[str, int]]:
-        """Give the cells of a row of the head that are not empty, and the first, each with how many it spans."""
+        """List the cells of a row of the head that are not empty, and the first, each with how many it spans."""
         starts = [place for place, cell in enumerate(row) if cell or place == 0]
         return [(row[start], end - start) for start, end in pairwise([*starts, len(row)])]
 
 
 def setup(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Give the table of what was run: one column for each run."""
+    """Tabulate what was run: one column for each run."""
     columns = [dict(_facts(item)) for item in reviewed]
     rows = [(name, *(column[name] for column in columns)) for name in columns[0]]
     return TextTable([("", *(item.name for item in reviewed))], rows)
 
 
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Give the table simulated / closed form / error in its groups, with the columns of each run side by side."""
+    """Tabulate the table simulated / closed form / error in its groups, with the columns of each run side by side."""
     tables = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
     ]
@@ -58,7 +58,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Give the table of where the power goes; without rows if no run lost any."""
+    """Tabulate where the power goes; without rows if no run lost any."""
     rows = []
     for item in reviewed:
         power = item.findings.power.input_w
@@ -70,14 +70,14 @@ def losses(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def provenance(item: Reviewed) -> TextTable:
-    """Give what a run stands on: versions, settings and files."""
+    """Tabulate what a run stands on: versions, settings and files."""
     run = item.motion.run
     files = ", ".join(f"{file} ({len(data):,} bytes)" for file, data in run.attachments.items())
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
 
 
 def warnings(item: Reviewed) -> list[str]:
-    """Give what a reader of a run should know before he trusts its numbers."""
+    """List what a reader of a run should know before he trusts its numbers."""
     design = item.motion.design
     return [*item.findings.warnings, *(f"design check: {one}" for one in check(design) if not one.passed)]
 

@@ -99,7 +99,7 @@ class Against:
         return row.reference is not None and bool(abs(row.value - row.reference) <= self.bounds[row.key])
 
     def table(self) -> Table:
-        """Give the rows as a table."""
+        """Tabulate the rows."""
         rows = tuple(
             (
                 row.name,
@@ -114,7 +114,7 @@ class Against:
         return Table("Joint against full model", ("quantity", "joint", "full model", "unit", "difference", ""), rows)
 
     def as_json(self) -> list[dict[str, Any]]:
-        """Give the rows for a program."""
+        """Convert the rows to JSON values."""
         return [
             {"key": row.key, **row.as_json(), "bound": self.bounds[row.key], "holds": self.holds(row)}
             for row in self.rows
@@ -155,7 +155,7 @@ def _bound(row: Quantity) -> float:
 
 
 def _strongest(ripple: Ripple) -> float:
-    """Give the order of the largest harmonic at the upper stop under the largest load; 1 where there is none."""
+    """Compute the order of the largest harmonic at the upper stop under the largest load; 1 where there is none."""
     if not ripple.orders:
         return 1.0
     return ripple.orders[int(np.argmax(np.hypot(ripple.high_cos[-1], ripple.high_sin[-1])))]
@@ -242,7 +242,7 @@ def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantit
 
 
 def _of_full_model(reducer: Reducer, torque: float) -> float:
-    """Give the efficiency of the full model; 0 where an output that drives is jammed by friction."""
+    """Compute the efficiency of the full model; 0 where an output that drives is jammed by friction."""
     try:
         return powers(reducer, torque).efficiency
     except RunError:
@@ -252,7 +252,7 @@ def _of_full_model(reducer: Reducer, torque: float) -> float:
 
 
 def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Give the joint's efficiency by the power that friction takes in MuJoCo; 0 where the load cannot give it."""
+    """Compute the joint's efficiency by the power that friction takes in MuJoCo; 0 where the load cannot give it."""
     speed, torque = reduced.rated_speed, share * reduced.rated_torque
     on = bench(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC)
     on.hold(speed)
@@ -296,7 +296,7 @@ def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) 
 
 
 def _followed(on: TrialScene, count: int) -> tuple[Array, Array]:
-    """Give crank angle and L over so many steps, shape (count,)."""
+    """Compute crank angle and L over so many steps, shape (count,)."""
     found = np.empty((count, 2))
     for i in range(count):
         on.step()

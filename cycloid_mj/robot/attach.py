@@ -65,7 +65,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
 
 
 def first(coefficient: float) -> list[float]:
-    """Give the coefficients of a stiffness or damping that is a constant: MuJoCo's polynomials have more."""
+    """Compute the coefficients of a stiffness or damping that is a constant: MuJoCo's polynomials have more."""
     return [coefficient, *[0.0] * mujoco.mjNPOLY]
 
 
@@ -138,7 +138,7 @@ def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
 def _write_keys(
     spec: Any, before: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
-    """Give every keyframe of the model as it was the crank's angle and speed: in the middle of the play, turning along.
+    """Set the crank's angle and speed in every keyframe of the model: in the middle of the play, turning along.
 
     An empty list is a keyframe's default.
     """

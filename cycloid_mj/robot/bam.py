@@ -35,7 +35,7 @@ WITHOUT_STRIBECK = {
 
 
 def bam(reduced: ReducedJoint) -> dict[str, Any]:
-    """Give the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and how far each is off.
+    """Collect the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and how far each is off.
 
     By least squares over the reducer's loads from `FITTED` of the rated torque on, both ways, at its rated speed.
     """
@@ -64,7 +64,7 @@ def bam(reduced: ReducedJoint) -> dict[str, Any]:
 
 
 def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
-    """Give sizes of external torque and motor torque at the joint, and friction beyond the base, shape (n,) [N m].
+    """Compute sizes of external torque and motor torque at the joint, and friction beyond the base, shape (n,) [N m].
 
     The motor's is what the crank gives or takes, times the ratio; negative where it must help a reducer that locks.
     """
@@ -79,7 +79,7 @@ def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
 
 
 def _viscous(reduced: ReducedJoint) -> float:
-    """Give the friction without a load that grows with the joint's speed [N m s/rad]: centrifugal force."""
+    """Compute the friction without a load that grows with the joint's speed [N m s/rad]: centrifugal force."""
     first, last = reduced.friction.speeds[0], reduced.friction.speeds[-1]
     low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (first, last))
     return max(0.0, reduced.ratio**2 * (high - low) / (last - first))

@@ -29,24 +29,24 @@ class FrictionMap:
     driven: Rows
 
     def torque(self, torque: float, speed: float, driving: bool) -> float:
-        """Give the torque of friction [N m] under a torque on the output [N m] at a speed of the crank [rad/s]."""
+        """Compute the torque of friction [N m] under a torque on the output [N m] at a speed of the crank [rad/s]."""
         lost = [_line(abs(torque), self.torques, row) for row in (self.driving if driving else self.driven)]
         return float(np.interp(abs(speed), self.speeds, lost))
 
     def efficiency(self, torque: float, speed: float, ratio: float, driving: bool) -> float:
-        """Give the share of the power supplied that is given out; 0 where friction holds the output: self-locking."""
+        """Find the share of the power supplied that is given out; 0 where friction holds the output: self-locking."""
         useful, lost = abs(torque) / ratio, self.torque(torque, speed, driving)
         return useful / (useful + lost) if driving else max(0.0, 1.0 - lost / useful)
 
     @classmethod
     def from_json(cls, given: Mapping[str, Any]) -> Self:
-        """Give the map of a JSON object."""
+        """Read the map from a JSON object."""
         rows = {key: tuple(tuple(map(float, row)) for row in given[key]) for key in ("driving", "driven")}
         return cls(tuple(map(float, given["torques"])), tuple(map(float, given["speeds"])), **rows)
 
 
 def _line(at: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:
-    """Give the value of straight lines through points; beyond the last point the last line goes on."""
+    """Compute the value of straight lines through points; beyond the last point the last line goes on."""
     if at <= x[-1]:
         return float(np.interp(at, x, y))
     return y[-1] + (y[-1] - y[-2]) / (x[-1] - x[-2]) * (at - x[-1])

@@ -82,7 +82,7 @@ def peak_of(on: TrialScene, struck: ImpactLoad) -> float | None:
 
 
 def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
-    """Give when the output reaches the lower stop [s], infinity for never, and its largest wind-up there [rad]."""
+    """Compute when the output reaches the lower stop [s], infinity for never, and its largest wind-up there [rad]."""
     from scipy.integrate import solve_ivp
 
     rated, moving, pulse = reduced.rated_torque, inertia + reduced.output_inertia, 2.0 * np.pi * frequency

@@ -194,7 +194,7 @@ def play_of(reducer: Reducer, poses: int) -> Play:
 
 
 def inertias(reducer: Reducer) -> tuple[float, float]:
-    """Give the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
+    """Compute the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
 
     But for their orbit the discs turn with the carrier of the output pins: not at all where the ring is the output,
     which takes its pins along.
@@ -225,7 +225,7 @@ def _friction(reducer: Reducer, told: Callable[[], None]) -> FrictionMap:
 
 
 def _idle(reducer: Reducer) -> float:
-    """Give the torque of friction on a crank that turns without a load [N m]."""
+    """Compute the torque of friction on a crank that turns without a load [N m]."""
     rated = reducer.design.rated_torque
     for torque in NEXT_TO_NONE:
         with suppress(RunError):
@@ -237,12 +237,12 @@ def _idle(reducer: Reducer) -> float:
 
 
 def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
-    """Give the value at 0 of the line through two points."""
+    """Compute the value at 0 of the line through two points."""
     return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
 
 
 def _lost(reducer: Reducer, torque: float, told: Callable[[], None] = lambda: None) -> float:
-    """Give the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
+    """Find the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
     try:
         found = powers(reducer, torque)
     except RunError:
@@ -254,7 +254,7 @@ def _lost(reducer: Reducer, torque: float, told: Callable[[], None] = lambda: No
 
 
 def _damping(reducer: Reducer) -> float:
-    """Give the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
+    """Compute the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
 
     Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
     being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
@@ -345,7 +345,7 @@ def _by_assumed_inputs(reducer: Reducer) -> str:
 
 
 def _angles_leave_out(reducer: Reducer, share: float) -> float:
-    """Give by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
+    """Find by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
     torque = share * reducer.design.rated_torque
     return abs(
         powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(reducer, FINER * POSES)).efficiency
@@ -353,7 +353,7 @@ def _angles_leave_out(reducer: Reducer, share: float) -> float:
 
 
 def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:
-    """Give value, unit and error of a quantity in another unit."""
+    """Return value, unit and error of a quantity in another unit."""
     value, error = values
     return value / unit, name, error / unit
 

@@ -32,7 +32,7 @@ def reducer_name(joint: str, number: int = 0) -> str:
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Give the part that a robot's model includes: the crank, the springs to the joint of this name, and the motor."""
+    """Write the MJCF that a robot's model includes: crank, springs to the joint of this name, and motor."""
     body = _rigid(reduced, joint) if reduced.level == "rigid" else _with_springs(reduced, joint)
     return f"""<mujoco model="reducer">
   <!-- The reducer {_comment(reduced.name)} as one joint, level {reduced.level}, by cycloid-mj reduce.
@@ -43,7 +43,7 @@ def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
 
 
 def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
-    """Give a scene with the joint, a motor on its crank and an inertia [kg m2] on its output; `timestep` in seconds.
+    """Write a scene with the joint, a motor on its crank and an inertia [kg m2] on its output; `timestep` in seconds.
 
     The motor's control is its torque on the crank [N m].
     """
@@ -133,7 +133,7 @@ def _sticking() -> str:
 
 
 def _comment(text: str) -> str:
-    """Give text that does not end the comment it stands in."""
+    """Escape text so that it does not end the comment it stands in."""
     return text.replace("--", "- -")
 
 

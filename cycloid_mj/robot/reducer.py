@@ -141,12 +141,12 @@ class ReducedJoint:
         return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
 
     def stiffness(self, torque: float) -> float:
-        """Give the slope of the torque over L where it has this size [N m/rad]."""
+        """Compute the slope of the torque over L where it has this size [N m/rad]."""
         beyond = self.wind_up(torque)
         return sum(spring.stiffness for spring in self.springs if spring.start <= beyond)
 
     def wind_up(self, torque: float) -> float:
-        """Give how far beyond its stop the joint carries a torque of this size [rad]."""
+        """Compute how far beyond its stop the joint carries a torque of this size [rad]."""
         low, reached, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
             if reached + slope * (spring.start - low) > abs(torque):
@@ -156,14 +156,14 @@ class ReducedJoint:
         return low + (abs(torque) - reached) / slope
 
     def torque(self, length: float, stops: tuple[float, float] | None = None) -> float:
-        """Give the torque with which the springs pull L = `length` [rad] back to its stops [N m]."""
+        """Compute the torque with which the springs pull L = `length` [rad] back to its stops [N m]."""
         low, high = stops or self.stops
         beyond = max(length - high, low - length)
         size = sum(spring.stiffness * max(beyond - spring.start, 0.0) for spring in self.springs)
         return -size if length > high else size
 
     def stops_at(self, angle: float, length: float) -> tuple[float, float]:
-        """Give the stops at a crank angle with their errors under the torque that L = `length` takes [rad]."""
+        """Compute the stops at a crank angle with their errors under the torque that L = `length` takes [rad]."""
         return self.moving_stops(angle)(length)
 
     def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
@@ -194,7 +194,7 @@ class ReducedJoint:
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
 
     def at(self, level: Level) -> Self:
-        """Give the same reducer at another level."""
+        """Return the same reducer at another level."""
         if level not in LEVELS:
             raise UsageError(f"there is no level {level!r}: choose {', '.join(LEVELS)}")
         return replace(self, level=level)
@@ -287,7 +287,7 @@ class ReducedJoint:
         model.dof_frictionloss[dof] = self.ratio * lost
 
     def as_json(self) -> dict[str, Any]:
-        """Give the quantities and, as `joint`, all values in SI for a program."""
+        """Convert the quantities and, as `joint`, all values in SI to JSON values."""
         told = {key: one.as_json() for key, one in self.quantities.items()}
         for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
             told.setdefault(key, {})["map"] = self._efficiency_map(driving)
@@ -307,7 +307,7 @@ class ReducedJoint:
 
     @classmethod
     def from_json(cls, given: Mapping[str, Any]) -> Self:
-        """Give the reducer of what `as_json` gave, without the quantities.
+        """Read the reducer from what `as_json` wrote, without the quantities.
 
         Raises
         ------
@@ -360,7 +360,7 @@ class ReducedJoint:
         }
 
     def _values(self) -> dict[str, Any]:
-        """Give every value in SI but the quantities."""
+        """Collect every value in SI but the quantities."""
         values = asdict(replace(self, quantities={}))
         del values["quantities"]
         return values

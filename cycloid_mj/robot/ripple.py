@@ -56,7 +56,7 @@ class Ripple:
         return np.asarray(waves @ np.concatenate([np.cos(turned), np.sin(turned)]))
 
     def harmonics(self, way: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Give every harmonic for a program: its amplitude [arcsec] under each load, with the crank turning each way.
+        """Turn every harmonic into JSON: its amplitude [arcsec] under each load, with the crank turning each way.
 
         `way` is that of the output against the crank, `rated` the torque on the output [N m].
         """
@@ -77,7 +77,7 @@ class Ripple:
 
     @classmethod
     def from_json(cls, given: Mapping[str, Any]) -> Self:
-        """Give the ripple of a JSON object."""
+        """Read the ripple from a JSON object."""
         orders, loads = (tuple(map(float, given[key])) for key in ("orders", "loads"))
         rows = {of.name: tuple(tuple(map(float, row)) for row in given[of.name]) for of in fields(cls)[2:]}
         return cls(orders, loads, **rows)

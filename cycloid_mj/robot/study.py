@@ -114,7 +114,7 @@ class Tried:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Give it for a program."""
+        """Convert it to JSON values."""
         return {
             "level": self.level,
             "integrator": self.integrator,
@@ -177,7 +177,7 @@ def tried(
 
 
 def longest(found: Iterable[Tried], level: Level, integrator: Integrator, load: str) -> Tried | None:
-    """Give the longest step up to which every one that was tried is accurate; None where none is."""
+    """Return the longest step up to which every one that was tried is accurate; None where none is."""
     steps = [one for one in found if (one.level, one.integrator, one.load) == (level, integrator, load)]
     best = None
     for one in sorted(steps, key=lambda one: one.timestep):
@@ -189,7 +189,7 @@ def longest(found: Iterable[Tried], level: Level, integrator: Integrator, load: 
 
 
 def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
-    """Give the longest accurate step [s] of each integrator at each level: with any inertia, and with each; 0 is none.
+    """List the longest accurate step [s] of each integrator at each level: with any inertia, and with each; 0 is none.
 
     `impact_error` is the relative error of the peak of an impact at the step of each inertia.
     """
@@ -212,7 +212,7 @@ def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
 
 
 def recommended_table(found: tuple[Tried, ...]) -> Table:
-    """Give the same as a table: a row for each level and integrator, a column for each inertia."""
+    """Tabulate the same: a row for each level and integrator, a column for each inertia."""
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
@@ -224,7 +224,7 @@ def recommended_table(found: tuple[Tried, ...]) -> Table:
 
 
 def table(found: tuple[Tried, ...]) -> Table:
-    """Give the study as a table: a row for each level, integrator and inertia, a column for each step."""
+    """Tabulate the study: a row for each level, integrator and inertia, a column for each step."""
     rows: dict[str, dict[float, str]] = {}
     for one in found:
         struck = "" if one.level == "rigid" else f", {one.impact_frequency:g} Hz"
@@ -311,7 +311,7 @@ def _rigid(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
 
 
 def _vibration(turn: Array, step: float) -> tuple[float, float]:
-    """Give the place about which a vibration goes, and its circular frequency [rad/s], if there is one."""
+    """Compute the place about which a vibration goes, and its circular frequency [rad/s], if there is one."""
     middle = 0.5 * (float(turn.max()) + float(turn.min()))
     if np.ptp(turn) < LEFT * abs(middle):
         return float(turn[-1]), np.nan

@@ -35,7 +35,7 @@ MOST = 32
 
 
 def turns(reducer: Reducer) -> int:
-    """Give the crank turns after which the error repeats."""
+    """Count the crank turns after which the error repeats."""
     return reducer.design.reduction
 
 
@@ -77,7 +77,7 @@ def _balances(reducer: Reducer, load: float) -> bool:
 
 
 def error(reducer: Reducer, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
-    """Give the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
+    """Compute the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
 
     `way` is that of the crank; the angles rise evenly from 0, `PER_MESH_PERIOD` in each mesh period.
     """
@@ -97,7 +97,7 @@ def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
 
 
 def waves(values: Array) -> tuple[Waves, Waves]:
-    """Give the complex amplitudes of a periodic error by whole cycles of all of it, and by every second sample.
+    """Return the complex amplitudes of a periodic error by whole cycles of all of it, and by every second sample.
 
     The real part of A exp(i order theta) is the harmonic; both have the same shape, the mean left out.
     """
@@ -112,7 +112,7 @@ def waves(values: Array) -> tuple[Waves, Waves]:
 
 
 def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
-    """Give the places of the fewest strongest harmonics that leave `LEFT` of every error, `MOST` at the most."""
+    """Compute the places of the fewest strongest harmonics that leave `LEFT` of every error, `MOST` at the most."""
     shares = np.max([np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each], axis=0)
     order = np.argsort(-shares, kind="stable")
     for count in range(1, MOST):

@@ -96,7 +96,7 @@ class TrialScene:
         return float(brentq(pull, reduced.stops[0] - reach, reduced.stops[1] + reach, xtol=1e-15, rtol=1e-14))
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
-        """Give L after each of so many steps under a torque on the output by time; None where it runs away."""
+        """Compute L after each of so many steps under a torque on the output by time; None where it runs away."""
         reduced, found = self.reduced, np.empty(steps)
         most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):
@@ -108,7 +108,7 @@ class TrialScene:
         return found
 
     def friction_torque(self) -> float:
-        """Give the torque of friction on the crank in the step just taken [N m], against its way."""
+        """Compute the torque of friction on the crank in the step just taken [N m], against its way."""
         efc = (self.data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (
             self.data.efc_id == self.place.crank_speed
         )

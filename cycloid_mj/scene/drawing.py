@@ -113,7 +113,7 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Give the magnification at which some part would be drawn with less than `THINNEST` of its radius."""
+    """Compute the magnification at which some part would be drawn with less than `THINNEST` of its radius."""
     design = reducer.design
     slack = 1.0 - THINNEST
     return 1.0 + slack * min(
@@ -146,13 +146,13 @@ def fitting_magnification(reducer: Reducer, widest: float, choices: Sequence[flo
 
 
 def tooth_clearance(reducer: Reducer) -> float:
-    """Give the normal clearance between gear and ring [m]."""
+    """Compute the normal clearance between gear and ring [m]."""
     design = reducer.design
     return design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
 
 
 def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
-    """Give the radii that leave each clearance `magnification` times as wide.
+    """Return the radii that leave each clearance `magnification` times as wide.
 
     Raises
     ------
@@ -206,7 +206,7 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separ
 
 
 def ring_normals(reducer: Reducer, gear: Array) -> Array:
-    """Give the ideal common normals, from the gear to each pin or lobe, shape (n, N, 2).
+    """Compute the ideal common normals, from the gear to each pin or lobe, shape (n, N, 2).
 
     All run through the pitch point, c N from the axis along the eccentricity. `gear` is its ideal pose (n, 3).
     """
@@ -241,7 +241,7 @@ def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0)
 
 
 def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
-    """Give the outline (m, 2) [m] of an internal gear in frame `row`, each point moved along its normal.
+    """Compute the outline (m, 2) [m] of an internal gear in frame `row`, each point moved along its normal.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 
 
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
-    """Give the distance of pin centres (n, N, 2) from the trochoid of teeth in the poses (n, 3), positive outside.
+    """Compute the distance of pin centres (n, N, 2) from the trochoid of teeth in the poses (n, 3), positive outside.
 
     Newton's method for the foot point, from where the ideal mesh has it.
     """
@@ -282,6 +282,6 @@ def _output_away(reducer: Reducer, gear: Array, output: Array) -> Array:
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:
-    """Give how far a point of the gear at `arm` [m] from its centre is from its ideal place, to first order."""
+    """Compute how far a point of the gear at `arm` [m] from its centre is from its ideal place, to first order."""
     turn = deviation[..., 2]
     return deviation[..., :2] + np.stack([-turn * arm[..., 1], turn * arm[..., 0]], axis=-1)

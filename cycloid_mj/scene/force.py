@@ -74,20 +74,20 @@ class ContactForces:
 
     @property
     def size(self) -> Array:
-        """Give the size of each force [N], shape (n, k)."""
+        """Compute the size of each force [N], shape (n, k)."""
         return np.linalg.norm(self.force, axis=2)
 
     @property
     def discs(self) -> tuple[int, ...]:
-        """Give the index of the disc of each pair; 0 where there is none."""
+        """Compute the index of the disc of each pair; 0 where there is none."""
         return tuple(disc_of(name) for name in self.names)
 
     def of(self, *kinds: str) -> "ContactForces":
-        """Give the pairs of some kinds."""
+        """Return the pairs of some kinds."""
         return self._some([row for row, kind in enumerate(self.kinds) if kind in kinds])
 
     def of_disc(self, disc: int) -> "ContactForces":
-        """Give the pairs of a disc, by its index."""
+        """Return the pairs of a disc, by its index."""
         return self._some([row for row, own in enumerate(self.discs) if own == disc])
 
     def _some(self, rows: list[int]) -> "ContactForces":
@@ -96,7 +96,7 @@ class ContactForces:
 
 
 def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
-    """Give the force and its place in every mating pair that has columns.
+    """Return the force and its place in every mating pair that has columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
     it. It fixes the line of action; the place on it is where a frictionless contact of the inner part would be, moved
@@ -135,12 +135,12 @@ def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawin
 
 
 def on_gear(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
-    """Give the forces that viewers show; see `contact_forces`."""
+    """Return the forces that viewers show; see `contact_forces`."""
     return contact_forces(reducer, columns).of(*FORCE_COLOURS)
 
 
 def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
-    """Give where viewers show the forces on each disc along the axis [m]: on its face towards the output.
+    """Compute where viewers show the forces on each disc along the axis [m]: on its face towards the output.
 
     Of several discs those on the first are on its other face, which no disc covers.
     """
@@ -151,7 +151,7 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
 
 
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
-    """Give the force of a disc on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
+    """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
     design = reducer.design
     if design.ring.kind != "pin":
         return None
@@ -160,7 +160,7 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
-    """Give kind of pair -> a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
+    """Map kind of pair to a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
 
     With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has
     4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
@@ -177,7 +177,7 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
 
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
-    """Give pair -> kind of those whose whole wrench has columns."""
+    """Map pair to kind of those whose whole wrench has columns."""
     end = column("", FORCE_X)
     stems = (name.removesuffix(end) for name in columns if name.endswith(end))
     whole = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
@@ -194,7 +194,7 @@ class _Inner:
     radii: Radii
 
     def surface(self, kind: str, number: int, disc: int, along: Array) -> Array:
-        """Give where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
+        """Compute where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
 
         `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed, a
         sleeve is pushed from within.
@@ -221,18 +221,18 @@ def _drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
 
 
 def cams(reducer: Reducer, shaft: Array) -> Array:
-    """Give the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
+    """Compute the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
     return moved(shaft[:, np.newaxis], gear_centre(reducer.tooth_profile, np.array(reducer.phases)))
 
 
 def _direction(force: Array) -> Array:
-    """Give unit vectors (n, 2); zero where there is no force."""
+    """Compute unit vectors (n, 2); zero where there is no force."""
     size = np.linalg.norm(force, axis=1, keepdims=True)
     return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
 
 
 def _aside(wrench: Array, along: Array, arm: Array) -> Array:
-    """Give the shift (n, 2) [m] that brings the point at `arm` from the wrench's origin onto its line of action.
+    """Compute the shift (n, 2) [m] that brings the point at `arm` from the wrench's origin onto its line of action.
 
     It is not longer than `LONGEST_SHIFT`: the moment of a force near zero, or of two contacts, says nothing of a place.
     """

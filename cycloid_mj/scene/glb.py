@@ -16,7 +16,7 @@ TO_Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0,
 
 
 def glb(pieces: Sequence[Piece]) -> bytes:
-    """Give the file of a part: its meshes [m], in the part's frame, with their colours."""
+    """Encode the file of a part: its meshes [m], in the part's frame, with their colours."""
     from trimesh import Scene
 
     scene = Scene()
@@ -26,7 +26,7 @@ def glb(pieces: Sequence[Piece]) -> bytes:
 
 
 def smoothed(piece: Piece) -> Any:
-    """Give a piece as a ``trimesh.Trimesh`` with a vertex, and its normal, for each smooth surface a point is on."""
+    """Return a piece as a ``trimesh.Trimesh`` with a vertex, and its normal, for each smooth surface a point is on."""
     from trimesh import Trimesh
     from trimesh.graph import smooth_shade
     from trimesh.visual import TextureVisuals

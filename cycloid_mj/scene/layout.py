@@ -13,7 +13,7 @@ DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
 
 
 def layout(reducer: Reducer) -> dict[str, Any]:
-    """Give the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
+    """Collect the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
 
     ``assets/layout.json`` has what all designs share. A crank at 1640 rpm turns once in 4 s at its playback speed.
     """

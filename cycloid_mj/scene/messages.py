@@ -95,12 +95,12 @@ class Scene:
 
     @property
     def schemas(self) -> dict[str, tuple[str, bytes]]:
-        """Give topic -> name and serialized FileDescriptorSet of its message."""
+        """Map topic to name and serialized FileDescriptorSet of its message."""
         kinds: dict[str, Any] = {FRAMES: FrameTransforms, PARTS: SceneUpdate, FORCES: SceneUpdate}
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Give what comes once, before the first frame, at `time` [s].
+        """Yield what comes once, before the first frame, at `time` [s].
 
         Raises
         ------
@@ -121,7 +121,7 @@ class Scene:
         yield PARTS, _nanoseconds(time), update.SerializeToString(deterministic=True)
 
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
-        """Give the frames at k times.
+        """Yield the frames at k times.
 
         Parameters
         ----------
@@ -200,7 +200,7 @@ def _nanoseconds(time: float) -> int:
 
 
 def _descriptors(message: Any) -> bytes:
-    """Give the FileDescriptorSet of a message, each file after those that it needs."""
+    """Encode the FileDescriptorSet of a message, each file after those that it needs."""
     files: dict[str, Any] = {}
 
     def add(file: Any) -> None:

@@ -15,7 +15,7 @@ USUAL = {"darwin": "cgl", "win32": "glfw"}
 
 
 def platform() -> str:
-    """Give the OpenGL that ``MUJOCO_GL`` names, or else the usual one of this system."""
+    """Return the OpenGL that ``MUJOCO_GL`` names, or else the usual one of this system."""
     return os.environ.get("MUJOCO_GL", "").lower() or USUAL.get(sys.platform, "egl")
 
 
@@ -29,7 +29,7 @@ def require_mujoco() -> None:
 
 @contextmanager
 def opengl(model: Any, width: int, height: int) -> Iterator[Any]:
-    """Give MuJoCo's rendering context of a model, off-screen and of a size [pixels].
+    """Yield MuJoCo's rendering context of a model, off-screen and of a size [pixels].
 
     Raises
     ------

@@ -20,13 +20,13 @@ def pose_columns(reducer: Reducer) -> tuple[str, ...]:
 
 
 def ring_places(reducer: Reducer) -> Array:
-    """Give the nominal centres of the ring's pins or lobes, shape (N, 2) [m]: the first on +y, then clockwise."""
+    """Compute the nominal centres of the ring's pins or lobes, shape (N, 2) [m]: the first on +y, then clockwise."""
     teeth = reducer.design.ring.teeth
     return reducer.design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(teeth) / teeth)
 
 
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Give part -> x [m], y [m] and angle [rad] at n times, shape (n, 3).
+    """Map part to x [m], y [m] and angle [rad] at n times, shape (n, 3).
 
     Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
     ... pin_N. Positions are those of gears' and pins' centres and of the reducer axis; angles are counter-clockwise.
@@ -70,14 +70,14 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
-    """Give the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
+    """Compute the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
     discs = reducer.design.gear.discs
     pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
     return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
 
 
 def _pressed(reducer: Reducer, force: list[Array]) -> list[Array]:
-    """Give how far a massless pin is from its place [m]: by its play away from the gears, which feel its force [N]."""
+    """Find how far a massless pin is from its place [m]: by its play away from the gears, which feel its force [N]."""
     size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
     return [-reducer.design.pin_play * component / size for component in force]
 
@@ -90,7 +90,7 @@ def turned(points: Array, angle: npt.ArrayLike) -> Array:
 
 
 def moved(pose: Array, points: Array) -> Array:
-    """Give points (..., 2) [m] of a body in the poses (..., 3) in the frame of the reducer axis."""
+    """Compute points (..., 2) [m] of a body in the poses (..., 3) in the frame of the reducer axis."""
     return pose[..., :2] + turned(points, pose[..., 2])
 
 

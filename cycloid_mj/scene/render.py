@@ -34,7 +34,7 @@ def render(
     size: tuple[int, int] = (WIDTH, HEIGHT),
     view: tuple[float, float] = (AZIMUTH, ELEVATION),
 ) -> Image:
-    """Give a picture of a sample, shape (height, width, 3), with the forces on the gear as arrows.
+    """Draw a picture of a sample, shape (height, width, 3), with the forces on the gear as arrows.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def _drawn(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: li
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Give tail, tip, width [m] and colour of each force's arrow, on a face of its disc."""
+    """List tail, tip, width [m] and colour of each force's arrow, on a face of its disc."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
     acting, reach, faces = on_gear(reducer, columns), reducer.design.ring.pin_circle_radius, arrow_heights(reducer)
     arrows = []

@@ -113,7 +113,7 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: Co
 
 
 def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
-    """Give the views that the viewer opens with."""
+    """Return the views that the viewer opens with."""
     rrb = importlib.import_module("rerun.blueprint")
     at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
     speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))

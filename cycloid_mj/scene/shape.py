@@ -36,7 +36,7 @@ class Piece:
 
 
 def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
-    """Give housing, shaft, gears, pin (where the ring has pins) and output, each in the frame of its pose in the plane.
+    """List housing, shaft, gears, pin (where the ring has pins) and output, each in the frame of its pose in the plane.
 
     The disc of the output is a piece of its own that can be seen through: the mechanism is looked at from its side,
     where x points right and y up. A built-up crank is the shaft with its cams and spacers, the output has its rollers;
@@ -72,7 +72,7 @@ def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Pi
 
 
 def _piece(name: str, solid: Solid, place: Array) -> Piece:
-    """Give a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
+    """Return a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
     shape = mesh(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
     return Piece(name, placed, tinted(COLOURS[family(name)], name))

@@ -50,12 +50,12 @@ class Loads:
         return self.cam.shape[1]
 
     def by_disc(self, forces: Array) -> Array:
-        """Give forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
+        """Compute forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
         return forces.reshape(len(forces), self.discs, -1)
 
 
 def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = False) -> Loads:
-    """Give what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
+    """Compute what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
 
     A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise. `follow`
     tells that the crank angles follow each other closely: each search then starts from the balances before.
@@ -80,7 +80,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = Fals
 
 
 def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
-    """Give what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
+    """Compute what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
     contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
@@ -118,7 +118,7 @@ def require_balance(left: Left) -> None:
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
-    """Give the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
+    """Compute the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
 
     Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
     each other. The `torque` [N m] is on the output, in the sense of `member.share`.
@@ -155,7 +155,7 @@ class Powers:
 
 
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
-    """Give the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
+    """Compute the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
 
     The mean is over crank angles [rad], shape (m,); by default all round.
 
@@ -178,7 +178,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
 
 def _friction_losses(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Array]:
-    """Give the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
+    """Compute the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(design.drive.speed) * design.ring.teeth / design.lobes

@@ -44,7 +44,7 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def held_at(self, far: float, near: float) -> tuple[Array, Array]:
-        """Give what two bearings at places [m] answer with [N], shape (m, 2) each, the part being a beam on both."""
+        """Compute what two bearings at places [m] answer with [N], shape (m, 2) each, the part being a beam on both."""
         share = (self.place - far) / (near - far)
         at_near = -np.einsum("d,mdi->mi", share, self.force)
         return -self.net - at_near, at_near
@@ -84,7 +84,7 @@ HELD = {
 
 
 def reaction_quantities(found: Reactions) -> Iterator[Quantity]:
-    """Give the largest forces and tilting moments over the crank angle."""
+    """Yield the largest forces and tilting moments over the crank angle."""
     for part in ("shaft", "output", "ring"):
         planes: Planes = getattr(found, part)
         tilts, nets = (float(np.hypot(*one.T).max()) for one in (planes.moment, planes.net))
@@ -97,7 +97,7 @@ def reaction_quantities(found: Reactions) -> Iterator[Quantity]:
 
 
 def reactions(reducer: Reducer, springs: Springs, found: Loads) -> Reactions:
-    """Give what bearings hold under static forces; without the weight and the unbalance of shaft and output."""
+    """Compute what bearings hold under static forces; without the weight and the unbalance of shaft and output."""
     slope = springs.contacts.slope
     push = slope[..., :-1].reshape(*slope.shape[:2], found.discs, 3)[..., :2].sum(axis=2)
     count = springs.teeth
@@ -110,7 +110,7 @@ def reactions(reducer: Reducer, springs: Springs, found: Loads) -> Reactions:
 
 
 def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Give what bearings hold under forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
+    """Compute what bearings hold under forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
     design = reducer.design
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))

@@ -9,7 +9,7 @@ from cycloid_mj.reducer.gaps import Gaps
 
 
 def rubbing(reducer: Reducer, found: Gaps, motion: Array) -> Array:
-    """Give the generalised friction of each contact per normal force [1], shape (..., n, u).
+    """Compute the generalised friction of each contact per normal force [1], shape (..., n, u).
 
     `motion` is how the unknowns move with time, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
@@ -19,7 +19,7 @@ def rubbing(reducer: Reducer, found: Gaps, motion: Array) -> Array:
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Give the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
+    """Compute the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
 
     Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh.
     A contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with

@@ -12,7 +12,7 @@ from cycloid_mj.statics.springs import body_force
 
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
-    """Give the largest force [N] that ideal sharing of ``load.torque`` puts on a contact of a kind."""
+    """Compute the largest force [N] that ideal sharing of ``load.torque`` puts on a contact of a kind."""
     return max(_peak(reducer, kind, crank_angle, phase) for phase in reducer.phases)
 
 
@@ -28,7 +28,7 @@ def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
 
 
 def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
-    """Give the largest force of a kind on the disc at a `phase` on the crank [N], as seen from the ring."""
+    """Compute the largest force of a kind on the disc at a `phase` on the crank [N], as seen from the ring."""
     if kind == "cam":
         return float(_cam(reducer, crank, phase).max())
     ring, pins, _ = _shared(reducer, crank, phase)

@@ -42,12 +42,12 @@ class ImpactLaw:
         return float(acting / (2.0 * math.sqrt(self.secant(force) * mass)))
 
     def in_series(self) -> "ImpactLaw":
-        """Give the law of two such contacts in series, which share the depth and bear the same force."""
+        """Return the law of two such contacts in series, which share the depth and bear the same force."""
         return ImpactLaw(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
 
 
 def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
-    """Give the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
+    """Get the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
 
     Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
     """

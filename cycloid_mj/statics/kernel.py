@@ -364,13 +364,13 @@ def _search(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _depth(springs: KernelSprings, plays: float) -> float:
-    """Give how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
+    """Compute how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
     return min(plays * _play(springs), 0.1 * springs.trochoid[1])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _hardest(springs: KernelSprings, k: int) -> float:
-    """Give the largest stiffness of all contacts and cams [N/m]."""
+    """Compute the largest stiffness of all contacts and cams [N/m]."""
     hardest = springs.cam_stiffness
     for i in range(springs.disc.size):
         hardest = max(hardest, springs.stiffness[k, i])
@@ -379,7 +379,7 @@ def _hardest(springs: KernelSprings, k: int) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _play(springs: KernelSprings) -> float:
-    """Give the largest play of all contacts and cams [m]."""
+    """Compute the largest play of all contacts and cams [m]."""
     play = max(abs(springs.cam_clearance), 1e-6)
     for i in range(springs.disc.size):
         play = max(play, springs.room[i])
@@ -518,7 +518,7 @@ def balance_samples(
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
-    """Give the figures of one sample, but the last."""
+    """Write the figures of one sample, but the last."""
     count, discs = len(z), springs.cam_place.shape[1]
     for part in range(2):
         total, least, most = 0.0, math.inf, -math.inf
@@ -549,7 +549,7 @@ def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Curved:
-    """Give a gap at departures z [m], shape (u,)."""
+    """Compute a gap at departures z [m], shape (u,)."""
     pose = _pose(springs, springs.disc[i], z)
     return _curved(springs, k, i, pose, _apart(springs, k, i, pose), _NO)
 
@@ -562,7 +562,7 @@ def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance.
+    """Compute the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance.
 
     Without friction.
     """
@@ -593,7 +593,7 @@ def _system(springs: KernelSprings) -> _System:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
-    """Give where a disc and the output are at departures z [m], shape (u,)."""
+    """Compute where a disc and the output are at departures z [m], shape (u,)."""
     x, radius = 3 * disc, springs.radius
     turned, output = z[x + 2], z[z.size - 1]
     return _Pose(z[x], z[x + 1], turned, output, turned / radius, output / radius)
@@ -601,7 +601,7 @@ def _pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _apart(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
-    """Give how far two curves are apart.
+    """Compute how far two curves are apart.
 
     Finite turns count to the second order: a curve that turns with its disc by phi sees its mate's place turn the other
     way, q + i p as e^(i phi); a round hole only moves, its middle about the disc's and the pin's about the output's.
@@ -623,7 +623,7 @@ def _apart(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
 def _curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
-    """Give a gap and its derivatives from what `_apart` gives."""
+    """Compute a gap and its derivatives from what `_apart` gives."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
@@ -658,7 +658,7 @@ def _rounded(
     turning: bool,
     exact: bool,
 ) -> tuple[float, float, float, float]:
-    """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
+    """Compute the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
 
     Where the third order may not be relied on, the foot point on the trochoid is looked for; where there is none near,
     as of parts that are far apart, the curve counts as its circle.
@@ -689,7 +689,7 @@ def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _sharpest(trochoid: tuple[float, float, float]) -> float:
-    """Give the curvature in the middle of a valley [1/m]: nowhere is the trochoid more concave."""
+    """Compute the curvature in the middle of a valley [1/m]: nowhere is the trochoid more concave."""
     E, c, N = trochoid
     return (E - c * N * N) / (E - c * N) ** 2
 
@@ -961,7 +961,7 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _cam(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
-    """Give how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
+    """Compute how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
     reach, clearance = math.sqrt(x * x + y * y), springs.cam_clearance
     depth, share = reach - clearance, 1.0 / reach if reach > 0.0 else 0.0
@@ -987,7 +987,7 @@ def _drag(springs: KernelSprings, k: int, friction: float, system: _System) -> N
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _largest(values: Array) -> float:
-    """Give the largest size among values."""
+    """Compute the largest size among values."""
     largest = 0.0
     for j in range(values.size):
         largest = max(largest, abs(values[j]))
@@ -1164,7 +1164,7 @@ def follow_path(
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
-    """Give a step of a path from rest by way of departures `before` to z (u,) [m] under a load (u,) [N].
+    """Compute a step of a path from rest by way of departures `before` to z (u,) [m] under a load (u,) [N].
 
     Neither need be a balance. Friction's limits follow from the normal forces at z, as `follow_path` has them; or they
     are `given`, as they follow from those before: then the forces left over are the descent of the energy.
@@ -1441,6 +1441,6 @@ def _rub_along(rubbing: Rubbing, i: int, most: float, rate: float, one: _Step, o
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _stored(force: float, most: float, stiffness: float) -> float:
-    """Give the energy of a spring that would hold a `force` [N] but slips at `most`, with what its slip takes [J]."""
+    """Find the energy of a spring that would hold a `force` [N] but slips at `most`, with what its slip takes [J]."""
     size = abs(force)
     return 0.5 * size * size / stiffness if size <= most else most * (size - 0.5 * most) / stiffness

@@ -97,11 +97,11 @@ class CurvatureLaw:
     deflection: float
 
     def factor(self, relative_curvature: float) -> float:
-        """Give the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
+        """Compute the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
         return float(self.factors(np.array(relative_curvature)))
 
     def factors(self, relative_curvature: Array) -> Array:
-        """Give the same at many, in their shape."""
+        """Compute the same at many, in their shape."""
         if self.reference == 0.0:
             return np.ones(relative_curvature.shape)
         least = math.exp(0.5 * self.reference - self.constant)
@@ -109,12 +109,12 @@ class CurvatureLaw:
 
 
 def damping_ratio(reducer: Reducer, kind: str) -> float:
-    """Give the damping of a kind of pair as a share of critical [1]."""
+    """Compute the damping of a kind of pair as a share of critical [1]."""
     return float(getattr(reducer.design.damping, kind)) or reducer.design.contact.damping_ratio
 
 
 def pair_stiffness(reducer: Reducer, kind: str) -> float:
-    """Give the stiffness of a kind of pair [N/m]: the one given, or the secant stiffness at its working force.
+    """Compute the stiffness of a kind of pair [N/m]: the one given, or the secant stiffness at its working force.
 
     Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
     rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
@@ -146,7 +146,7 @@ def pair_stiffness(reducer: Reducer, kind: str) -> float:
 
 
 def series_stiffness(reducer: Reducer) -> float:
-    """Give the stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
+    """Compute the stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
 
     A pin is a two-force body: play and compliance of its two contacts add up.
     """
@@ -155,7 +155,7 @@ def series_stiffness(reducer: Reducer) -> float:
 
 
 def contact_stiffness(reducer: Reducer, kind: str, disc: int = 0) -> float:
-    """Give the stiffness of a kind of pair as the simulation has it [N/m].
+    """Compute the stiffness of a kind of pair as the simulation has it [N/m].
 
     Of a massless pin, its seat is in series; of an output pin, its bending at a `disc` in a structure of springs.
     """
@@ -166,12 +166,12 @@ def contact_stiffness(reducer: Reducer, kind: str, disc: int = 0) -> float:
 
 
 def stiffest(reducer: Reducer, kind: str) -> float:
-    """Give `contact_stiffness` on the disc where it is largest [N/m]."""
+    """Compute `contact_stiffness` on the disc where it is largest [N/m]."""
     return max(contact_stiffness(reducer, kind, disc) for disc in range(reducer.design.gear.discs))
 
 
 def _roller_on_cam(reducer: Reducer) -> float:
-    """Give the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
+    """Find the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
     design = reducer.design
     if design.contact.stiffness:
         return 0.0
@@ -182,7 +182,7 @@ def _roller_on_cam(reducer: Reducer) -> float:
 
 
 def curvature_law(reducer: Reducer, kind: str = "") -> CurvatureLaw:
-    """Give the stiffness of a kind of line contacts from material, face width, pin radius and working force.
+    """Compute the stiffness of a kind of line contacts from material, face width, pin radius and working force.
 
     By default it is that of the teeth, pin on gear or gear on internal gear; of the cam, that of a roller.
 
@@ -213,7 +213,7 @@ def curvature_law(reducer: Reducer, kind: str = "") -> CurvatureLaw:
 
 
 def _line_force(reducer: Reducer, kind: str) -> float:
-    """Give the working force of one line contact [N]; of a rolling cam, on its most loaded roller."""
+    """Compute the working force of one line contact [N]; of a rolling cam, on its most loaded roller."""
     force = working_force(reducer, kind)
     return force * STRIBECK / reducer.design.contact.cam_rollers if kind == "cam" else force
 
@@ -241,7 +241,7 @@ class SolverParameters:
 def contact_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactParameters:
-    """Give the law of a contact between two bodies of a given effective mass.
+    """Compute the law of a contact between two bodies of a given effective mass.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def contact_law(
 
 
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
-    """Give the ``impratio`` of a model that MuJoCo's lift is taken off (`lift`), for the laws of a design's discs.
+    """Compute the ``impratio`` of a model that MuJoCo's lift is taken off (`lift`), for the laws of a design's discs.
 
     As the normal force has the added mass 1/R, friction has impratio/R, which acts on the acceleration along the
     contact: below Coulomb's limit it is creep v + impratio/R dv/dt. At creep dt/2 it is centred in the step, as damping
@@ -286,7 +286,7 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 
 
 def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
-    """Give the tangent of the angle by which friction leads its sliding, on teeth, cam and the seats of moving pins.
+    """Compute the tangent of the angle by which friction leads its sliding, on teeth, cam and the seats of moving pins.
 
     Parts that circle on the eccentricity c at w slide with c w and accelerate by c w^2; on the cam, of radius r, they
     slide with r w. So it is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working force:
@@ -302,7 +302,7 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: flo
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Give the ``impratio`` of a model for stock MuJoCo, which lifts what slides: `IMPRATIO`, or what `LEAD` allows."""
+    """Find the ``impratio`` of a model for stock MuJoCo, which lifts what slides: `IMPRATIO`, or what `LEAD` allows."""
     allowed = [
         (LEAD_OF_PINS if kind == reducer.design.seat_pair else LEAD) / lead
         for of_disc in laws

@@ -19,12 +19,12 @@ GUESSES, TOLERANCE = 12, 1e-3
 
 
 def peak_force(found: Loads, kind: str) -> float:
-    """Give the largest force on a contact of a kind [N]."""
+    """Compute the largest force on a contact of a kind [N]."""
     return float(forces(found, kind).max())
 
 
 def peak_pressure(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> float:
-    """Give the largest Hertz pressure on a kind of contact [Pa]."""
+    """Compute the largest Hertz pressure on a kind of contact [Pa]."""
     curvature = springs.curvature if kind == reducer.design.tooth_pair else line_curvature(reducer, kind)
     return float(hertz_pressure(reducer, kind, forces(found, kind) * line_share(reducer, kind), curvature).max())
 
@@ -38,7 +38,7 @@ def torque_at_pressure(
     found: Loads | None = None,
     follow: bool = False,
 ) -> float:
-    """Give the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
+    """Compute the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
 
     `torque` [N m] is the first guess, not 0, and `found` what it loads, if that is known; better guesses follow, as if
     the pressure rose with the square root of the torque. `follow` is that of `loads`.
@@ -58,7 +58,7 @@ def torque_at_pressure(
 
 
 def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
-    """Give the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
+    """Compute the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
     return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * pair_strength(reducer, kind), torque)
 
 
@@ -71,6 +71,6 @@ def is_narrow(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> bo
 
 
 def forces(found: Loads, kind: str) -> Array:
-    """Give the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
+    """Compute the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
     other = {"cam": np.linalg.norm(found.cam, axis=-1), "output": found.output}
     return other.get(kind, found.teeth)

@@ -26,7 +26,7 @@ Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, i
 
 
 def line_curvature(reducer: Reducer, kind: str) -> float:
-    """Give the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
+    """Find the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
     design = reducer.design
     if kind == "cam" and _has_rollers(reducer):
         return 1.0 / roller_radius(reducer) + 1.0 / design.gear.bore_radius
@@ -43,28 +43,28 @@ def line_curvature(reducer: Reducer, kind: str) -> float:
 
 
 def roller_radius(reducer: Reducer) -> float:
-    """Give the radius of the cam's rollers [m], which fill its circle, one touching the next."""
+    """Compute the radius of the cam's rollers [m], which fill its circle, one touching the next."""
     return reducer.design.gear.bore_radius * math.sin(math.pi / reducer.design.contact.cam_rollers)
 
 
 def line_share(reducer: Reducer, kind: str) -> float:
-    """Give the share of a pair's force that its most loaded line contact bears: of a rolling cam, one roller."""
+    """Compute the share of a pair's force that its most loaded line contact bears: of a rolling cam, one roller."""
     return STRIBECK / reducer.design.contact.cam_rollers if kind == "cam" and _has_rollers(reducer) else 1.0
 
 
 def pair_modulus(reducer: Reducer, kind: str) -> float:
-    """Give the modulus E* [Pa] of a kind of pair, of the materials of both parts."""
+    """Compute the modulus E* [Pa] of a kind of pair, of the materials of both parts."""
     one, other = reducer.design.partners(kind)
     return ideal_loads.contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
 
 
 def pair_strength(reducer: Reducer, kind: str) -> float:
-    """Give the yield strength [Pa] of the weaker of the two parts that meet in a kind of pair."""
+    """Compute the yield strength [Pa] of the weaker of the two parts that meet in a kind of pair."""
     return min(part.yield_strength for part in reducer.design.partners(kind))
 
 
 def hertz_pressure(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
-    """Give Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
+    """Compute Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
 
     `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
     """

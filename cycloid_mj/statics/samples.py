@@ -78,7 +78,7 @@ class Samples:
 
 
 def alike(reducer: Reducer, count: int) -> Samples:
-    """Give samples that are all made as the design is, with its own errors; `replace` what they differ in."""
+    """Return samples that are all made as the design is, with its own errors; `replace` what they differ in."""
     design = reducer.design
     made, clearance, change = reducer.deviations, design.clearance, design.modification
     one = {
@@ -211,12 +211,12 @@ def solve_samples(
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:
-    """Give the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
+    """Compute the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
 def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
-    """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
+    """Get the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
@@ -247,12 +247,12 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
 
 
 def _of_own_disc(contacts: kernel.KernelSprings, slopes: Array) -> Array:
-    """Give the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
+    """Find the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
 def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
+    """Compute what the samples put into the contacts; the springs are those of the design's own clearances."""
     design = reducer.design
     discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play

@@ -119,7 +119,7 @@ class Sheet:
     assumptions: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """Give the sheet for a program."""
+        """Convert the sheet to JSON values."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -134,7 +134,7 @@ class Sheet:
 
 
 def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Give the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
+    """Compute the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def glance(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Give the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
+    """Compute the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
 
     They are the motions, the transmission error forward under the load, the loads up to first yield, and the
     efficiency.
@@ -173,7 +173,7 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
 
 
 def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
-    """Give some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
+    """Collect some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
     return keyed(PARTS_OF_SHEET[part](*_under(reducer, load)))
 
 
@@ -188,7 +188,7 @@ def load_of(reducer: Reducer, given: float | None = None) -> tuple[float, LoadSo
 
 
 def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Give a design under a load, by default `load_of` it, and that load."""
+    """Return a design under a load, by default `load_of` it, and that load."""
     load, _ = load_of(reducer, load)
     if not load > 0.0:
         raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
@@ -198,14 +198,14 @@ def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
 
 
 def known_difference(one: Quantity) -> float | None:
-    """Give the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
+    """Compute the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
     if math.isnan(one.value) or one.key in KNOWN:
         return KNOWN.get(one.key)
     return next((share for end, share in KNOWN_OF_KINDS.items() if one.key.endswith(f"_{end}")), None)
 
 
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
+    """Yield backlash, lost motion and stiffness at a locked crank, without friction and weight."""
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     evenly = np.sort(turn_evenly(reducer))
     springs = springs_of(still, evenly, friction=False)
@@ -238,12 +238,12 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _stiffness(found: Sequence[Windup]) -> float:
-    """Give the mean stiffness [N m/arcmin]."""
+    """Compute the mean stiffness [N m/arcmin]."""
     return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
 
 
 def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give the transmission errors, loaded and unloaded, both ways, with friction."""
+    """Yield the transmission errors, loaded and unloaded, both ways, with friction."""
     mean: dict[tuple[str, str, str], float] = {}
     for case in CASES:
         for way in WAYS:
@@ -258,12 +258,12 @@ def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give the transmission error forward under the load alone."""
+    """Yield the transmission error forward under the load alone."""
     return _widths(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
 def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
-    """Give the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
+    """Compute the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
     crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.mesh_periods + 1), WAYS[way]
     turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     found = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
@@ -271,7 +271,7 @@ def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Arra
 
 
 def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
-    """Give how far turns spread."""
+    """Yield how far turns spread."""
     for shaft, turn in turns.items():
         for key, words, value in (
             ("peak_to_peak", "peak to peak", np.ptp(turn)),
@@ -282,7 +282,7 @@ def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantit
 
 
 def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Give forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
+    """Yield forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(reducer, _angles(reducer))
@@ -308,17 +308,17 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give the loads, and the torque at the first of `LIMITS` alone."""
+    """Yield the loads, and the torque at the first of `LIMITS` alone."""
     return _loads(reducer, load, limits=1)
 
 
 def _angles(reducer: Reducer) -> Array:
-    """Give the crank angles for forces [rad], which follow each other."""
+    """Compute the crank angles for forces [rad], which follow each other."""
     return np.sort(turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL))
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:
-    """Give the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
+    """List the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
     for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
         note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle"
         yield Quantity(
@@ -327,7 +327,7 @@ def disc_shares(share: Array) -> Iterator[Quantity]:
 
 
 def _of_kind(springs: Springs, found: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
-    """Give the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
+    """Yield the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
     peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
@@ -345,7 +345,7 @@ def _mean(values: Array) -> float:
 
 
 def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give efficiency and losses, and those of the reducer driven by its output."""
+    """Yield efficiency and losses, and those of the reducer driven by its output."""
     yield from _efficiency(reducer, load)
     back, held = driven(reducer, load)
     against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
@@ -357,7 +357,7 @@ def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Give efficiency and losses of the reducer driven by its crank."""
+    """Yield efficiency and losses of the reducer driven by its crank."""
     design = reducer.design
     found = powers(reducer, load)
     yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
@@ -370,7 +370,7 @@ def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Give the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
+    """Compute the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
 
     The latter is a torque on the output [N m]; not a number where the reducer locks itself.
     """

@@ -61,7 +61,7 @@ class Losses:
 
 
 def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
-    """Give the turn of the output [rad], shape (m,), along a course of torque [N m], shape (m,), that begins at rest.
+    """Find the turn of the output [rad], shape (m,), along a course of torque [N m], shape (m,), that begins at rest.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, he
 def course_along(
     reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
 ) -> tuple[Array, Array]:
-    """Give where along a course of torque the output is, and its turn [rad], shape (rows,) each, as `turn_along`.
+    """Compute where along a course of torque the output is, and its turn [rad], shape (rows,) each, as `turn_along`.
 
     Where is counted in points of `torque` from its first. Each of them has a row; where the output turns by more than
     `reach` [rad] between two, there are rows between them, so that a leap across the play has the torque that it has.
@@ -108,7 +108,7 @@ def course_along(
 
 
 def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, held: Held) -> Rubbing:
-    """Give the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
+    """Return the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
 
     The springs are those at the crank angle [rad].
     """
@@ -143,7 +143,7 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
 
 
 def _travels(travel: float) -> Array:
-    """Give the turn at which each of the seals' elements slips [rad], shape (``SEALS``,).
+    """Compute the turn at which each of the seals' elements slips [rad], shape (``SEALS``,).
 
     Friction that grows as 1 - exp(-x/travel) is that of elements whose limits are spread as x exp(-x/travel) is.
     """

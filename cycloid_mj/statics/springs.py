@@ -53,7 +53,7 @@ class Springs:
     slip: Array
 
     def load(self, torque: float) -> Array:
-        """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
+        """Compute the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
             load[:, 3 * disc : 3 * disc + 2] = self.body_force[:, disc]
@@ -67,7 +67,7 @@ def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
-    """Give the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
+    """Compute the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
 
     Their stiffness is that `at_rated_load`; without `friction` the crank need not turn.
 
@@ -131,7 +131,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Give the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
+    """Find the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
     law = curvature_law(reducer)
     own = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
@@ -139,7 +139,7 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _bending(reducer: Reducer) -> Array:
-    """Give by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
+    """Find by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
 
     At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
     push, and what is across it moves the contact along its circle alone.
@@ -150,7 +150,7 @@ def _bending(reducer: Reducer) -> Array:
 
 
 def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
-    """Give weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
+    """Compute weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
 
     The disc is ahead of the crank by its `phase` [rad].
 

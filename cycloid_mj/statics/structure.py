@@ -24,7 +24,7 @@ TWISTING = ("carrier", "shaft", "housing")
 
 
 def pin_flexibility(reducer: Reducer) -> Array:
-    """Give by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
+    """Compute by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
 
     The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
     load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
@@ -41,7 +41,7 @@ def pin_flexibility(reducer: Reducer) -> Array:
 
 
 def beam_flexibility(made: Material, radius: float, arms: Array, length: float | None = None) -> Array:
-    """Give the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
+    """Compute the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
 
     With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
     """
@@ -64,7 +64,7 @@ def beam_flexibility(made: Material, radius: float, arms: Array, length: float |
 
 
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
-    """Give the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
+    """Compute the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
 
     What is not given follows from the shape: of the shaft G pi r^4/(2 L), of rings G 4 pi t/(1/r^2 - 1/R^2) from the
     inner radius r to the outer R at the thickness t (in-plane shear): the output disc from its hub to its pins, the
@@ -87,7 +87,7 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
 
 
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:
-    """Give by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
+    """Compute by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
 
     The crank's twist reaches the output divided by the ratio N - 1, as the torque on it is; the ring's, under the
     torque N/(N - 1), times N/(N - 1); where the ring is the output, `member.share` squared of all that. The forces of
@@ -103,12 +103,12 @@ def twisting_compliance(reducer: Reducer) -> dict[str, float]:
 
 
 def wind_up(reducer: Reducer) -> float:
-    """Give the sum of `twisting_compliance` [rad/(N m)]."""
+    """Compute the sum of `twisting_compliance` [rad/(N m)]."""
     return sum(twisting_compliance(reducer).values())
 
 
 def crank_flexibility(reducer: Reducer) -> Array:
-    """Give by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
+    """Compute by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
 
     An Euler beam of the shaft's radius on two bearings that do not give and let it tilt: the integral of M_d M_d'/(E I)
     along it, exact for moments that are linear from place to place. No figure counts it: `structure_told` states it.
@@ -148,7 +148,7 @@ def structure_told(reducer: Reducer) -> str:
 
 
 def shear_modulus(made: Material) -> float:
-    """Give the shear modulus E/(2 (1 + nu)) [Pa]."""
+    """Compute the shear modulus E/(2 (1 + nu)) [Pa]."""
     return made.youngs_modulus / (2.0 * (1.0 + made.poisson))
 
 

@@ -56,7 +56,7 @@ class Windup:
         return float(np.mean(rise)) / ((high - low) * self.rated)
 
     def series(self, reducer: Reducer) -> dict[str, float]:
-        """Give the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
+        """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
         return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
 

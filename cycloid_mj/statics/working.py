@@ -27,7 +27,7 @@ Source = Literal["given", "working load", "load", "weight and inertia"]
 
 
 def working_force(reducer: Reducer, kind: str) -> float:
-    """Give the force [N] at which a kind of pair has its secant stiffness; of the cam, its whole force.
+    """Compute the force [N] at which a kind of pair has its secant stiffness; of the cam, its whole force.
 
     The pair's own in ``working_force``, or ``contact.working_force`` for all: then a rolling cam's most loaded roller
     bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded contact bears
@@ -49,7 +49,7 @@ def working_force(reducer: Reducer, kind: str) -> float:
 
 
 def working_load(reducer: Reducer) -> float:
-    """Give the torque on the output [N m] that the working forces follow from.
+    """Compute the torque on the output [N m] that the working forces follow from.
 
     ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`.
     """
@@ -57,7 +57,7 @@ def working_load(reducer: Reducer) -> float:
 
 
 def own_load(reducer: Reducer) -> float:
-    """Give the torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
+    """Compute the torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
 
     A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T presses
     the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a ring, for each
@@ -84,7 +84,7 @@ def working_source(reducer: Reducer, kind: str) -> Source:
 
 
 def working_at(reducer: Reducer, torque: float) -> Reducer:
-    """Give a design whose contacts have the stiffness of one torque on the output [N m], whatever load a run has.
+    """Return a design whose contacts have the stiffness of one torque on the output [N m], whatever load a run has.
 
     A design that gives a working load, or one working force for all pairs, keeps it.
     """
@@ -95,7 +95,7 @@ def working_at(reducer: Reducer, torque: float) -> Reducer:
 
 
 def at_rated_load(reducer: Reducer) -> Reducer:
-    """Give `working_at` the design's own load, or the rated torque where it has none.
+    """Return `working_at` the design's own load, or the rated torque where it has none.
 
     For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
     """
@@ -103,7 +103,7 @@ def at_rated_load(reducer: Reducer) -> Reducer:
 
 
 def for_slices(reducer: Reducer) -> Reducer:
-    """Give `working_at` the rated torque, or the design's own load where that is larger.
+    """Return `working_at` the rated torque, or the design's own load where that is larger.
 
     A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
     """
@@ -138,7 +138,7 @@ def _shared(reducer: Reducer, kind: str, torque: float) -> float:
 
 @lru_cache(maxsize=64)
 def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Give the mean size of the cam's force under ideal sharing, over the load torque [1/m]."""
+    """Compute the mean size of the cam's force under ideal sharing, over the load torque [1/m]."""
     crank = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
     output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)

@@ -37,31 +37,31 @@ class Action:
         return arm[..., np.newaxis] * turned_right(self.force)
 
     def reaction(self) -> "Action":
-        """Give the same on the other body."""
+        """Compute the same on the other body."""
         return Action(-self.force, -self.moment)
 
     def seen_from(self, origin: Array, angle: Array) -> "Action":
-        """Give the action in a frame at `origin` [m] (k, 2) of the present one, turned by `angle` [rad] (k,)."""
+        """Compute the action in a frame at `origin` [m] (k, 2) of the present one, turned by `angle` [rad] (k,)."""
         return Action(turned(self.force, -angle), self.moment - cross(origin, self.force))
 
     def without_rounding(self) -> "Action":
-        """Give the action with negligible forces set to zero."""
+        """Compute the action with negligible forces set to zero."""
         return self.where(self.size > NEGLIGIBLE * np.max(self.size, initial=0.0))
 
     def where(self, chosen: Mask) -> "Action":
-        """Give the action at the chosen samples (k,), and no force at the others."""
+        """Compute the action at the chosen samples (k,), and no force at the others."""
         return Action(np.where(chosen[..., np.newaxis], self.force, 0.0), np.where(chosen, self.moment, 0.0))
 
     def on_hole(self, centre: Array, radius: float, half_width: Array | float = 0.0) -> Array:
-        """Give where the force presses on the wall of a hole [m], (k, 2): ahead of the hole's centre."""
+        """Compute where the force presses on the wall of a hole [m], (k, 2): ahead of the hole's centre."""
         return self._on_circle(centre, radius, half_width, 1.0)
 
     def on_disc(self, centre: Array, radius: float, half_width: Array | float = 0.0) -> Array:
-        """Give where the force presses on a disc [m], (k, 2): behind the disc's centre."""
+        """Compute where the force presses on a disc [m], (k, 2): behind the disc's centre."""
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Give the middle of a patch of a half width [m] on a circle.
+        """Compute the middle of a patch of a half width [m] on a circle.
 
         A narrow patch lies where the line of action meets the circle. The tractions of a wide one point in many
         directions: for the same force they add up to more, and so does the moment of friction. Their resultant acts at
@@ -89,7 +89,7 @@ def dot(a: Array, b: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Give the z of vector products of vectors (..., 2)."""
+    """Compute the z of vector products of vectors (..., 2)."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 

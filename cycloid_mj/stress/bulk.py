@@ -55,7 +55,7 @@ class Distances:
     vertices: int
 
     def at(self, angle: int, nodes: Integers) -> Array:
-        """Give the distance [m] of nodes from narrow patches at an angle, inf without patches; 0 at corners."""
+        """Compute the distance [m] of nodes from narrow patches at an angle, inf without patches; 0 at corners."""
         squared = np.where(self.at_corner[nodes], 0.0, np.inf)
         (x, y), across = self.points[nodes, :2].T, self.outside[nodes] ** 2
         for px, py in self.patches[self.ends[angle] : self.ends[angle + 1]]:
@@ -63,13 +63,13 @@ class Distances:
         return np.sqrt(squared)
 
     def farthest(self) -> float:
-        """Give the largest distance [m] beyond which one of the part's vertices is left at every angle."""
+        """Compute the largest distance [m] beyond which one of the part's vertices is left at every angle."""
         vertices = np.arange(self.vertices)
         return min(float(self.at(angle, vertices).max()) for angle in range(len(self.ends) - 1))
 
 
 def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
-    """Give the distances of a part's nodes from the patches of its case, at so many angles, and from its corners."""
+    """Compute the distances of a part's nodes from the patches of its case, at so many angles, and from its corners."""
     points = grid.points
     outside = np.zeros(len(points))
     if grid.section is not None:
@@ -84,7 +84,7 @@ def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
 
 
 def ladder(found: Distances, start: float) -> Array:
-    """Give the distances [m] (s,), from half the start on, beyond which something of the part is left at every angle.
+    """Find the distances [m] (s,), from half the start on, beyond which something of the part is left at every angle.
 
     The last is the farthest such distance where that lies before the start.
     """
@@ -94,7 +94,7 @@ def ladder(found: Distances, start: float) -> Array:
 
 
 def largest(found: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Give the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
+    """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
     `stress` is that of all nodes, (n,). Those of the largest are looked at first, all of them only for distances
     beyond which none of these lies.
@@ -114,7 +114,7 @@ def largest(found: Distances, distances: Array, angle: int, stress: Array) -> tu
 
 
 def plateau(sizes: Array, first: int) -> int:
-    """Give the rung where the largest stresses (s,) of a turn stand on a plateau, from the first one on.
+    """Find the rung where the largest stresses (s,) of a turn stand on a plateau, from the first one on.
 
     It is the first that the next one falls short of by less than `FLAT`; where there is none, the one before the
     smallest fall.
@@ -128,6 +128,6 @@ def plateau(sizes: Array, first: int) -> int:
 
 
 def fall(sizes: Array, rung: int) -> float:
-    """Give how far the largest stress falls from a rung to twice its distance, as a share; 1 where nothing is left."""
+    """Find how far the largest stress falls from a rung to twice its distance, as a share; 1 where nothing is left."""
     beyond = sizes[rung + OCTAVE] if rung + OCTAVE < len(sizes) else 0.0
     return float(1.0 - beyond / sizes[rung]) if sizes[rung] > 0.0 else 0.0

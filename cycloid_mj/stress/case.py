@@ -96,5 +96,5 @@ def _lifted(section: SectionGrid, loads: PartLoads) -> Any:
 
 
 def mass_coefficients(loads: PartLoads) -> Array:
-    """Give the shares (4, k) of ``elastic.mass_loads`` in the loads of the mass."""
+    """Compute the shares (4, k) of ``elastic.mass_loads`` in the loads of the mass."""
     return np.vstack([loads.body_force.T, loads.spin**2, loads.spin_rate])

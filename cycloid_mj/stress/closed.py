@@ -31,7 +31,7 @@ class LineStress:
 
 
 def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
-    """Give the stress of every contact of a part by Hertz, as far as he holds.
+    """Compute the stress of every contact of a part by Hertz, as far as he holds.
 
     A contact that is conformal where it is pressed most has no figures at all, else that of a lesser force would stand
     for the largest.
@@ -44,7 +44,7 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
-    """Give the von Mises stress over p0 below the middle of a line contact, at depths over the half width.
+    """Compute the von Mises stress over p0 below the middle of a line contact, at depths over the half width.
 
     With s = sqrt(1 + z^2): sigma_x = -(1 + 2 z^2)/s + 2 z, sigma_z = -1/s, and sigma_y = nu (sigma_x + sigma_z), since
     the strip is long (Johnson 1985, Eq. 4.46).
@@ -58,6 +58,6 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
 
 @cache
 def largest_von_mises(poisson: float) -> tuple[float, float]:
-    """Give the largest von Mises stress below a line contact over p0, and its depth over b: 0.558 at 0.70 for 0.3."""
+    """Find the largest von Mises stress below a line contact over p0, and its depth over b: 0.558 at 0.70 for 0.3."""
     found = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, DEEPEST), method="bounded")
     return float(-found.fun), float(found.x)

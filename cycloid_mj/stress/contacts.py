@@ -85,12 +85,12 @@ class PartFrame:
     angle: Array
 
     def sees(self, points: Array) -> Array:
-        """Give points of the reducer's frame (k, 2) or (2,) [m] in this one."""
+        """Compute points of the reducer's frame (k, 2) or (2,) [m] in this one."""
         return turned(points - self.origin, -self.angle)
 
 
 def frame(turn: Turn, part: str) -> PartFrame:
-    """Give the frame of a part, that of its solid, as it moves."""
+    """Return the frame of a part, that of its solid, as it moves."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
     if part in gears(turn.reducer.design.gear.discs):
@@ -106,14 +106,14 @@ def frame(turn: Turn, part: str) -> PartFrame:
 
 
 def contacts(turn: Turn, part: str) -> list[Contact]:
-    """Give every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
+    """List every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
     if part in gears(turn.reducer.design.gear.discs):
         return _of_gear(turn, gears(turn.reducer.design.gear.discs).index(part))
     return {"shaft": _of_shaft, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}[part](turn)
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Give Hertz's half width [m] in a kind of pair under a force [N], by its relative curvature [1/m].
+    """Compute Hertz's half width [m] in a kind of pair under a force [N], by its relative curvature [1/m].
 
     `radius` is that of the thinner body [m].
     """
@@ -124,7 +124,7 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
 
 def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Give the line contact that bears most of the force [N] (k,) on a pair of a kind.
+    """Compute the line contact that bears most of the force [N] (k,) on a pair of a kind.
 
     `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
     that ``measure loads`` gives: of a rolling cam, that of the most loaded roller.
@@ -147,7 +147,7 @@ def pin_centre(turn: Turn, pin: int) -> Array:
 
 
 def _on_gear(turn: Turn, name: str, disc: int) -> Action:
-    """Give the logged force of a pair on a disc, about the reducer's axis."""
+    """Compute the logged force of a pair on a disc, about the reducer's axis."""
     return _logged(turn, _called(turn, name, disc), _disc(turn, disc).origin)
 
 
@@ -161,12 +161,12 @@ def _discs(turn: Turn) -> range:
 
 
 def _disc(turn: Turn, disc: int) -> PartFrame:
-    """Give the frame of a disc."""
+    """Return the frame of a disc."""
     return frame(turn, gears(turn.reducer.design.gear.discs)[disc])
 
 
 def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
-    """Give the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
+    """Return the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
     seat = _disc(turn, disc)
     return PartFrame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
 
@@ -198,7 +198,7 @@ def _of_ring(turn: Turn) -> list[Contact]:
 
 
 def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
-    """Give the contacts of a disc and the ring, on either of the two."""
+    """List the contacts of a disc and the ring, on either of the two."""
     if turn.reducer.design.ring.kind == "pin":
         return [_pin_on_gear(turn, pin, disc) for pin in range(turn.reducer.design.ring.teeth)]
     gear, flank, offset = (
@@ -242,7 +242,7 @@ def _cam_in_bore(turn: Turn, disc: int) -> Contact:
 
 
 def _holes(turn: Turn, disc: int) -> list[Contact]:
-    """Give the output pins in a disc's holes."""
+    """List the output pins in a disc's holes."""
     output, seat = turn.reducer.design.output, _disc(turn, disc)
     radius = output.hole_radius + turn.reducer.design.clearance.output
     found = []
@@ -257,7 +257,7 @@ def _holes(turn: Turn, disc: int) -> list[Contact]:
 
 
 def _of_output(turn: Turn) -> list[Contact]:
-    """Give the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
+    """List the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
     output, seat = turn.reducer.design.output, frame(turn, "output")
     radius = output.root_radius
     found = []
@@ -283,7 +283,7 @@ def _of_shaft(turn: Turn) -> list[Contact]:
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
-    """Give the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
+    """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
     gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
     radius, found, sockets = gear.pin_radius, [], []
     for disc, name in enumerate(gears(turn.reducer.design.gear.discs)):
@@ -302,7 +302,7 @@ def _of_pin(turn: Turn) -> list[Contact]:
 
 
 def _socket(turn: Turn, pin: int, disc: int) -> Contact:
-    """Give the contact of a pin and the wall of its socket, which is open towards the gear.
+    """Return the contact of a pin and the wall of its socket, which is open towards the gear.
 
     What a closed socket carries where the ring has no wall is left out: that is in its end plates.
     """
@@ -321,7 +321,7 @@ def _socket(turn: Turn, pin: int, disc: int) -> Contact:
 
 
 def _by_socket(turn: Turn, pin: int, disc: int) -> Action:
-    """Give the force of a socket on its pin, about the reducer's axis: where the pin is no body, that of a disc."""
+    """Compute the force of a socket on its pin, about the reducer's axis: where the pin is no body, that of a disc."""
     if turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies:
         return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, numbered(PIN, pin + 1), disc)

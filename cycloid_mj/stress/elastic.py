@@ -122,7 +122,7 @@ def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
 
 
 def weighed(part: ElasticBody, fields: Array) -> Array:
-    """Give the mass matrix times fields (n, c) of all unknowns."""
+    """Compute the mass matrix times fields (n, c) of all unknowns."""
     return np.asarray(part.mass @ fields.reshape(part.mass.shape[0], -1)).reshape(fields.shape)
 
 
@@ -136,7 +136,7 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 
 
 def reactions(part: ElasticBody, found: Array, loads: Array) -> Array:
-    """Give the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
+    """Compute the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
 
     They are what fixed nodes must add for equilibrium, and what springs push back.
     """
@@ -148,7 +148,7 @@ def reactions(part: ElasticBody, found: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Give the loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r (r in the plane)."""
+    """Compute the loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r (r in the plane)."""
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
     fields[:, 0, 0] = 1.0
@@ -159,7 +159,7 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 
 
 def rigid_motions(points: Array) -> Array:
-    """Give the rigid motions (n d, 3 or 6) of nodes (n, d): along each axis, then turning about z, or x, y, z."""
+    """Compute the rigid motions (n d, 3 or 6) of nodes (n, d): along each axis, then turning about z, or x, y, z."""
     nodes, dimension = points.shape
     turns = 1 if dimension == 2 else 3
     motions = np.zeros((nodes, dimension, dimension + turns))
@@ -172,19 +172,19 @@ def rigid_motions(points: Array) -> Array:
 
 
 def unknowns(nodes: Integers, dimension: int) -> Integers:
-    """Give the unknowns of nodes."""
+    """Compute the unknowns of nodes."""
     return (dimension * nodes[:, np.newaxis] + np.arange(dimension)).ravel()
 
 
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
-    """Give the scikit-fem basis of a grid: quadratic, and right for polynomials of an order on straight elements."""
+    """Return the scikit-fem basis of a grid: quadratic, and right for polynomials of an order on straight elements."""
     skfem = package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()
     return skfem.Basis(grid.mesh, skfem.ElementVector(element) if vector else element, intorder=order)
 
 
 def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
-    """Give Lame's lambda and mu [Pa]; in the plane those of plane stress."""
+    """Compute Lame's lambda and mu [Pa]; in the plane those of plane stress."""
     modulus, poisson = material.youngs_modulus, material.poisson
     bulk = modulus * poisson / ((1 - poisson**2) if dimension == 2 else (1 + poisson) * (1 - 2 * poisson))
     return bulk, modulus / (2 * (1 + poisson))
@@ -215,7 +215,7 @@ def stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = N
 
 
 def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[Any, Any]:
-    """Give the rows of the fixed unknowns, and the lower triangle of the free ones; the whole is then let go."""
+    """Return the rows of the fixed unknowns, and the lower triangle of the free ones; the whole is then let go."""
     if springs is not None:
         matrix = matrix + springs
     return matrix[fixed], sparse.tril(matrix[free][:, free], format="csc")
@@ -240,11 +240,11 @@ class _Assembler:
         self.pairs = len(pairs)
 
     def summed(self, element: Array) -> Array:
-        """Give the sums (pairs,)."""
+        """Compute the sums (pairs,)."""
         return np.asarray(np.bincount(self._slot.ravel(), element.ravel(), self.pairs), np.float64)
 
     def matrix(self, blocks: Array) -> Any:
-        """Give the sparse matrix (n, n) of the blocks (pairs, d, d)."""
+        """Return the sparse matrix (n, n) of the blocks (pairs, d, d)."""
         size = self._nodes * blocks.shape[1]
         return sparse.bsr_matrix((blocks, self._columns, self._starts), shape=(size, size)).tocsr()
 

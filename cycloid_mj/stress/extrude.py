@@ -42,7 +42,7 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 
 def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
-    """Give the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
+    """Build the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
 
     Contact forces of a disc act evenly over its face width. The output is its disc with the pins on it, one body, and
     the second disc that holds their other ends, if there is one; the bulk keeps off the roots of its pins, sharp inner
@@ -86,7 +86,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
 
 
 def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
-    """Give the levels of each disc in those of all, of which so many come before the first."""
+    """List the levels of each disc in those of all, of which so many come before the first."""
     ends = first + np.cumsum([0, *(len(levels) for levels in discs)])
     return [slice(int(start), int(end)) for start, end in pairwise(ends)]
 
@@ -152,7 +152,7 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]
 
 
 def _lift(at: Integers, share: Array, unknowns: int) -> Any:
-    """Give the operator (n, n2), sparse, that spreads loads on the section's nodes over heights in given shares."""
+    """Return the operator (n, n2), sparse, that spreads loads on the section's nodes over heights in given shares."""
     everywhere = np.flatnonzero((at >= 0).all(axis=0))
     rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
     columns = np.broadcast_to(2 * everywhere[:, np.newaxis] + np.arange(2), rows.shape)
@@ -162,7 +162,7 @@ def _lift(at: Integers, share: Array, unknowns: int) -> Any:
 
 
 def _simpson(levels: Array) -> Array:
-    """Give the share (2 l + 1,) of each height in an even load: Simpson's rule in every layer."""
+    """Compute the share (2 l + 1,) of each height in an even load: Simpson's rule in every layer."""
     share, height = np.zeros(2 * len(levels) - 1), np.diff(levels) / np.ptp(levels)
     for offset, weight in enumerate((1 / 6, 2 / 3, 1 / 6)):
         share[offset : offset + 2 * len(height) : 2] += weight * height

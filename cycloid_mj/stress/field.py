@@ -108,7 +108,7 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Give the maxima of stress on a part at each crank angle of its loads, which are held in memory: for some angles.
+    """Find the maxima of stress on a part at each crank angle of its loads, which are held in memory: for some angles.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class Loaded:
     apart: Distances
 
     def components(self, moved: Array) -> Array:
-        """Give the stress components at the nodes under displacements (n d, c) [m], as of ``recover.stresses``."""
+        """Compute the stress components at the nodes under displacements (n d, c) [m], as of ``recover.stresses``."""
         return stresses(self.operators, moved, self.material)
 
 
@@ -165,13 +165,13 @@ def loaded(reducer: Reducer, grid: Grid, loads: PartLoads) -> Loaded:
 
 
 def maxima(part: Loaded, distance: float | None = None) -> PartStress:
-    """Give the maxima of stress at each crank angle; see ``solve``."""
+    """Compute the maxima of stress at each crank angle; see ``solve``."""
     answers = _answers(part.case, len(part.loads.angle))
     return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components)
 
 
 def _answers(case: LoadCase, angles: int) -> Iterator[Response]:
-    """Give what a part answers to its loads, a block of angles at a time."""
+    """Yield what a part answers to its loads, a block of angles at a time."""
     for start in range(0, angles, BLOCK):
         yield case.response(np.arange(start, min(start + BLOCK, angles)))
 
@@ -184,7 +184,7 @@ def _maxima(
     answers: Iterable[Response],
     components: Callable[[Array], Array],
 ) -> PartStress:
-    """Give the maxima of stress, of the answers at all angles in turn and the stress components of displacements."""
+    """Compute the maxima of stress, of the answers at all angles in turn and the stress components of displacements."""
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
     angle = count()
@@ -234,7 +234,7 @@ def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, f
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:
-    """Give the fields on a part at the crank angle of an index; bulk begins at a distance [m], or at the grid's.
+    """Compute the fields on a part at the crank angle of an index; bulk begins at a distance [m], or at the grid's.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 
 
 def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap:
-    """Give the fields at the crank angle of an index; see ``stress_map``."""
+    """Compute the fields at the crank angle of an index; see ``stress_map``."""
     grid = part.grid
     moved = part.case.response(np.array([index])).moved
     stress = part.components(moved)[..., 0]

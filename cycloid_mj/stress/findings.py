@@ -61,7 +61,7 @@ class Peak:
     safety: float
 
     def as_json(self) -> dict[str, Any]:
-        """Give the peak in MPa, degrees and mm."""
+        """Convert the peak to JSON values in MPa, degrees and mm."""
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
@@ -72,7 +72,7 @@ class Peak:
 
 
 def _finite(value: float) -> float | None:
-    """Give a number, or None for what JSON has no word for: the place of no force, the safety of no stress."""
+    """Return a number, or None for what JSON has no word for: the place of no force, the safety of no stress."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -105,7 +105,7 @@ class Refinement:
         return self.change < BOUND
 
     def as_json(self) -> dict[str, Any]:
-        """Give the study of refinement in MPa and degrees."""
+        """Convert the study of refinement to JSON values in MPa and degrees."""
         return {
             "unknowns": list(self.unknowns),
             "angle_deg": np.degrees(self.angle).tolist(),
@@ -214,12 +214,12 @@ class PartFindings:
         return self.yield_strength / self.governing if self.governing else math.inf
 
     def orders(self, orders: tuple[int, ...]) -> Array:
-        """Give the amplitudes [Pa] of orders of the crank in the bulk stress."""
+        """Compute the amplitudes [Pa] of orders of the crank in the bulk stress."""
         waves = np.exp(-1j * np.outer(orders, self.angle))
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Give the findings as dicts, lists, numbers and text."""
+        """Convert the findings to dicts, lists, numbers and text."""
         return {
             "part": self.part,
             "unknowns": self.unknowns,
@@ -271,7 +271,7 @@ class Reference:
     load: float
 
     def as_json(self) -> dict[str, Any]:
-        """Give the reference for a program."""
+        """Convert the reference to JSON values."""
         below = None if self.below is None else self.below / MEGAPASCAL
         return {"source": self.source, "below_mpa": below, "load_nm": self.load}
 
@@ -294,11 +294,11 @@ class StressFindings:
     references: Mapping[str, Reference] = field(default_factory=dict)
 
     def __getitem__(self, part: str) -> PartFindings:
-        """Give the findings of a part."""
+        """Return the findings of a part."""
         return next(found for found in self.parts if found.part == part)
 
     def published(self, part: str) -> float | None:
-        """Give the stress that a paper's figure of this part stays below [Pa], if this is its load."""
+        """Compute the stress that a paper's figure of this part stays below [Pa], if this is its load."""
         reference = self.references.get(part)
         return reference.below if reference and reference.load == self.load else None
 
@@ -307,7 +307,7 @@ class StressFindings:
         return any(found.part == part for found in self.parts)
 
     def as_json(self) -> dict[str, Any]:
-        """Give the findings as dicts, lists, numbers, text and None only."""
+        """Convert the findings to dicts, lists, numbers, text and None only."""
         references = {part: reference.as_json() for part, reference in self.references.items()}
         return {
             "design": self.design,

@@ -24,7 +24,7 @@ def pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float)
 
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
-    """Give parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
+    """Compute parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
 
     The three lines of a lobe: its arc, and the flanks Sigma on its two sides, nan where one does not touch.
     """
@@ -43,7 +43,7 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
 def lobe_place(
     gear: CycloidGear, action: Action, lines: Array, curvature: Array, turn: Array, offset: float
 ) -> tuple[Array, Array]:
-    """Give where a lobe's force presses on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
+    """Compute where a lobe's force presses on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
 
     The force of a lobe is the sum of up to three lines; where the line of action of the sum meets the flank stands for
     all of them. From the ideal line that it passes nearest to, Newton's method solves (outline(t) - foot) x n = 0.
@@ -82,5 +82,5 @@ def _miss(gear: CycloidGear, t: Array, foot: Array, along: Array, offset: float)
 
 
 def _ahead(gear: CycloidGear, t: Array) -> Array:
-    """Give the unit tangents of the outline, clockwise as t grows, (..., 2)."""
+    """Compute the unit tangents of the outline, clockwise as t grows, (..., 2)."""
     return profile.unit(profile.normal_angle(gear, t) + math.pi / 2)

@@ -145,7 +145,7 @@ class SectionGrid:
 
 
 def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:
-    """Give the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
+    """Build the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
 
     Raises
     ------
@@ -181,7 +181,7 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
 
 
 def _clamped(region: Region) -> Array:
-    """Give the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
+    """Compute the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
     circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
     rows = [(*circle.mean(axis=0), CLAMPED * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
     return np.array(rows).reshape(-1, 3)
@@ -214,7 +214,7 @@ def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, pa
 
 
 def middles_of(mesh: Any, ends: Integers) -> Integers:
-    """Give the node in the middle of each edge (..., 2) of a quadratic mesh; -1 where there is no such edge."""
+    """Compute the node in the middle of each edge (..., 2) of a quadratic mesh; -1 where there is no such edge."""
     known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
     key, wanted = known[0] * mesh.nvertices + known[1], np.sort(ends, axis=-1) @ np.array([mesh.nvertices, 1])
     order = np.argsort(key)

@@ -73,7 +73,7 @@ def part_names(reducer: Reducer) -> tuple[str, ...]:
 
 
 def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
-    """Give the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
+    """Compute the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
 
     The samples nearest to the angles are taken, in the last turn of the settled hold. Each force, friction included,
     acts where its line of action meets the surface it presses on; on a wide patch, so that its tractions have the
@@ -105,12 +105,12 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
 
 
 def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
-    """Give the loads with the forces of some of the m contacts alone, by a mask of shape (m,)."""
+    """Compute the loads with the forces of some of the m contacts alone, by a mask of shape (m,)."""
     return replace(loads, force=np.where(chosen[:, np.newaxis], loads.force, 0.0))
 
 
 def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
-    """Give gravity, inertia and the moment that is carried elsewhere, as `PartLoads` has them.
+    """Compute gravity, inertia and the moment that is carried elsewhere, as `PartLoads` has them.
 
     `pushed` is the sum of the contacts' forces, which accelerate a part that is free to move.
     """

@@ -65,7 +65,7 @@ class Notch:
         return math.hypot(self.bending_factor * self.bending, math.sqrt(3.0) * self.torsion_factor * self.torsion)
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
-        """Give the notch in MPa, degrees and mm."""
+        """Convert the notch to JSON values in MPa, degrees and mm."""
         return {
             "name": self.name,
             "radius_mm": self.radius / MILLIMETRE,
@@ -82,7 +82,7 @@ class Notch:
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
-    """Give the notch factor alpha of a shoulder from radius R to `outer` (inf: a wide disc) with a fillet r [m].
+    """Compute the notch factor alpha of a shoulder from radius R to `outer` (inf: a wide disc) with a fillet r [m].
 
     `terms` are `BENDING` or `TORSION`.
     """
@@ -94,7 +94,7 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
 
 
 def root_arms(reducer: Reducer) -> Array:
-    """Give the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
+    """Compute the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
 
     A cantilever has one root, F a; a beam clamped at both ends two, F a b^2/l^2, with a the distance of the root from
     the force and b that of the other (Roark, Formulas for Stress and Strain, 8.1, case 1d).
@@ -109,7 +109,7 @@ def root_arms(reducer: Reducer) -> Array:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Give the most loaded root of the output's pins, which carry the force of each disc evenly over its width.
+    """List the most loaded root of the output's pins, which carry the force of each disc evenly over its width.
 
     Their nominal bending stress is 4 M/(pi R^3), M of `root_arms`, R being the core's radius under a roller.
     """
@@ -139,7 +139,7 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """Give the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
+    """List the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
 
     `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles (k,) [rad].
     """

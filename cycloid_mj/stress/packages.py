@@ -53,7 +53,7 @@ def package(name: str) -> Any:
 
 @contextmanager
 def mesher(part: str, coarsest: float) -> Iterator[Any]:
-    """Give gmsh with an empty model of its own and fixed options, so that the same part gives the same grid.
+    """Yield gmsh with an empty model of its own and fixed options, so that the same part gives the same grid.
 
     No options file of the user is read, and one thread works: the order of many would decide the tetrahedra.
 

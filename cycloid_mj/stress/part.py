@@ -16,7 +16,7 @@ from cycloid_mj.stress.shaftgrid import shaft_grid
 def part_grid(
     design: Design, part: str, settings: GridSettings | None = None, focus: npt.ArrayLike | None = None
 ) -> Grid:
-    """Give the grid of a part: "gear", "ring", "output", "pin_1" (planar, unless the settings say solid), or "shaft".
+    """Build the grid of a part: "gear", "ring", "output", "pin_1" (planar, unless the settings say solid), or "shaft".
 
     Parameters
     ----------

@@ -139,14 +139,14 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
 
 
 def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
-    """Give the unit tangent at an arc length of an edge, as a complex number."""
+    """Compute the unit tangent at an arc length of an edge, as a complex number."""
     xi = (centre - edges.start[edge]) / edges.length[edge]
     tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.places[edge]))
     return tangent / np.abs(tangent)
 
 
 def _foot(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
-    """Give the arc length of the outline's point nearest to each place: from the nearest sample along the tangent."""
+    """Find the arc length of the outline's point nearest to each place: from the nearest sample along the tangent."""
     here = np.einsum("ai,aix->ax", _shape(xi), edges.places[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.places[edge])
     ahead = np.sum((place - here) * tangent, axis=1) / np.sum(tangent**2, axis=1)
@@ -167,7 +167,7 @@ def _edges(grid: Grid) -> _Edges:
 
 
 def _sampled(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
-    """Give a tree of points along all edges, with the edge and the parameter of each."""
+    """Return a tree of points along all edges, with the edge and the parameter of each."""
     xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     points = np.einsum("si,eix->esx", _shape(xi), edges.places).reshape(-1, 2)
     return cKDTree(points), np.repeat(np.arange(len(edges.nodes)), _SAMPLES), np.tile(xi, len(edges.nodes))

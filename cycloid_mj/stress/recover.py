@@ -47,7 +47,7 @@ class Recovery:
 
 
 def recovery(grid: Grid) -> Recovery:
-    """Give the recovery operators of a grid."""
+    """Return the recovery operators of a grid."""
     basis = elastic.basis_of(grid, vector=False, order=GAUSS)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
     # derivatives (a, d, m, q) of shape function a of element m at its point q
@@ -64,7 +64,7 @@ def recovery(grid: Grid) -> Recovery:
 
 
 def stresses_at_points(operators: Recovery, found: Array, material: Material) -> Array:
-    """Give the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the quadrature points.
+    """Compute the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the quadrature points.
 
     By Hooke's law; in the plane this is plane stress.
     """
@@ -72,7 +72,7 @@ def stresses_at_points(operators: Recovery, found: Array, material: Material) ->
 
 
 def _at_points(operators: Recovery, found: Array, material: Material) -> Iterator[Array]:
-    """Give one component (p, c) after the other: of a fine solid all of them take much memory."""
+    """Yield one component (p, c) after the other: of a fine solid all of them take much memory."""
     dimension = len(operators.slopes)
     moved = [np.ascontiguousarray(found[axis::dimension]) for axis in range(dimension)]
     lame, shear = elastic.lame_parameters(material, dimension)
@@ -83,7 +83,7 @@ def _at_points(operators: Recovery, found: Array, material: Material) -> Iterato
 
 
 def stresses(operators: Recovery, found: Array, material: Material) -> Array:
-    """Give the stress components [Pa] (components, n, c) of displacements (n d, c) [m] at the nodes.
+    """Compute the stress components [Pa] (components, n, c) of displacements (n d, c) [m] at the nodes.
 
     In single precision, right to some 1e-6 of the largest nearby, in half of the time.
     """
@@ -91,7 +91,7 @@ def stresses(operators: Recovery, found: Array, material: Material) -> Array:
 
 
 def von_mises(stress: Array) -> Array:
-    """Give the von Mises stress [Pa] of components (3 or 6, ...)."""
+    """Compute the von Mises stress [Pa] of components (3 or 6, ...)."""
     if len(stress) == 3:
         xx, yy, xy = stress
         return np.sqrt(xx * xx - xx * yy + yy * yy + 3 * xy * xy)
@@ -101,7 +101,7 @@ def von_mises(stress: Array) -> Array:
 
 
 def principal(stress: Array) -> Array:
-    """Give the principal stresses [Pa] (..., d), the largest first, of components (3 or 6, ...)."""
+    """Compute the principal stresses [Pa] (..., d), the largest first, of components (3 or 6, ...)."""
     pairs = PLANE if len(stress) == 3 else SPACE
     dimension = 2 if len(stress) == 3 else 3
     tensor = np.zeros((*stress.shape[1:], dimension, dimension))
@@ -111,7 +111,7 @@ def principal(stress: Array) -> Array:
 
 
 def _nodal_fit(grid: Grid, points: Array) -> Any:
-    """Give the operator, sparse (n, p), from quadrature points (p, d) [m], element by element, to nodes.
+    """Return the operator, sparse (n, p), from quadrature points (p, d) [m], element by element, to nodes.
 
     A vertex has the value of its own polynomial, the middle of an edge the mean of those of its ends.
     """
@@ -131,7 +131,7 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
 
 
 def _evaluated(grid: Grid, size: Array) -> Any:
-    """Give the operator, sparse (n, v t), from the t coefficients of each vertex's polynomial to nodes."""
+    """Return the operator, sparse (n, v t), from the t coefficients of each vertex's polynomial to nodes."""
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
     middles = len(vertices) + np.arange(ends.shape[1])
@@ -145,7 +145,7 @@ def _evaluated(grid: Grid, size: Array) -> Any:
 
 
 def _points_round(grid: Grid, count: int) -> tuple[Integers, Mask]:
-    """Give the quadrature points (v, w) of the elements round each vertex, padded, and which are no padding."""
+    """Compute the quadrature points (v, w) of the elements round each vertex, padded, and which are no padding."""
     corners = grid.mesh.t.T
     each = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")

@@ -46,12 +46,12 @@ class Region:
 
 
 def material_of(reducer: Reducer, part: str) -> Material:
-    """Give what a part is made of."""
+    """Return what a part is made of."""
     return reducer.design.material_of(MADE_AS.get(part, GEAR if family(part) == GEAR else part))
 
 
 def part_region(reducer: Reducer, part: str) -> Region:
-    """Give the region of a planar part in the frame of its solid.
+    """Build the region of a planar part in the frame of its solid.
 
     The housing is held as the design says, by circles that its bolts clamp or by its seat, the outer circle. The output
     disc is held by its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its pins, or
@@ -86,7 +86,7 @@ def part_region(reducer: Reducer, part: str) -> Region:
 
 
 def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
-    """Give the circles that the bolts of the housing clamp, none where its rim is held."""
+    """List the circles that the bolts of the housing clamp, none where its rim is held."""
     design = reducer.design
     housing = design.housing
     if housing.support == "rim":

@@ -74,7 +74,7 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Give the pads under a shaft, whose bearings have a radial stiffness [N/m] each.
+    """Return the pads under a shaft, whose bearings have a radial stiffness [N/m] each.
 
     Half of a bearing presses: a bed of k per area takes k R w pi/2 as its force per radial displacement.
 
@@ -104,7 +104,7 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
 
 
 def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
-    """Give the forces (p,) [N] outwards on the pads that take back what springs that pull would do.
+    """Compute the forces (p,) [N] outwards on the pads that take back what springs that pull would do.
 
     An open pad, whose mean displacement d is inwards, is pulled out by its spring with -k d: the force k d undoes it.
     d depends on the forces on all open pads, so their set is corrected until it is that of the pads with d < 0.
@@ -182,7 +182,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:
-    """Give the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
+    """Yield the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
     place = loads.place[:, cam]
     force = np.where(np.isfinite(place), loads.force[:, cam], 0.0)
     arm = np.nan_to_num(place) - shaft.cam_centres[cam]
@@ -203,7 +203,7 @@ def _half_cosine(order: int) -> float:
 
 
 def _on_cam_units(grid: Grid, shaft: ShaftDimensions, number: int) -> tuple[Array, Array]:
-    """Give the unit loads on a cam: (n, 11) of pressures cos and sin (m phi) round it, and (n, 1) of a couple.
+    """Compute the unit loads on a cam: (n, 11) of pressures cos and sin (m phi) round it, and (n, 1) of a couple.
 
     The pressures of order 1 have a resultant of -1 N, the others none; what the grid leaves of it is taken away with
     those of order 1. The couple of 1 N m about the axis is shear round the cam.
@@ -223,7 +223,7 @@ def _on_cam_units(grid: Grid, shaft: ShaftDimensions, number: int) -> tuple[Arra
 
 
 def _torsion(grid: Grid, shaft: ShaftDimensions) -> Array:
-    """Give the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
+    """Compute the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
     end = surface(grid, lambda x: _at_end(x, shaft))
     first = _on_cam_units(grid, shaft, 0)[0][:, 1:3]
     load = traction_loads(end, _turned(end.points))[:, np.newaxis]
@@ -237,14 +237,14 @@ def _of_unit_moment(grid: Grid, load: Array) -> Array:
 
 
 def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
-    """Give displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
+    """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
     loads, _ = elastic.balanced(part, pads.press.toarray())
     moved = elastic.displacements(part, loads)
     return moved, np.asarray(pads.press.T @ moved)
 
 
 def section_moments(points: Array, forces: Array, places: Array) -> Array:
-    """Give the moments about x, y and z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
+    """Find the moments about x, y and z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
 
     About the axis, in the section at each place; they are in balance with what comes after it.
     """
@@ -285,5 +285,5 @@ def _turned(vectors: Array) -> Array:
 
 
 def _resultant(loads: Array) -> Array:
-    """Give the forces (2, c) in the plane of loads (n, c)."""
+    """Compute the forces (2, c) in the plane of loads (n, c)."""
     return np.stack([loads[0::3].sum(axis=0), loads[1::3].sum(axis=0)])

@@ -96,7 +96,7 @@ class ShaftDimensions:
 
 @once
 def shaft_measures(reducer: Reducer) -> ShaftDimensions:
-    """Give the measures of a design's balanced crank, without the spacers of a built-up one."""
+    """Measure a design's balanced crank, without the spacers of a built-up one."""
     design = reducer.design
     found = crank_stretches(reducer)
     journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
@@ -117,7 +117,7 @@ def shaft_measures(reducer: Reducer) -> ShaftDimensions:
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
-    """Give the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y.
+    """Build the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y.
 
     Raises
     ------

@@ -79,7 +79,7 @@ class StudySettings:
     map_angle: float | None = None
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
-        """Give the settings of a part's grid, refined by a factor on top."""
+        """Return the settings of a part's grid, refined by a factor on top."""
         return GridSettings(
             refinement=self.refinement * factor * FINER.get(part, 1.0),
             bulk_distance=self.bulk_distance,
@@ -87,7 +87,7 @@ class StudySettings:
         )
 
     def finer(self, grid: Grid) -> float:
-        """Give how much finer the grid is that a part's own is held against."""
+        """Compute how much finer the grid is that a part's own is held against."""
         return self.step if grid.section is None else min(self.step, SOLID_STEP)
 
 
@@ -115,7 +115,7 @@ class StressStudy:
     findings: StressFindings
 
     def __getitem__(self, part: str) -> PartStudy:
-        """Give the study of a part."""
+        """Return the study of a part."""
         return next(study for study in self.parts if study.findings.part == part)
 
 
@@ -187,7 +187,7 @@ def study_grids(reducer: Reducer, parts: Sequence[str], settings: StudySettings)
 
 
 def in_order(parts: Sequence[str]) -> list[str]:
-    """Give the order in which parts are studied: the output first, whose grids need the most memory."""
+    """Sort parts into the order of their study: the output first, whose grids need the most memory."""
     return sorted(parts, key=lambda part: part != "output")
 
 
@@ -236,7 +236,7 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
 def _solved(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, Swing | None, tuple[tuple[float, float], ...]]:
-    """Give the maxima of a part, its map, its swing and its bulk by the distance from corners.
+    """Return the maxima of a part, its map, its swing and its bulk by the distance from corners.
 
     Its factor is let go before other grids are factorised.
     """
@@ -250,7 +250,7 @@ def _solved(
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
-    """Give the loads at some of their crank angles."""
+    """Compute the loads at some of their crank angles."""
     chosen = np.asarray(rows)
     count = len(loads.angle)
     kept: dict[str, Any] = {
@@ -274,7 +274,7 @@ def _refined(reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartL
 
 
 def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
-    """Give the row of the largest stress, and others at equal distances around the turn."""
+    """Find the row of the largest stress, and others at equal distances around the turn."""
     steps = np.arange(min(count, stress.size)) * stress.size // max(min(count, stress.size), 1)
     return (int(np.argmax(stress)) + steps) % stress.size
 
@@ -289,7 +289,7 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _variants(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Give the part's largest bulk stress [Pa] under its other supports, at some crank angles and the same loads."""
+    """List the part's largest bulk stress [Pa] under its other supports, at some crank angles and the same loads."""
     if part not in SUPPORTS:
         return ()
     key, choices = SUPPORTS[part]
@@ -317,7 +317,7 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
 
 
 def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], ...]:
-    """Give other distances [m] at which the search for the bulk might begin, and the bulk stress [Pa] that it finds."""
+    """Find other distances [m] at which the search for the bulk might begin, and the bulk stress [Pa] that it finds."""
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
         (factor * grid.bulk_distance, float(sizes[plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()
@@ -325,25 +325,25 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
 
 
 def _choice(stress: PartStress) -> float:
-    """Give what the choice of the distance may change, as a share: how far the plateau falls to twice its distance."""
+    """Find what the choice of the distance may change, as a share: how far the plateau falls to twice its distance."""
     return fall(stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance))))
 
 
 def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
-    """Give by what share the bulk changes from its distance from corners to half and twice that; 0 without corners."""
+    """Find by what share the bulk changes from its distance from corners to half and twice that; 0 without corners."""
     sizes = [size for _, size in corners]
     own = sizes[len(sizes) // 2] if sizes else 0.0
     return max(abs(size / own - 1.0) for size in sizes) if own > 0.0 else 0.0
 
 
 def _largest(values: Array) -> Array:
-    """Give the largest number of each row (k, m), not a number where there is none."""
+    """Compute the largest number of each row (k, m), not a number where there is none."""
     largest = np.max(values, axis=1, initial=-np.inf, where=~np.isnan(values))
     return np.where(np.isfinite(largest), largest, np.nan)
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Give the largest stress below a contact; not a number where all are conformal."""
+    """Compute the largest stress below a contact; not a number where all are conformal."""
     told = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(told)), told.shape)
     size = float(lines.von_mises[row, contact])

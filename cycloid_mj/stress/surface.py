@@ -44,7 +44,7 @@ class SolidSurface:
 
 
 def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
-    """Give the faces on the surface of a grid whose middles (3, f) [m] pass a test."""
+    """Build the faces on the surface of a grid whose middles (3, f) [m] pass a test."""
     skfem, quadrature = package("skfem"), package("skfem.quadrature")
     mesh = grid.mesh
     faces = mesh.boundary_facets()
@@ -73,7 +73,7 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
 
 
 def traction_loads(face: SolidSurface, traction: Array) -> Array:
-    """Give the nodal forces (n,) [N] of a traction (f, q, 3) [Pa]."""
+    """Compute the nodal forces (n,) [N] of a traction (f, q, 3) [Pa]."""
     forces = np.einsum("fq,qa,fqx->fax", face.area, face.shape, traction)
     rows = 3 * face.nodes[..., np.newaxis] + np.arange(3)
     return np.asarray(np.bincount(rows.ravel(), weights=forces.ravel(), minlength=face.unknowns), np.float64)

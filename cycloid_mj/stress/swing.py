@@ -38,7 +38,7 @@ class Swing:
     place: Array
 
     def as_json(self) -> dict[str, Any]:
-        """Give the swing in MPa and mm."""
+        """Convert the swing to JSON values in MPa and mm."""
         return {
             "amplitude_mpa": self.amplitude / MEGAPASCAL,
             "mean_mpa": self.mean / MEGAPASCAL,
@@ -47,7 +47,7 @@ class Swing:
 
 
 def swing(part: Loaded, distance: float) -> Swing:
-    """Give the swing at a part's worst node, beyond a distance [m] from narrow patches.
+    """Compute the swing at a part's worst node, beyond a distance [m] from narrow patches.
 
     The worst is that of the largest 2 amplitude + mean: Goodman's, the endurance limit half of the tensile strength.
     """
@@ -60,7 +60,7 @@ def swing(part: Loaded, distance: float) -> Swing:
 
 
 def _states(part: Loaded, block: Integers, distance: float) -> Array:
-    """Give the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
+    """Compute the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
     found = part.components(part.case.response(block).moved)
     nodes = np.arange(found.shape[1])
     near = np.stack([part.apart.at(int(angle), nodes) < distance for angle in block])
@@ -68,7 +68,7 @@ def _states(part: Loaded, block: Integers, distance: float) -> Array:
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Give amplitude and mean [Pa] of the nodes that swing most, and which they are.
+    """Compute amplitude and mean [Pa] of the nodes that swing most, and which they are.
 
     `states` are the stress components at each instant (c, components, n) [Pa], no numbers outside the bulk. A node
     that is never in the bulk has none.
@@ -95,7 +95,7 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def von_mises_bound(states: Array) -> Array:
-    """Give a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
+    """Compute a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
     with np.errstate(invalid="ignore"):
         span = np.nanmax(states, axis=0) - np.nanmin(states, axis=0)
         level = np.nanmax(np.abs(states), axis=0)

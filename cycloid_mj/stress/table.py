@@ -19,7 +19,7 @@ CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shake
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
-    """Give a row for each part; columns as in `BULK_HEADER`.
+    """List a row for each part; columns as in `BULK_HEADER`.
 
     `from`: distance d from narrow contacts at which the largest stress stands on its plateau. `choice`: how far it
     falls to twice that distance, or changes by half or twice the distance from sharp corners. The safety is that of the
@@ -29,7 +29,7 @@ def bulk_table(findings: StressFindings) -> list[list[str]]:
 
 
 def contact_table(findings: StressFindings) -> list[list[str]]:
-    """Give a row for each part; columns as in `CONTACT_HEADER`; `shakedown`: safety of the pressure against it."""
+    """List a row for each part; columns as in `CONTACT_HEADER`; `shakedown`: safety of the pressure against it."""
     return [[part.part, *_contact(part)] for part in findings.parts]
 
 

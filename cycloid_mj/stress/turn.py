@@ -57,11 +57,11 @@ class Turn:
     rows: npt.NDArray[np.intp]
 
     def __getitem__(self, name: str) -> Array:
-        """Give a column at the samples, shape (k,); raise LogError if there is none."""
+        """Return a column at the samples, shape (k,); raise LogError if there is none."""
         return self.run[name][self.rows]
 
     def vectors(self, x: str, y: str) -> Array:
-        """Give two columns side by side, shape (k, 2)."""
+        """Stack two columns side by side, shape (k, 2)."""
         return np.stack([self[x], self[y]], axis=-1)
 
 
@@ -115,7 +115,7 @@ def differences(reducer: Reducer, ran: Reducer) -> list[str]:
 
 
 def _values(reducer: Reducer) -> dict[str, Any]:
-    """Give the values of a design by ``table.key``, but for those that it may run under; none of no table."""
+    """Collect the values of a design by ``table.key``, but for those that it may run under; none of no table."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
     tables = {table: value for table, value in reducer.design.model_dump(exclude=free).items() if value is not None}
     single = {table: value for table, value in tables.items() if not isinstance(value, dict)}
@@ -124,7 +124,7 @@ def _values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Give the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
+    """Find the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
@@ -150,5 +150,5 @@ def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.in
 
 
 def _wrapped(angle: Array) -> Array:
-    """Give angles in [-pi, pi) [rad]."""
+    """Compute angles in [-pi, pi) [rad]."""
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi

@@ -12,7 +12,7 @@ NAMES = {3: ("xx", "yy", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
 
 
 def as_vtu(found: StressMap) -> bytes:
-    """Give a stress map as a VTU file: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk.
+    """Encode a stress map as a VTU file: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk.
 
     Raises
     ------

@@ -18,7 +18,7 @@ _TRAVEL, _SETTLE, _STOPS = 2000, 250, 8
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     return [_row(kind) for kind in KINDS]
 
 
@@ -40,7 +40,7 @@ def _row(kind: str) -> ValidationRow:
 
 
 def expected(reducer: Reducer, kind: str) -> float:
-    """Give the backlash [rad]: the largest arm of a contact about the gear's centre is c (N-1)."""
+    """Compute the backlash [rad]: the largest arm of a contact about the gear's centre is c (N-1)."""
     design = reducer.design
     room = design.clearance
     delta = {FREE: room.pin_gear + room.pin_socket, NONPIN: room.tooth}.get(kind, room.pin_gear)
@@ -48,7 +48,7 @@ def expected(reducer: Reducer, kind: str) -> float:
 
 
 def stops(reducer: Reducer) -> tuple[float, float]:
-    """Give the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
+    """Compute the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
     compiled = build(reducer.design)
     return stop(compiled, -TORQUE), stop(compiled, TORQUE)
 

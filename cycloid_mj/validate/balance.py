@@ -71,14 +71,14 @@ SOURCE = "exact curves"
 
 
 def made(built: str, *changes: str) -> Design:
-    """Give the paper's gear on fixed pins with all errors, some discs, without friction and gravity."""
+    """Return the paper's gear on fixed pins with all errors, some discs, without friction and gravity."""
     still = (*rig.without_friction(), *rig.without_gravity(), "drive.speed_rpm=1.0", f"load.torque_nm={rig.RATED_LOAD}")
     uniform = 'contact.stiffness_law="uniform"'
     return override(PRESETS["pin"], ["ring.pins=fixed", *BUILT[built], *MADE, *still, uniform, *changes])
 
 
 def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[KernelSprings, DisplacedSprings]:
-    """Give the springs of a design at a crank angle [rad], and the same on exact gaps."""
+    """Return the springs of a design at a crank angle [rad], and the same on exact gaps."""
     springs = springs_of(reducer, [crank], friction=False)
     contacts, angle = springs.contacts, float(springs.crank[0])
     seen = reducer.seen_from_ring
@@ -88,7 +88,7 @@ def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[KernelSprings, Disp
 
 
 def way(unknowns: int, size: float) -> Array:
-    """Give a pose in which many contacts press [m], shape (u,): turns three times as far as places."""
+    """Compute a pose in which many contacts press [m], shape (u,): turns three times as far as places."""
     drawn = np.random.default_rng(2).uniform(-size, size, unknowns)
     drawn[2::3] *= 3.0
     drawn[-1] *= 3.0
@@ -154,7 +154,7 @@ def gradient_rows() -> list[ValidationRow]:
 
 
 def _gradients(springs: KernelSprings, z: Array, step: float) -> Array:
-    """Give the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
+    """Compute the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
     ways, found = step * np.eye(z.size), []
     for i in range(springs.disc.size):
         ahead, behind = (np.array([gap(springs, 0, i, z + side).width for side in sides]) for sides in (ways, -ways))
@@ -205,7 +205,7 @@ def closed_rows() -> list[ValidationRow]:
 
 
 def far_apart(springs: KernelSprings) -> KernelSprings:
-    """Give springs whose contacts are all open: the cams are left."""
+    """Compute springs whose contacts are all open: the cams are left."""
     return springs._replace(distance=np.full(springs.distance.shape, 1e-4), shift=np.zeros(springs.shift.shape))
 
 
@@ -304,7 +304,7 @@ def sample_rows() -> list[ValidationRow]:
 
 
 def rubbed(built: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
-    """Give what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
+    """Return what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
     rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
     design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
     reducer = Reducer(design)
@@ -389,7 +389,7 @@ def floating_rows() -> list[ValidationRow]:
 
 
 def _pushes(exact: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
-    """Give the generalised force of springs and friction [N], (u,), at each pose of a path that begins at rest."""
+    """Yield the generalised force of springs and friction [N], (u,), at each pose of a path that begins at rest."""
     count, discs = rubbing.stick.size, exact.design.gear.discs
     bearing = exact.stiffness.size + discs
     before, side, material, depth = np.zeros(path.shape[1]), np.zeros(count), np.zeros(bearing), np.zeros(bearing)
@@ -429,5 +429,5 @@ STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this part of the rung."""
+    """List the rows of this part of the rung."""
     return [row for part in STATICS for row in part()]

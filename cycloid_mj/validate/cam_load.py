@@ -33,7 +33,7 @@ SETTLED = 0.008
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     return [_slow_row(quick), *_fast_rows(quick), *_rated_rows()]
 
 
@@ -92,7 +92,7 @@ def _rated_rows() -> list[ValidationRow]:
 
 
 def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.0)) -> Array:
-    """Give the closed form of the cam's force on the gear [N], shape (n, 2), under a `force` [N] on its centre."""
+    """Compute the closed form of the cam's force on the gear [N], shape (n, 2), under a `force` [N] on its centre."""
     design = reducer.design
     gear, torque, output = tooth_profile(design), design.load.torque, design.output
     ring = ideal_loads.ideal_load_sharing(gear, torque, crank)
@@ -101,7 +101,7 @@ def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.
 
 
 def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
-    """Give the gear's weight less its mass times its ideal acceleration [N], shape (n, 2)."""
+    """Compute the gear's weight less its mass times its ideal acceleration [N], shape (n, 2)."""
     design = reducer.design
     mass = mass_properties(gear_solid(reducer)).mass
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
@@ -123,6 +123,6 @@ def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
 
 
 def _turning(force: Array, crank: Array) -> Array:
-    """Give forces (n, 2) along the eccentric and across it."""
+    """Compute forces (n, 2) along the eccentric and across it."""
     cos, sin = np.cos(crank), np.sin(crank)
     return np.stack([force[:, 1] * cos - force[:, 0] * sin, -force[:, 0] * cos - force[:, 1] * sin], axis=-1)

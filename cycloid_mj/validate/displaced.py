@@ -24,7 +24,7 @@ _ROUNDS, _IMBALANCE = 30, 1e-6
 
 
 def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose:
-    """Give the pose of a disc's teeth at departures z [m]: those of disc d mesh as a gear d/D of a turn ahead."""
+    """Return the pose of a disc's teeth at departures z [m]: those of disc d mesh as a gear d/D of a turn ahead."""
     gear, ahead = reducer.tooth_profile, crank + phase_of(reducer, disc)
     x, y, turn = z[3 * disc : 3 * disc + 3]
     angle = float(kinematics.gear_rotation(gear, ahead)) + turn / reducer.design.output.pin_circle_radius
@@ -32,12 +32,12 @@ def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose
 
 
 def phase_of(reducer: Reducer, disc: int) -> float:
-    """Give how far a disc's eccentric is ahead of the first one's [rad]."""
+    """Compute how far a disc's eccentric is ahead of the first one's [rad]."""
     return 2.0 * np.pi * disc / reducer.design.gear.discs
 
 
 def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
-    """Give what an observer on the ring sees of parts in the workshop: the crank's angle [rad], and the unknowns z [m].
+    """Find what an observer on the ring sees of parts in the workshop: the crank's angle [rad], and the unknowns z [m].
 
     The workshop has the crank at an angle [rad], each disc beside its ideal place by a shift [m], seen from the ring,
     shape (D, 2), and by a turn [rad], shape (D,); and the output, carrier or ring, turned on by an angle [rad].
@@ -56,7 +56,7 @@ def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, outp
 
 
 def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
-    """Give the gaps of pins or arcs, disc after disc, then those of output pins [m], at the unknowns of ``reducer``.
+    """Compute the gaps of pins or arcs, disc after disc, then those of output pins [m], at the unknowns of ``reducer``.
 
     All pins are `aside` of their places [m]; what a pin gives way by is not in its gap.
     """
@@ -64,7 +64,7 @@ def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 
 
 
 def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
-    """Give what `exact_gaps` does, shape (n,), and the gradients of these gaps [1], shape (n, u)."""
+    """Compute what `exact_gaps` does, shape (n,), and the gradients of these gaps [1], shape (n, u)."""
     sides = [
         side(reducer, crank, z, disc)
         for side in (partial(_teeth, aside=aside), _holes)
@@ -74,7 +74,7 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | floa
 
 
 def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
-    """Give the gaps of pins or arcs to a disc [m] and their gradients: moved along its normal, it closes one."""
+    """Compute the gaps of pins or arcs to a disc [m] and their gradients: moved along its normal, it closes one."""
     gear, made, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
     mesh = pin_gaps(gear, pose, pins, flanks_of(reducer))
@@ -88,7 +88,7 @@ def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | f
 
 
 def _holes(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
-    """Give the gaps of the output pins in the holes of a disc [m], circles in circles, and their gradients."""
+    """Compute the gaps of the output pins in the holes of a disc [m], circles in circles, and their gradients."""
     output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     turn, out = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
@@ -103,12 +103,12 @@ def _holes(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, 
 
 
 def _moment(arms: Array, forces: Array) -> Array:
-    """Give the moments of forces (n, 2) at arms (n, 2), counter-clockwise."""
+    """Compute the moments of forces (n, 2) at arms (n, 2), counter-clockwise."""
     return np.asarray(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0])
 
 
 def cam_ways(reducer: Reducer, crank: float, z: Array) -> Array:
-    """Give the way of each disc's centre from its cam's [m], shape (D, 2)."""
+    """Compute the way of each disc's centre from its cam's [m], shape (D, 2)."""
     design = reducer.design
     made, ways = reducer.deviations, []
     for disc in range(design.gear.discs):
@@ -146,7 +146,7 @@ class DisplacedSprings:
     bending: Array
 
     def contacts(self, z: Array) -> tuple[Array, Array]:
-        """Give the gaps of contacts, then of cams [m], where a contact that gives way has done so; and gradients."""
+        """Compute the gaps of contacts, then of cams [m], where a contact that gives way has done so; and gradients."""
         gaps, slopes = exact_contacts(Reducer(self.design), self.crank, z)
         ways = cam_ways(Reducer(self.design), self.crank, z)
         out, of_cams = np.linalg.norm(ways, axis=1), np.zeros((len(ways), z.size))
@@ -156,11 +156,11 @@ class DisplacedSprings:
         return np.concatenate([gaps + self.play, cams]), np.concatenate([slopes, of_cams])
 
     def gaps(self, z: Array) -> Array:
-        """Give the gaps of contacts, then of cams [m], shape (n + D,)."""
+        """Compute the gaps of contacts, then of cams [m], shape (n + D,)."""
         return self.contacts(z)[0]
 
     def forces(self, z: Array) -> Array:
-        """Give the forces of contacts, then of cams [N], shape (n + D,)."""
+        """Compute the forces of contacts, then of cams [N], shape (n + D,)."""
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
@@ -175,17 +175,17 @@ class DisplacedSprings:
         return force
 
     def energy(self, z: Array) -> float:
-        """Give the energy of contacts, cams and bent pins [J]: half of each force times what its gap closes by."""
+        """Compute the energy of contacts, cams and bent pins [J]: half of each force times what its gap closes by."""
         gaps = self.gaps(z)
         return float(-0.5 * self._forces_at(gaps) @ gaps)
 
     def push(self, z: Array) -> Array:
-        """Give the generalised force of the springs [N], shape (u,)."""
+        """Compute the generalised force of the springs [N], shape (u,)."""
         gaps, slopes = self.contacts(z)
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Give where a load (u,) [N] is balanced [m], by the stiffness at a start near there.
+        """Compute where a load (u,) [N] is balanced [m], by the stiffness at a start near there.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class DisplacedSprings:
 
 
 def _shared(gaps: Array, flexible: Array) -> Array:
-    """Give the forces on one pin [N], shape (D,), at the gaps that it has while straight [m], shape (D,).
+    """Compute the forces on one pin [N], shape (D,), at the gaps that it has while straight [m], shape (D,).
 
     Of all sets of contacts it is the one that holds: those in it press, f >= 0, the bent gap of the others is >= 0.
     """
@@ -219,5 +219,5 @@ def _shared(gaps: Array, flexible: Array) -> Array:
 
 
 def held_back(force: Array, stretch: Array, limit: Array, stick: npt.ArrayLike) -> Array:
-    """Give the force of springs that slip [N] after a stretch [m], from what they held: at most their limit."""
+    """Compute the force of springs that slip [N] after a stretch [m], from what they held: at most their limit."""
     return np.clip(force + np.asarray(stick) * stretch, -limit, limit)

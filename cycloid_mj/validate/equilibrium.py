@@ -95,12 +95,12 @@ class Locked:
         return self.load.size > 4
 
     def pose(self, z: Array) -> GearPose:
-        """Give the gear's pose."""
+        """Return the gear's pose."""
         centre = kinematics.gear_centre(self.gear, self.crank) + z[:2]
         return GearPose(centre, self.angle(z[2]))
 
     def angle(self, arc: float) -> float:
-        """Give the angle [rad] of gear or output at an arc [m] of the output pins from the ideal one."""
+        """Compute the angle [rad] of gear or output at an arc [m] of the output pins from the ideal one."""
         return float(kinematics.gear_rotation(self.gear, self.crank)) + arc / self.design.output.pin_circle_radius
 
 
@@ -163,7 +163,7 @@ def solve(
 
 
 def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
-    """Give the pose [m] at which forces balance, sought from another, and the largest force left over [N]."""
+    """Compute the pose [m] at which forces balance, sought from another, and the largest force left over [N]."""
 
     def imbalance(x: Array) -> Array:
         return _imbalance(locked, _SCALE * x)
@@ -173,7 +173,7 @@ def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
 
 
 def _least_energy(locked: Locked) -> Array:
-    """Give the pose [m] of least energy at uniform stiffness."""
+    """Compute the pose [m] of least energy at uniform stiffness."""
 
     def slope(x: Array) -> Array:
         return -_imbalance(locked, _SCALE * x, uniform=True)
@@ -285,7 +285,7 @@ def _sockets(locked: Locked, z: Array) -> PairSprings:
 
 
 def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
-    """Give how far pins or sleeves are from their seats.
+    """Compute how far pins or sleeves are from their seats.
 
     The nearest point of a socket's arc is straight ahead of the pin, or where the socket ends.
 

@@ -34,7 +34,7 @@ class GearPose:
     angle: float
 
     def to_gear(self, points: Array) -> Array:
-        """Give points (n, 2) of the ring's frame in the gear's."""
+        """Compute points (n, 2) of the ring's frame in the gear's."""
         return rotate(points - self.centre, -self.angle)
 
 
@@ -53,7 +53,7 @@ class Flanks:
 
 
 def flanks_of(reducer: Reducer) -> Flanks:
-    """Give the flanks of a design."""
+    """Return the flanks of a design."""
     amplitudes = enumerate(reducer.deviations.waves.tolist(), start=1)
     waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
     return Flanks(reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation, waves)
@@ -97,7 +97,7 @@ def rotate(points: Array, angle: npt.ArrayLike) -> Array:
 
 
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
-    """Give the signed distance [m], the outward normal and the parameter t of the nearest point of the trochoid.
+    """Compute the signed distance [m], the outward normal and the parameter t of the nearest point of the trochoid.
 
     `points` (n, 2) [m] in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
     """
@@ -115,7 +115,7 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Give the distance from the flanks less their offset [m], the outward normal and the parameter t of the foot.
+    """Compute the distance from the flanks less their offset [m], the outward normal and the parameter t of the foot.
 
     `points` (n, 2) [m] in the gear's frame, outside the gear. Turned flanks: the nearer of the two families, where a
     foot beyond the end of its flank is moved to that end.
@@ -131,7 +131,7 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Give what `trochoid_distance` gives, of the trochoid that stands back by the flanks' waves."""
+    """Compute what `trochoid_distance` gives, of the trochoid that stands back by the flanks' waves."""
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
         return distance, normals, t
@@ -145,7 +145,7 @@ def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Give the points [m] of the trochoid that stands back by w(t), T - w n, and its derivative, (n, 2) each."""
+    """Compute the points [m] of the trochoid that stands back by w(t), T - w n, and its derivative, (n, 2) each."""
     gear = flanks.gear
     back, slope = np.zeros(t.shape), np.zeros(t.shape)
     for order, cosine, sine in flanks.waves:
@@ -159,12 +159,12 @@ def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
 
 
 def _outwards(along: Array) -> Array:
-    """Give the outward unit normals (n, 2) of a clockwise curve from its derivative."""
+    """Compute the outward unit normals (n, 2) of a clockwise curve from its derivative."""
     return rotate(along / np.linalg.norm(along, axis=1, keepdims=True), np.pi / 2)
 
 
 def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Give the distance from the flanks before (1) or after (-1) the tips, clockwise."""
+    """Compute the distance from the flanks before (1) or after (-1) the tips, clockwise."""
     gear, ends = flanks.gear, _ends(flanks)
     turned = rotate(points, side * flanks.rotation)
     t = _path_distance(flanks, turned)[2]
@@ -180,7 +180,7 @@ def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Give the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
+    """Compute the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     number = gear.ring_teeth
     return NearestPoints(
@@ -195,7 +195,7 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Give the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
+    """Compute the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
     within the fan of its normals, |alpha| <= asin(c N / E). `flanks` if they are modified.

@@ -47,7 +47,7 @@ class Descent:
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     law = pair_law()
     low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
     stuck, sliding = descent(law, low, False), descent(law, high, False)
@@ -86,7 +86,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def pair_law() -> ContactParameters:
-    """Give the law of a pin on the gear for a body of `MASS`."""
+    """Compute the law of a pin on the gear for a body of `MASS`."""
     design = at_rated_load(Reducer(PRESETS["pin"]))
     friction = design.design.friction.pin_gear
     creep = friction * working_force(design, "pin_gear") / design.design.contact.creep_speed
@@ -108,7 +108,7 @@ def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
 
 
 def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
-    """Give the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
+    """Return the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
     model = _compiled("", angle, turns)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]
     parameters = solver_parameters(law, float(sum(model.body_invweight0[body, 0] for body in bodies)))

@@ -89,7 +89,7 @@ PARTS = tuple(_parts())
 
 
 def chosen(only: Sequence[str] = ()) -> tuple[RungPart, ...]:
-    """Give the parts of some rungs, or of all.
+    """List the parts of some rungs, or of all.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def climb(
 
 
 def in_order(found: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
-    """Give all rows in the order of the ladder."""
+    """List all rows in the order of the ladder."""
     return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
 
 

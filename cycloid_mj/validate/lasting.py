@@ -35,11 +35,11 @@ class Cage:
     static: float
 
     def __str__(self) -> str:
-        """Give its designation."""
+        """Return its designation."""
         return f"K{self.inside}x{self.outside}x{self.width}"
 
     def rating(self) -> float:
-        """Give C by ISO 281 [N], with Z L from the catalogue's C0."""
+        """Compute C by ISO 281 [N], with Z L from the catalogue's C0."""
         roller, pitch = 5e-4 * (self.outside - self.inside), 5e-4 * (self.outside + self.inside)
         length = 1e-3 * NEEDLE_SHARE * self.width
         return rolling.dynamic_capacity(
@@ -118,7 +118,7 @@ def shakedown_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _minus_shear(at: Array) -> float:
-    """Give -|tau_xz|/p0 below a line contact at (x, z) half widths (McEwen; Johnson 1985, Eq. 4.49)."""
+    """Compute -|tau_xz|/p0 below a line contact at (x, z) half widths (McEwen; Johnson 1985, Eq. 4.49)."""
     x, z = float(at[0]), abs(float(at[1])) + 1e-12
     base = 1.0 - x**2 + z**2
     root = math.sqrt(base**2 + 4.0 * x**2 * z**2)

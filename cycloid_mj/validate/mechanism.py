@@ -75,7 +75,7 @@ SEARCH = "static solution by scipy"
 
 
 def made(kind: str, *changes: str) -> Design:
-    """Give a design with errors and modification, without friction and gravity."""
+    """Return a design with errors and modification, without friction and gravity."""
     free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
     return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
 
@@ -141,7 +141,7 @@ def curvature_rows(kind: str) -> list[ValidationRow]:
 
 
 def _bend(gear: profile.CycloidGear, t: Array) -> tuple[Array, Array]:
-    """Give the curvature of a pin's path on the gear [1/m], convex positive, and its speed [m/rad], shape (n,) each."""
+    """Find the curvature of a pin's path on the gear [1/m], convex positive, and its speed [m/rad], shape (n,) each."""
     (dx, dy), (ddx, ddy) = (one.T for one in profile.trochoid_derivatives(gear, t))
     speed = np.hypot(dx, dy)
     return (dy * ddx - dx * ddy) / speed**3, speed
@@ -182,7 +182,7 @@ def sliding_rows(kind: str, *changes: str) -> list[ValidationRow]:
 
 
 def _slid(reducer: Reducer, disc: int) -> tuple[Array, Array]:
-    """Give how far a disc's teeth (N,) and holes (P,) slide on their mates with the crank [m/rad]."""
+    """Compute how far a disc's teeth (N,) and holes (P,) slide on their mates with the crank [m/rad]."""
     after, before = (_points(reducer, CRANK + turn, disc) for turn in (_TURN, -_TURN))
     along = _points(reducer, CRANK, disc)[2]
     slid = np.sum((after[0] - after[1] - before[0] + before[1]) * along, axis=1) / (2.0 * _TURN)
@@ -190,7 +190,7 @@ def _slid(reducer: Reducer, disc: int) -> tuple[Array, Array]:
 
 
 def _points(reducer: Reducer, crank: float, disc: int) -> tuple[Array, Array, Array]:
-    """Give where points are that touch at ``CRANK`` in the ideal mesh, on a disc and on its mates [m], (n, 2) each.
+    """Compute where points are that touch at ``CRANK`` in the ideal mesh, on a disc and on its mates [m], (n, 2) each.
 
     And the unit vectors along which they slide there, (n, 2).
     """
@@ -242,7 +242,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
 
 
 def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
-    """Give what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
+    """Compute what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
     turned = float(kinematics.gear_rotation(reducer.tooth_profile, CRANK)) + z / reducer.design.output.pin_circle_radius
     read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
     for disc, gear in enumerate(names.gears(reducer.design.gear.discs)):
@@ -373,5 +373,5 @@ MODELS: tuple[Callable[[], list[ValidationRow]], ...] = tuple(
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     return [row for part in (*STATICS, *MODELS) for row in part()]

@@ -154,7 +154,7 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
-    """Give the stresses [Pa] at the lobe's tip, in the valley and on a sleeve."""
+    """Compute the stresses [Pa] at the lobe's tip, in the valley and on a sleeve."""
     lobes, pins = KROL_PINS - 1, KROL_PINS
     e, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
     gear = CycloidGear(pins, e, e * pins / case.shortening, rho)
@@ -223,12 +223,12 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
 
 
 def total_efficiency(case: Wang) -> float:
-    """Give the efficiency by Wang's formula."""
+    """Compute the efficiency by Wang's formula."""
     return mesh_efficiency(case) * BEARINGS * output_efficiency(case)
 
 
 def mesh_efficiency(case: Wang) -> float:
-    """Give eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi)."""
+    """Compute eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi)."""
     lobes = WANG_PINS - 1
     meshing = 1.0 - 4.0 * MESH_FRICTION * (case.pin_circle - case.pin) / (
         case.shortening * lobes * case.pin_circle * math.pi
@@ -237,7 +237,7 @@ def mesh_efficiency(case: Wang) -> float:
 
 
 def output_efficiency(case: Wang) -> float:
-    """Give eta_sx = 1 - 4 f K1 d Dp/(pi Dw (d + 2 D2))."""
+    """Compute eta_sx = 1 - 4 f K1 d Dp/(pi Dw (d + 2 D2))."""
     sleeve = case.output_pin / (case.output_pin + 2.0 * SLEEVE_WALL)
     return 1.0 - 4.0 * SLEEVE_FRICTION * sleeve * case.shortening * case.pin_circle / (math.pi * case.hole_circle)
 
@@ -260,7 +260,7 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
 
 
 def wang_design(case: Wang, ideal: bool) -> Design:
-    """Give a design of Wang's proportions with fixed pins; rollers on the output pins act as less friction."""
+    """Return a design of Wang's proportions with fixed pins; rollers on the output pins act as less friction."""
     eccentricity = case.shortening * case.pin_circle / 2.0 / WANG_PINS
     sleeve = case.output_pin / 2.0 + SLEEVE_WALL
     rolled = SLEEVE_FRICTION * case.output_pin / (2.0 * sleeve)
@@ -292,12 +292,12 @@ def wang_design(case: Wang, ideal: bool) -> Design:
 
 
 def efficiency(run: Run) -> float:
-    """Give the mean output power over the mean input power."""
+    """Compute the mean output power over the mean input power."""
     return float(-np.mean(run["load_torque"] * run["output_speed"]) / np.mean(run["crank_torque"] * run["crank_speed"]))
 
 
 def friction_by_force(run: Run, reducer: Reducer) -> float:
-    """Give the friction power of the mesh [W] that Coulomb's law asks for at the logged normal forces."""
+    """Compute the friction power of the mesh [W] that Coulomb's law asks for at the logged normal forces."""
     design = reducer.design
     gear = tooth_profile(design)
     B = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]

@@ -35,33 +35,33 @@ _RING = {
 
 
 def reducer_of(kind: str, *changes: str) -> Design:
-    """Give the paper's design with one kind of ring and ``table.key=value`` changes; it starts at full speed."""
+    """Return the paper's design with one kind of ring and ``table.key=value`` changes; it starts at full speed."""
     preset, ring = _RING[kind]
     return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
 
 
 def changed(reducer: Reducer, *changes: str) -> Reducer:
-    """Give the design with ``table.key=value`` changes."""
+    """Return the design with ``table.key=value`` changes."""
     return Reducer(override(reducer.design, changes))
 
 
 def without_friction() -> list[str]:
-    """Give the changes that switch friction off."""
+    """List the changes that switch friction off."""
     return [f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling")]
 
 
 def without_gravity() -> list[str]:
-    """Give the change that switches gravity off."""
+    """List the change that switches gravity off."""
     return ["environment.gravity_y_m_s2=0.0"]
 
 
 def clearances(value_um: float) -> list[str]:
-    """Give the changes that make every clearance the same [um]."""
+    """List the changes that make every clearance the same [um]."""
     return [f"clearance.{kind}_um={value_um!r}" for kind in MATING]
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
-    """Give a compiled model's cam another stiffness [N/m], with the damping and added mass that go with it."""
+    """Change the cam's stiffness [N/m] in a compiled model, with the damping and added mass that go with it."""
     model = compiled.model
     gear = float(model.body("gear").mass[0])
     law = contact_law(stiffness, 0.5, gear, 0.0, 0.0, float(model.opt.timestep))
@@ -77,12 +77,12 @@ def part_patches(compiled: ReducerModel) -> None:
 
 
 def inverse_weight(model: Any, *geoms: str) -> float:
-    """Give the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
+    """Compute the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
     return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
 
 
 def rated_design(kind: str, *changes: str) -> Design:
-    """Give a kind of reducer at rated load."""
+    """Return a kind of reducer at rated load."""
     return reducer_of(kind, f"load.torque_nm={RATED_LOAD}", *changes)
 
 
@@ -107,5 +107,5 @@ def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, 
 
 
 def sizes(vectors: Array) -> Array:
-    """Give the lengths of vectors (..., 2), shape (...)."""
+    """Compute the lengths of vectors (..., 2), shape (...)."""
     return np.hypot(vectors[..., 0], vectors[..., 1])

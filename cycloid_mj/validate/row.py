@@ -51,7 +51,7 @@ class ValidationRow:
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
-        """Give the row as a flat dict with its verdict."""
+        """Convert the row to a flat dict with its verdict."""
         return {
             "quantity": self.measured.name,
             "ours": self.measured.value,
@@ -70,7 +70,7 @@ class ValidationRow:
 def relative(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Give a row judged by |ours/reference - 1| in percent; `bound` in percent too."""
+    """Judge by |ours/reference - 1| in percent; `bound` in percent too."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
     return ValidationRow(_held(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 
@@ -78,7 +78,7 @@ def relative(
 def absolute(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Give a row judged by |ours - reference| in `unit`; the difference of two percentages is in points."""
+    """Judge by |ours - reference| in `unit`; the difference of two percentages is in points."""
     measured = _held(quantity, ours, reference, unit, source, note)
     return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
@@ -86,7 +86,7 @@ def absolute(
 def deviation(
     quantity: str, ours: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Give a row of many values, shape (n,), or vectors, shape (..., 2).
+    """Judge many values, shape (n,), or vectors, shape (..., 2).
 
     It shows the largest size of each side and is judged by the largest difference of any two, in percent of the
     largest reference.
@@ -96,7 +96,7 @@ def deviation(
 
 
 def broken(why: str) -> ValidationRow:
-    """Give the row of a part that could not be run, which fails."""
+    """Fail the row of a part that could not be run."""
     nan = float("nan")
     return ValidationRow(_held("could not be run", nan, nan, "", "", why), nan, "", 0.0)
 

@@ -78,7 +78,7 @@ def _ideal_row(
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
-    """Give the ideal forces of the ring's pins or lobes on the gear [N], shape (N, 2)."""
+    """Compute the ideal forces of the ring's pins or lobes on the gear [N], shape (N, 2)."""
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     lobes, normals, _ = _ideal_contacts(reducer, crank)
@@ -87,7 +87,7 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
-    """Give the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
+    """Compute the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
     gear = reducer.tooth_profile
     lobes, normals, B = _ideal_contacts(reducer, crank)
     root = np.sqrt(_patch_weights(reducer, crank))
@@ -139,14 +139,14 @@ def settled_run(reducer: Reducer, cam: float | None, apart: bool) -> Run:
 
 
 def _slow(reducer: Reducer, rpm: float) -> Reducer:
-    """Give the design at a crank speed [rpm] that takes it through one mesh period after it has settled."""
+    """Return the design at a crank speed [rpm] that takes it through one mesh period after it has settled."""
     hold = SETTLED + 60.0 / (rpm * reducer.design.ring.teeth)
     changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
     return rig.changed(reducer, *changes)
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Give the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
+    """Compute the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
     gear = reducer.tooth_profile
     arcs = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
@@ -157,12 +157,12 @@ def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Ar
 
 
 def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
-    """Give the lobe of each root contact: the half of a root beyond B = pi belongs to the next, counter-clockwise."""
+    """Find the lobe of each root contact: the half of a root beyond B = pi belongs to the next, counter-clockwise."""
     return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Give the share of a whole spring that each contact of the ideal nonpin mesh has, arcs first.
+    """Compute the share of a whole spring that each contact of the ideal nonpin mesh has, arcs first.
 
     A root's line and its lobe's arc are apart as the gap half-way between them is in deflections at working force.
     """

@@ -64,7 +64,7 @@ Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Give the rows of one kind of ring."""
+    """List the rows of one kind of ring."""
     default = default_step(kind)
     shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
     study = {share * default: _figures(kind, share * default, quick) for share in shares}
@@ -120,12 +120,12 @@ def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
 
 
 def default_step(kind: str) -> float:
-    """Give the time step [us] that a kind of ring has at rated load."""
+    """Compute the time step [us] that a kind of ring has at rated load."""
     return 1e6 * timestep(Reducer(rated_design(kind)))
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Give p for which values at three rising steps h go as a + b h^p; not a number where no p from 0.1 to 8 does."""
+    """Find p for which values at three rising steps h go as a + b h^p; not a number where no p from 0.1 to 8 does."""
 
     def excess(order: float) -> float:
         powers = [step**order for step in steps]
@@ -158,7 +158,7 @@ def _run(kind: str, periods: int, *changes: str) -> StepFigures:
 
 
 def _periods(kind: str, quick: bool) -> int:
-    """Give the mesh periods of a run: a third of a crank turn, or a whole one; never of sleeves, the dearest to run."""
+    """Count the mesh periods of a run: a third of a crank turn, or a whole one; not of sleeves, the dearest to run."""
     return 12 if quick or kind == SLEEVED else PERIODS
 
 
@@ -178,7 +178,7 @@ def _compared(
 
 
 def _held(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
-    """Give rows, those without a finite bound as told only."""
+    """List rows, those without a finite bound as told only."""
     return [row if math.isfinite(row.bound or 0.0) else replace(row, bound=None) for row in rows]
 
 

@@ -10,7 +10,7 @@ from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flank_dist
 
 
 def tooth_stiffness(reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks) -> Array:
-    """Give the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
+    """Compute the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
 
     That of a line contact at the local relative curvature, at most twice that of a pin on a flat; lines of an arc and a
     root with less than a deflection of gap between them are one patch and share its stiffness.

@@ -114,12 +114,12 @@ def _bounds(kind: str) -> Bounds:
 
 
 def transmission_error(run: Run, reducer: Reducer) -> Array:
-    """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
+    """Compute the gear's angle less the ideal one [arcsec], shape (n,)."""
     return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / reducer.design.lobes)
 
 
 def ripple(run: Run, reducer: Reducer, way: float) -> Array:
-    """Give the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
+    """Find the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
     phase = np.mod(way * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)
     error = transmission_error(run, reducer)
@@ -127,12 +127,12 @@ def ripple(run: Run, reducer: Reducer, way: float) -> Array:
 
 
 def mean_force(run: Run, reducer: Reducer) -> Array:
-    """Give the mean force of all contacts on the gear [N], shape (2,)."""
+    """Compute the mean force of all contacts on the gear [N], shape (2,)."""
     parts = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 
 def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
-    """Give the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
+    """Compute the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
     added = transmission_error(run, reducer) - transmission_error(without, reducer)
     return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))

@@ -45,7 +45,7 @@ _XML = """<mujoco>
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     stiffness, ratio = curvature_law(RATED).stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
@@ -83,7 +83,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def pressed(law: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Give depth [m] and contact force [N] when `FORCE` has come to rest."""
+    """Compute depth [m] and contact force [N] when `FORCE` has come to rest."""
     model = two_bodies(law, timestep, FORCE / MASS)
     data = mujoco.MjData(model)
     with installed():
@@ -92,7 +92,7 @@ def pressed(law: ContactParameters, timestep: float) -> tuple[float, float]:
 
 
 def frequency(law: ContactParameters, timestep: float) -> float:
-    """Give the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
+    """Compute the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
     model = two_bodies(law, timestep, FORCE / MASS)
     data = mujoco.MjData(model)
     data.qpos[0] = 0.5 * FORCE / law.stiffness
@@ -108,7 +108,7 @@ def frequency(law: ContactParameters, timestep: float) -> float:
 
 
 def restitution(law: ContactParameters, timestep: float) -> float:
-    """Give the share of the speed with which the disc leaves the contact."""
+    """Compute the share of the speed with which the disc leaves the contact."""
     model = two_bodies(law, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
@@ -120,7 +120,7 @@ def restitution(law: ContactParameters, timestep: float) -> float:
 
 
 def linear_restitution(ratio: float) -> float:
-    """Give the restitution of a linear contact that cannot pull, damped by `ratio` < 1 of critical.
+    """Compute the restitution of a linear contact that cannot pull, damped by `ratio` < 1 of critical.
 
     The force -(K r + C v) of the damped half wave vanishes before the gap opens (Nagurka and Huang 2004).
     """
@@ -129,7 +129,7 @@ def linear_restitution(ratio: float) -> float:
 
 
 def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
-    """Give the model; `gravity` [m/s2] presses the disc into the circle."""
+    """Return the model; `gravity` [m/s2] presses the disc into the circle."""
     parameters = solver_parameters(law, 1.0 / MASS)
     text = _XML.format(
         timestep=timestep,

@@ -25,13 +25,13 @@ HELD = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log_rate_
 
 
 def high_friction() -> Design:
-    """Give the paper's reducer with fixed pins and a friction of 0.3 on the teeth, at its load and speed."""
+    """Return the paper's reducer with fixed pins and a friction of 0.3 on the teeth, at its load and speed."""
     hold = SETTLED + 12 * 60.0 / (1640.0 * 36.0)
     return reducer_of(FIXED, *HELD, "friction.pin_gear=0.3", f"load.torque_nm={RATED_LOAD}", f"drive.hold_s={hold!r}")
 
 
 def high_speed() -> Design:
-    """Give the preset of two discs at 12 000 rpm with 2 um of play, under 5 % of its load."""
+    """Return the preset of two discs at 12 000 rpm with 2 um of play, under 5 % of its load."""
     preset = PRESETS["twodisc"]
     load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", *clearances(2.0)]
     return override(preset, [*HELD, *load, f"drive.hold_s={SETTLED + 0.005!r}"])
@@ -48,7 +48,7 @@ step: at 2 us the first and the last are 0.07 and 0.9 %. Of the fixed pins none 
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Give the rows of this rung."""
+    """List the rows of this rung."""
     return [row for which, design in CASES.items() for row in rows_of(which, Reducer(design()))]
 
 
@@ -71,7 +71,7 @@ def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
 
 
 def of_witness(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
-    """Give those of the witness."""
+    """Compute those of the witness."""
     return figures(reducer, simulate(reducer.design, planar_model(reducer, step=step)))
 
 
@@ -85,7 +85,7 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 
 
 def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:
-    """Give figures: of the output's error [rad], cam's force [N], powers in and out [W], gear's error [rad/s]."""
+    """Compute figures: of the output's error [rad], cam's force [N], powers in and out [W], gear's error [rad/s]."""
     supplied, given = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),

@@ -117,7 +117,7 @@ def reproduce(
 
 
 def _reporter(quiet: bool) -> "Report":
-    """Give what tells each stage as it begins, and now and then how far it is."""
+    """Return what tells each stage as it begins, and now and then how far it is."""
     last = [0.0]
 
     def report(step: "Stage", text: str, left: float) -> None:

@@ -16,7 +16,7 @@ RELIEVED = 0.1
 
 
 def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
-    """Give pin 1's cycle under load in each case that has ring pins: name -> runs, of which the loaded ones count."""
+    """List pin 1's cycle under load in each case that has ring pins: name -> runs, of which the loaded ones count."""
     rows: list[tuple[str | float, ...]] = []
     for name, runs in cases.items():
         for motion in (settled(run) for run in runs):
@@ -27,7 +27,7 @@ def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
 
 
 def cycle(motion: Series) -> tuple[float, float, float, float]:
-    """Give the crank angles [deg] at which pin 1 is loaded and relieved, its share of the turn [%], and loaded pins."""
+    """Find the crank angles [deg] at which pin 1 is loaded and relieved, its share of the turn [%], and loaded pins."""
     force = tooth_forces(motion)[motion.one_turn]
     loaded = force[:, 0] > RELIEVED * force[:, 0].max()
     degrees = np.mod(np.degrees(motion.crank_angle[motion.one_turn]), 360.0)
@@ -36,7 +36,7 @@ def cycle(motion: Series) -> tuple[float, float, float, float]:
 
 
 def _change(degrees: Array, begins: Mask) -> float:
-    """Give where something begins, by the longest stretch of it; not a number where it always or never holds."""
+    """Compute where something begins, by the longest stretch of it; not a number where it always or never holds."""
     starts = np.flatnonzero(begins & ~np.roll(begins, 1))
     if starts.size == 0:
         return float("nan")

@@ -33,7 +33,7 @@ def centre(law: CrankLaw, time: Array) -> Array:
 
 
 def zeta_at(law: CrankLaw) -> Callable[[Array], Array]:
-    """Give zeta(t) = theta(t)/(N-1) of a crank law."""
+    """Return zeta(t) = theta(t)/(N-1) of a crank law."""
     return lambda time: law.angle_at(time) / GEAR.lobes
 
 
@@ -81,7 +81,7 @@ def eq14_right(law: CrankLaw, time: Array) -> Array:
 
 
 def eq17(sign: int, zeta: Array) -> Array:
-    """Give the derivative dr/dzeta of q [m], shape (n, 2), with `sign` c (N-1) (cos, sin) ((N-1) zeta)."""
+    """Compute the derivative dr/dzeta of q [m], shape (n, 2), with `sign` c (N-1) (cos, sin) ((N-1) zeta)."""
     q_x, q_y = Q
     orbit = GEAR.eccentricity * GEAR.lobes * np.stack([np.cos(GEAR.lobes * zeta), np.sin(GEAR.lobes * zeta)], axis=1)
     x, y = q_y * np.cos(zeta) - q_x * np.sin(zeta), -q_x * np.cos(zeta) - q_y * np.sin(zeta)

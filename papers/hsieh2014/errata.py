@@ -70,7 +70,7 @@ class Erratum:
     harmless: bool = False
 
     def as_json(self) -> dict[str, Any]:
-        """Give the erratum with its two errors."""
+        """Convert the erratum with its two errors to JSON values."""
         printed, right = self.errors()
         texts = {"equation": self.equation, "printed": self.printed, "right": self.right, "proof": self.proof}
         return {**texts, "printed_error": printed, "right_error": right, "harmless": self.harmless}
@@ -91,18 +91,18 @@ def second(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -
 
 
 def relative_error(found: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
-    """Give the largest difference of two arrays as a share of the largest value wanted."""
+    """Compute the largest difference of two arrays as a share of the largest value wanted."""
     found, wanted = np.asarray(found, float), np.asarray(wanted, float)
     return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
 def misses(printed: npt.ArrayLike, right: npt.ArrayLike, wanted: npt.ArrayLike) -> tuple[float, float]:
-    """Give the relative errors of a printed and of a corrected formula."""
+    """Compute the relative errors of a printed and of a corrected formula."""
     return relative_error(printed, wanted), relative_error(right, wanted)
 
 
 def least_and_most(errors: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Give of several cases the least that the printed formula misses, and the most that the right one does."""
+    """Compute of several cases the least that the printed formula misses, and the most that the right one does."""
     printed, right = zip(*errors, strict=True)
     return min(printed), max(right)
 
@@ -274,5 +274,5 @@ ERRATA = (
 
 
 def errata() -> list[dict[str, Any]]:
-    """Give every erratum with the errors of the printed and of the right formula."""
+    """List every erratum with the errors of the printed and of the right formula."""
     return [erratum.as_json() for erratum in ERRATA]

@@ -48,7 +48,7 @@ def geometry(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Give every value in which the two designs differ, and the conditions that they share."""
+    """Return every value in which the two designs differ, and the conditions that they share."""
     both = designs()
     names = tuple(design.name for design in both)
     found = differences(both)

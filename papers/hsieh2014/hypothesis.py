@@ -26,7 +26,7 @@ Case = tuple[str, SoftContact, float]
 
 
 def soft_cases(plan: Plan) -> list[Case]:
-    """Give what is turned: line contacts as here, and both defaults of motion solvers, at every chord error."""
+    """List what is turned: line contacts as here, and both defaults of motion solvers, at every chord error."""
     errors = QUICK_ERRORS if plan.quick else ERRORS
     return [
         (design.name, contact, error)
@@ -44,7 +44,7 @@ def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
 
 
 def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str) -> dict[str, float]:
-    """Give the force [N] that the height of the paper's curve would take, by part: stress goes with the force.
+    """Compute the force [N] that the height of the paper's curve would take, by part: stress goes with the force.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def sentences(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str
 
 
 def as_json(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """Give the cases for a program."""
+    """Convert the cases to JSON values."""
     return {
         "status": "hypothesis",
         "cases": [

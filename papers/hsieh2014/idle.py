@@ -23,12 +23,12 @@ def pin_over_nonpin(levels: Levels, key: str) -> int:
 
 
 def idle(plan: Plan, runs: Runs) -> Levels:
-    """Give the idle fluctuations of both designs."""
+    """Compute the idle fluctuations of both designs."""
     return levels_of({design.name: runs(idle_runs(plan, design)) for design in designs()})
 
 
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
-    """Give the idle fluctuations with one parameter varied at a time."""
+    """Collect the idle fluctuations with one parameter varied at a time."""
     cases = {
         one: {design.name: varied_idle_runs(plan, one, design) for design in designs()} for one in variations(plan)
     }
@@ -76,7 +76,7 @@ class Divergence:
 
 
 def nudged(design: Design) -> Design:
-    """Give the design under a gravity that differs by `NUDGE`."""
+    """Return the design under a gravity that differs by `NUDGE`."""
     return override(design, [f"environment.gravity_y_m_s2={design.environment.gravity_y * (1.0 + NUDGE)!r}"])
 
 

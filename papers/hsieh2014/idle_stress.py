@@ -73,18 +73,18 @@ class IdleStress:
     outputs: Mapping[str, StartSpread]
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
-        """Give crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
+        """Find crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
         if part not in self.starts:
             return None
         found = self.study.findings[part]
         return np.degrees(found.angle), found.bulk / MEGAPASCAL
 
     def soft_curve(self, part: str) -> tuple[Array, Array] | None:
-        """Give the same with the contact law IMPACT."""
+        """Compute the same with the contact law IMPACT."""
         return (np.degrees(self.study.findings[part].angle), self.soft[part]) if part in self.soft else None
 
     def error(self, part: str) -> float:
-        """Give by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
+        """Find by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
         found = self.study.findings[part]
         return max(found.refinement.change, found.choice)
 
@@ -143,7 +143,7 @@ def idle_stress(
 def _heavy(
     starts: Sequence[Run], parts: Sequence[tuple[str, OutputPins]], turn: Array, window: int
 ) -> "list[list[PartLoads]]":
-    """Give the heaviest loads of each start on several parts, each with other output pins or none; run by run."""
+    """Return the heaviest loads of each start on several parts, each with other output pins or none; run by run."""
     from cycloid_mj.stress.loads import part_loads
 
     found: list[list[PartLoads]] = [[] for _ in parts]
@@ -190,7 +190,7 @@ def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[P
 
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
-    """Give the loads at the crank angles of the largest single force, and of the largest sum, half of each."""
+    """Return the loads at the crank angles of the largest single force, and of the largest sum, half of each."""
     from cycloid_mj.stress.study import at_angles
 
     size = np.nan_to_num(np.linalg.norm(loads.force, axis=2))
@@ -213,12 +213,12 @@ def joined(several: Sequence["PartLoads"]) -> "PartLoads":
 
 
 def rated_value(one: IdleStress, part: str) -> Value:
-    """Give a part's largest stress under the rated load."""
+    """Compute a part's largest stress under the rated load."""
     at = " at the fillet of a pin" if part == OUTPUT else ""
     return Value(f"{one.rated[part].high:.3g} MPa{at}", one.rated[part].high, "MPa")
 
 
 def stress_error(one: IdleStress, parts: Sequence[str]) -> Value:
-    """Give the largest numerical error of some parts' stress at no load."""
+    """Compute the largest numerical error of some parts' stress at no load."""
     share, part = max((one.error(part), part) for part in parts)
     return Value(f"{part}: {ERROR}", share * one.starts[part].mean, "MPa")

@@ -22,7 +22,7 @@ KEPT = 8
 
 
 def log_name(design: Design, stands_on: Mapping[str, str]) -> str:
-    """Give the file name of a design's log, with a hash of the design and of what a run of it stands on."""
+    """Return the file name of a design's log, with a hash of the design and of what a run of it stands on."""
     load = f"{design.load.torque:g}Nm" if design.load.torque else "no-load"
     stands_for = dump(design) + "".join(f"\n{key}={value}" for key, value in sorted(stands_on.items()))
     return f"{design.name}-{load}-{hashlib.sha256(stands_for.encode()).hexdigest()[:DIGITS]}.mcap"
@@ -64,7 +64,7 @@ class Logs:
         self._read = lru_cache(KEPT)(read)
 
     def __call__(self, designs: Sequence[Design]) -> LoggedRuns:
-        """Give the run of each design.
+        """Return the run of each design.
 
         Raises
         ------

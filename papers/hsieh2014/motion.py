@@ -42,7 +42,7 @@ NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
 
 
 def motions(plan: Plan, runs: Runs) -> list[Series]:
-    """Give the main runs beside their closed form, at every logged sample."""
+    """List the main runs beside their closed form, at every logged sample."""
     return [settled(run) for run in runs(main_runs(plan))]
 
 
@@ -161,7 +161,7 @@ def _each(
 
 
 def at_degrees(motion: Series) -> Series:
-    """Give a run at one sample for each degree, the paper's sampling."""
+    """Return a run at one sample for each degree, the paper's sampling."""
     return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(Reducer(motion.design)))
 
 

@@ -29,7 +29,7 @@ ERRATUM_HEAD = ("Eq.", "printed", "right", "held against", "error as printed", "
 def reproduction_page(
     stages: Sequence[StageRun], errata: Sequence[Mapping[str, Any]], pictures: Mapping[str, bytes], about: Sequence[str]
 ) -> str:
-    """Give the page: claims first, then each stage with its figures, then the errata.
+    """Write the page: claims first, then each stage with its figures, then the errata.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def reproduction_page(
 
 
 def error_words(claim: Claim) -> str:
-    """Give the numerical error of a claim, and where it comes from."""
+    """Return the numerical error of a claim, and where it comes from."""
     error = claim.error
     return error.text if error.value is None else f"{error.value:.2g} {error.unit} ({error.text})"
 

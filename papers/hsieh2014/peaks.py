@@ -37,7 +37,7 @@ BINS = 36
 
 
 def peak(run: Run, pair: str, window: int = 1) -> Array:
-    """Give the largest force of a pair [N], shape (n,), over so many samples about each one.
+    """Compute the largest force of a pair [N], shape (n,), over so many samples about each one.
 
     A log has at each sample the largest since the one before; of friction it knows the sample's own.
     """
@@ -47,7 +47,7 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
 
 def pairs_on(run: Run, part: str) -> list[str]:
-    """Give the mating pairs of a run that press on a part; on pin 1, or what stands for it, the gear alone."""
+    """List the mating pairs of a run that press on a part; on pin 1, or what stands for it, the gear alone."""
     ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
     if part == PIN_1:
         return [f"{LOBE if ring == LOBE else PIN}_{standing_for_pin_1(design_of(run))}"]
@@ -62,7 +62,7 @@ def largest_force(run: Run, among: Sequence[str]) -> float:
 
 
 def at_peaks(run: Run, window: int = 1) -> Run:
-    """Give a run in which every pair has, at each sample, its largest force over so many samples about it.
+    """Return a run in which every pair has, at each sample, its largest force over so many samples about it.
 
     All peaks of a window act at once, though they fell one after the other: that is on the safe side for the stress,
     which grows with each force, but where forces would relieve each other. A force keeps its direction; one that only
@@ -83,7 +83,7 @@ def at_peaks(run: Run, window: int = 1) -> Run:
 
 
 def _nearest(rows: npt.NDArray[np.intp], count: int) -> npt.NDArray[np.intp]:
-    """Give for each of `count` samples the place in `rows`, which rise, of the one nearest to it."""
+    """Compute for each of `count` samples the place in `rows`, which rise, of the one nearest to it."""
     every = np.arange(count)
     after = np.clip(np.searchsorted(rows, every), 0, rows.size - 1)
     before = np.maximum(after - 1, 0)
@@ -91,7 +91,7 @@ def _nearest(rows: npt.NDArray[np.intp], count: int) -> npt.NDArray[np.intp]:
 
 
 def by_angle(run: Run, among: Sequence[str]) -> Array:
-    """Give the largest force of any of some pairs [N] in each bin of the crank turn, shape (BINS,).
+    """Compute the largest force of any of some pairs [N] in each bin of the crank turn, shape (BINS,).
 
     The crank angle is counted from gravity, so that starts at all phases share one axis.
     """
@@ -99,7 +99,7 @@ def by_angle(run: Run, among: Sequence[str]) -> Array:
 
 
 def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Give the same for several parts, each with the pairs that press on it."""
+    """Compute the same for several parts, each with the pairs that press on it."""
     motion = settled(run)
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
@@ -113,12 +113,12 @@ def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str
 
 
 def middle(number: int) -> float:
-    """Give the middle of a bin [deg]."""
+    """Compute the middle of a bin [deg]."""
     return (number + 0.5) * 360.0 / BINS
 
 
 def largest_of_halves(force: Array) -> tuple[float, float]:
-    """Give where a curve over the bins is largest in each half turn [deg]."""
+    """Compute where a curve over the bins is largest in each half turn [deg]."""
     half = BINS // 2
     return middle(int(np.argmax(force[:half]))), middle(half + int(np.argmax(force[half:])))
 
@@ -142,20 +142,20 @@ def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
 
 
 def share_near(force: Array, reach: float) -> float:
-    """Give the share of a curve's sum that lies within so many degrees of crank angle 0, to either side."""
+    """Compute the share of a curve's sum that lies within so many degrees of crank angle 0, to either side."""
     bins = round(reach * BINS / 360.0)
     total = float(force.sum())
     return float(force[:bins].sum() + force[-bins:].sum()) / total if total else 0.0
 
 
 def standing_for_pin_1(design: Design) -> int:
-    """Give the number of the ring pin, or lobe, that a start has where gravity finds pin 1: as far from straight up."""
+    """Find the number of the ring pin, or lobe, that a start has where gravity finds pin 1: as far from straight up."""
     pitches = round(gravity_turn(Reducer(design)) * design.ring.teeth / (2 * np.pi))
     return (-pitches) % design.ring.teeth + 1
 
 
 def likeness(curves: Sequence[Array]) -> tuple[float, ...]:
-    """Give the correlation of each curve with the mean of the others: 1 where each start repeats the same."""
+    """Compute the correlation of each curve with the mean of the others: 1 where each start repeats the same."""
     return tuple(
         float(np.corrcoef(curve, np.mean([other for other in curves if other is not curve], axis=0))[0, 1])
         for curve in curves

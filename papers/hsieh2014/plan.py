@@ -103,29 +103,29 @@ FULL = Plan(quick=False, steps=2 * STEPS, turns=4, varied_turns=2, finer_turns=2
 
 
 def designs() -> tuple[Design, Design]:
-    """Give the paper's two designs, pin and nonpin."""
+    """Return the paper's two designs, pin and nonpin."""
     return PRESETS["pin"], PRESETS["nonpin"]
 
 
 def loads() -> tuple[float, float]:
-    """Give the load torques of the runs [N m]: none, and the torque without losses, 36.68."""
+    """Compute the load torques of the runs [N m]: none, and the torque without losses, 36.68."""
     first = PRESETS["pin"]
     return 0.0, round(first.drive.torque * first.lobes, 9)
 
 
 def no_load() -> Condition:
-    """Give the condition of the paper's motion and stress (sections 3.1 and 3.3: "no-load running")."""
+    """Return the condition of the paper's motion and stress (sections 3.1 and 3.3: "no-load running")."""
     return Condition(0.0, PRESETS["pin"].drive.speed)
 
 
 def torque_test() -> Condition:
-    """Give the condition of the paper's torque test: the rated torque on the crank, the load that follows from it."""
+    """Return the condition of the paper's torque test: the rated torque on the crank, the load that follows from it."""
     first = PRESETS["pin"]
     return Condition(loads()[1], first.drive.speed, first.drive.torque)
 
 
 def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Design:
-    """Give a design that runs from full speed until so many turns have settled, at `steps` from sample to sample.
+    """Return a design that runs from full speed until so many turns have settled, at `steps` from sample to sample.
 
     Both kinds of ring run as long: until that which settles more slowly has settled.
     """
@@ -137,59 +137,59 @@ def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Des
 
 
 def ramped(plan: Plan, design: Design) -> Design:
-    """Give a design with the paper's ramp and a settled turn after it, without load, at the paper's sampling."""
+    """Return a design with the paper's ramp and a settled turn after it, without load, at the paper's sampling."""
     short = at_speed(design, 0.0, 1, plan.steps)
     rate = short.settings.log_rate / LOGGED
     return short.but(drive={"ramp": design.drive.ramp}, settings={"log_rate": rate})
 
 
 def main_runs(plan: Plan) -> list[Design]:
-    """Give the designs of the main runs: load by load, pin and nonpin."""
+    """List the designs of the main runs: load by load, pin and nonpin."""
     return [at_speed(design, load, plan.turns, plan.steps) for load in loads() for design in designs()]
 
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
-    """Give the independent starts of a design at no load; the first is its main run."""
+    """List the independent starts of a design at no load; the first is its main run."""
     return list(all_started(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
 
 
 def equalised() -> Design:
-    """Give the third design of the rated runs: nonpin with the pin design's total play and series stiffness there."""
+    """Return the third design of the rated runs: nonpin with the pin design's total play and series stiffness there."""
     pin, nonpin = designs()
     return with_play_of(Reducer(nonpin), Reducer(pin.but(load={"torque": loads()[1]})))
 
 
 def rated_runs(plan: Plan) -> list[Design]:
-    """Give the main runs under the rated load: pin, nonpin, and nonpin as loose and as soft as pin."""
+    """List the main runs under the rated load: pin, nonpin, and nonpin as loose and as soft as pin."""
     return [at_speed(design, loads()[1], plan.turns, plan.steps) for design in (*designs(), equalised())]
 
 
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
-    """Give some idle starts with half the step, or none."""
+    """List some idle starts with half the step, or none."""
     turns, count = plan.finer_turns, plan.varied_starts
     return list(all_started(Reducer(at_speed(design, 0.0, turns, 2 * plan.steps)), count)) if turns else []
 
 
 def finer_rated_runs(plan: Plan) -> list[Design]:
-    """Give the rated runs with half the step, or none."""
+    """List the rated runs with half the step, or none."""
     turns, steps = plan.finer_turns, 2 * plan.steps
     return [at_speed(design, loads()[1], turns, steps) for design in designs()] if turns else []
 
 
 def variations(plan: Plan) -> tuple[Variation, ...]:
-    """Give what the sweep varies, one at a time."""
+    """List what the sweep varies, one at a time."""
     if not plan.quick:
         return (*SWEEP, IMPACT, TIGHT, *MORE)
     return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT, TIGHT)
 
 
 def ranges(plan: Plan) -> tuple[Range, ...]:
-    """Give the ranges of what the paper leaves open that the sweep searches."""
+    """List the ranges of what the paper leaves open that the sweep searches."""
     return RANGES if plan.quick else (*RANGES, *MORE_RANGES)
 
 
 def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:
-    """Give the idle starts of a design with one parameter varied; where it does not concern it, the main ones."""
+    """List the idle starts of a design with one parameter varied; where it does not concern it, the main ones."""
     changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
@@ -197,7 +197,7 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
-    """Give the rated runs with one parameter varied; what it does not concern stays the main run."""
+    """List the rated runs with one parameter varied; what it does not concern stays the main run."""
     found = []
     for design in designs():
         changed = variation.of(Reducer(design))

@@ -30,7 +30,7 @@ DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6}
 
 
 def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
-    """Give the four figures by name."""
+    """Build the four figures by name."""
     return {
         "fig1_rolling": rolling_figure(gear),
         "fig2_gear": gear_figure(gear),
@@ -186,7 +186,7 @@ def _on_orbit(gear: CycloidGear, crank: float) -> Array:
 
 
 def _mm(points: Array) -> Array:
-    """Give the coordinates of points (n, 2) in mm, x and y apart."""
+    """Compute the coordinates of points (n, 2) in mm, x and y apart."""
     return 1e3 * points.T
 
 

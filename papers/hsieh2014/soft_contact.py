@@ -58,7 +58,7 @@ class SoftContact:
 
 
 def in_millimetres(name: str, stiffness: float, exponent: float, damping: float, depth: float) -> SoftContact:
-    """Give parameters from N/mm^e, N s/mm and mm."""
+    """Return parameters from N/mm^e, N s/mm and mm."""
     return SoftContact(name, stiffness * 1e3**exponent, exponent, damping * 1e3, depth * 1e-3)
 
 
@@ -96,7 +96,7 @@ class PeakForces:
 
 
 def line_contacts(design: Design) -> SoftContact:
-    """Give linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
+    """Return linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
     reducer = Reducer(design)
     stiffness = pair_stiffness(reducer, design.tooth_pair)
     mass = mass_properties(parts(reducer)["gear"]).mass / design.ring.teeth
@@ -148,7 +148,7 @@ def soft_idle(
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:
-    """Give the chord error of each facet [m], shape (lobes, facets of a lobe).
+    """Compute the chord error of each facet [m], shape (lobes, facets of a lobe).
 
     A chord of a circle of the valley's radius has this error at a length of sqrt(8 R error).
     """

@@ -73,7 +73,7 @@ class StageRun:
     error: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Give the stage for a program; its claims stand apart."""
+        """Convert the stage to JSON values; its claims stand apart."""
         return {
             "key": self.step.key,
             "title": self.step.title,

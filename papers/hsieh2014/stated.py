@@ -68,7 +68,7 @@ def is_ours(design: Design) -> bool:
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":
-    """Give the paper's figure, and the height that it stays below, of each part of its own designs."""
+    """Return the paper's figure, and the height that it stays below, of each part of its own designs."""
     from cycloid_mj.base.units import MEGAPASCAL
     from cycloid_mj.stress.findings import Reference
 
@@ -82,7 +82,7 @@ def stress_references(design: Design) -> "dict[str, Reference]":
 
 
 def torques(design: Design) -> "list[Published]":
-    """Give the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
+    """Return the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
     from cycloid_mj.measure.published import Published
 
     own = PRESETS[design.ring.kind]

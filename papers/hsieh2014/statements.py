@@ -38,7 +38,7 @@ class Statement:
         removals: Iterable[Removal] = (),
         p: float | None = None,
     ) -> Claim:
-        """Give the claim with what is found here, and what becomes of it; parameters as of `Claim`."""
+        """Return the claim with what is found here, and what becomes of it; parameters as of `Claim`."""
         return Claim(
             **vars(self),
             found=found,

@@ -56,7 +56,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def _needed(name: str, one: IdleStress, rated: Run) -> dict[str, float]:
-    """Give the forces that the paper's heights would take, from stress and largest force under the rated load."""
+    """Compute the forces that the paper's heights would take, from stress and largest force under the rated load."""
     forces = {part: largest_force(rated, pairs_on(rated, part)) for part in ORDER}
     return hypothesis.needed({part: size.high for part, size in one.rated.items()}, forces, name)
 
@@ -103,7 +103,7 @@ def height_plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
 
 
 def settings(plan: Plan) -> "StudySettings":
-    """Give how much a study computes."""
+    """Return how much a study computes."""
     from cycloid_mj.stress.study import QUICK, StudySettings
 
     own = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
@@ -116,7 +116,7 @@ def per_newton(one: IdleStress, rated: Run) -> dict[str, float]:
 
 
 def _stress_table(found: Mapping[str, IdleStress]) -> Table:
-    """Give the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
+    """Tabulate the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
     rows = [
         (f"{name}, {part}", one.starts[part].words, HEIGHTS.get((part, name), ""), f"{one.rated[part].high:.3g}")
         for name, one in found.items()
@@ -127,7 +127,7 @@ def _stress_table(found: Mapping[str, IdleStress]) -> Table:
 
 
 def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) -> Table:
-    """Give the largest force of each kind of pair, in a sample and between samples."""
+    """Tabulate the largest force of each kind of pair, in a sample and between samples."""
     rows = []
     for name, runs in starts.items():
         between, loaded = [_largest_forces(run) for run in runs], _largest_forces(rated[name])

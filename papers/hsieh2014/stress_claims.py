@@ -134,7 +134,7 @@ def smaller(
 
 
 def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]]) -> dict[str, int]:
-    """Give the order of pin and nonpin with each thing changed that the paper leaves open."""
+    """Collect the order of pin and nonpin with each thing changed that the paper leaves open."""
     return {each.words: rank_order(*both) for each, both in varied.items() if each.parameter in LEFT_OPEN}
 
 
@@ -185,7 +185,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
 
 
 def _treatments(design: str, searched: Searched) -> dict[str, list[float]]:
-    """Give the stress of shaft, ring and gear [MPa] by every treatment of contact that was searched."""
+    """Collect the stress of shaft, ring and gear [MPa] by every treatment of contact that was searched."""
     return {
         words: [searched.reached[part, design][words] for part in ORDER]
         for words in searched.reached.get((ORDER[0], design), {})

@@ -49,27 +49,27 @@ class Evidence:
     varied: Mapping[Variation, Forces]
 
     def curves(self, design: str, part: str, changed: Variation | None = None) -> list[Array]:
-        """Give the largest force on a design's part in each part of a crank turn, start by start [N]."""
+        """Compute the largest force on a design's part in each part of a crank turn, start by start [N]."""
         runs = self.forces if changed is None else self.varied[changed]
         return [one[part] for one in runs[design]]
 
     def sizes(
         self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None
     ) -> StartSpread:
-        """Give the stress [MPa] of a design's part that a property `of` the force's curve makes, start by start."""
+        """Compute the stress [MPa] of a design's part that a property `of` the force's curve makes, start by start."""
         largest = float(np.mean([curve.max() for curve in self.curves(design, part)]))
         base = self.stress[design].starts[part].mean / largest if largest else 0.0
         return StartSpread.of(base * of(curve) for curve in self.curves(design, part, changed))
 
     def peaks(self, design: str, part: str, changed: Variation | None = None) -> StartSpread:
-        """Give the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""
+        """Compute the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""
         if changed is None:
             return self.stress[design].starts[part]
         return self.sizes(design, part, np.max, changed)
 
 
 def forces_of(runs: Mapping[str, Sequence[Run]]) -> Forces:
-    """Give the force on every part over a crank turn, in every run."""
+    """Return the force on every part over a crank turn, in every run."""
     return {
         name: [curves_by_angle(run, {part: pairs_on(run, part) for part in PRESSED}) for run in each]
         for name, each in runs.items()

@@ -74,7 +74,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def _at_equal_play(plan: Plan) -> float:
-    """Give the output torque [N m] of the nonpin design with the pin design's total play and series stiffness."""
+    """Compute the output torque [N m] of the nonpin design with the pin design's total play and series stiffness."""
     from cycloid_mj.measure.steady import steady_design, whole_periods
     from cycloid_mj.measure.torque import PERIODS, QUICK_PERIODS, rated_test
 
@@ -96,7 +96,7 @@ def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
 
 
 def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
-    """Give the output rate of both designs over everything that was searched."""
+    """Tabulate the output rate of both designs over everything that was searched."""
     rows: list[tuple[str | float, ...]] = [
         (bearings.words, friction, *(100 * one.grid[bearings, friction] for one in searches.values()))
         for bearings in SEARCHED
@@ -107,7 +107,7 @@ def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
 
 
 def _steps(progress: Progress, name: str) -> Steps:
-    """Give what tells how many runs of a design are done."""
+    """Return what tells how many runs of a design are done."""
     return lambda done, of: progress(f"{name}, {done} of {of} runs")
 
 

@@ -52,7 +52,7 @@ class Bearings:
         return f"teeth of {friction:.3g} {self.words}"
 
     def of(self, design: Design) -> Design:
-        """Give a design with these bearings; None leaves its own."""
+        """Return a design with these bearings; None leaves its own."""
         given = {"cam_rolling": self.cam, "output_rolling": self.output}
         own = {key: value for key, value in given.items() if value is not None}
         return design.but(friction=own, drag={"crank": self.seals})

@@ -132,10 +132,10 @@ def jointly(parts: Sequence[Part]) -> Part:
 
 
 def spread_value(text: str, ours: StartSpread, unit: str) -> Value:
-    """Give the mean of starts as a value, with the lowest and the highest."""
+    """Compute the mean of starts as a value, with the lowest and the highest."""
     return Value(text, ours.mean, unit, (ours.low, ours.high))
 
 
 def spread_error(ours: StartSpread, unit: str) -> Value:
-    """Give half the spread of starts as the numerical error of their mean."""
+    """Compute half the spread of starts as the numerical error of their mean."""
     return Value(f"spread of {len(ours.values)} starts", ours.half, unit)

@@ -167,7 +167,7 @@ def _rated(runs: Sequence[Run]) -> Levels:
 
 
 def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
-    """Give the rated levels with one parameter varied at a time, and with half the step; none if quick."""
+    """Collect the rated levels with one parameter varied at a time, and with half the step; none if quick."""
     if plan.quick:
         return {}
     cases = {one.words: varied_rated_runs(plan, one) for one in variations(plan)}
@@ -177,7 +177,7 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
 
 
 def _spin_table(plan: Plan, runs: Runs) -> Table:
-    """Give the mean spin of pin 1 over the starts at no load, and under the rated load, in each case."""
+    """Tabulate the mean spin of pin 1 over the starts at no load, and under the rated load, in each case."""
     design = designs()[0]
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
     for one in variations(plan):
@@ -200,7 +200,7 @@ def _spins(found: Sequence[Run]) -> str:
 
 
 def _idle_table(cases: Mapping[str, Levels]) -> Table:
-    """Give the spread of each quantity in each case."""
+    """Tabulate the spread of each quantity in each case."""
     head = ("no load: rms over independent starts, pin | nonpin", *cases)
     rows = [
         (
@@ -213,7 +213,7 @@ def _idle_table(cases: Mapping[str, Levels]) -> Table:
 
 
 def _rated_table(cases: Mapping[str, Levels]) -> Table:
-    """Give rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
+    """Tabulate rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
     third = equalised().name
     head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
     rows = [(f"{each.name} [{each.unit}]", *(_cell(found[each.key]) for found in cases.values())) for each in RANKED]

@@ -51,7 +51,7 @@ def ideal(design: Design, **added) -> Run:
 
 
 def wave(design: Design, order: float) -> np.ndarray:
-    """Give cos(order * crank angle) for a design without ramp."""
+    """Compute cos(order * crank angle) for a design without ramp."""
     return np.cos(order * math.radians(1.0) * np.arange(round(design.drive.hold / DT)))
 
 

@@ -49,7 +49,7 @@ def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, 
 
 
 def motion(data: Any) -> np.ndarray:
-    """Give the gear's speeds [m/s, m/s, rad/s]."""
+    """Compute the gear's speeds [m/s, m/s, rad/s]."""
     return np.array([data.joint(f"gear_{axis}").qvel[0] for axis in ("x", "y", "angle")])
 
 

@@ -38,7 +38,7 @@ def fast(rpm: float, *changes: str) -> Design:
 
 
 def command(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict, str]:
-    """Give the JSON of a command, and what it wrote to stderr."""
+    """Return the JSON of a command, and what it wrote to stderr."""
     assert main([*words, "--json"]) == 0
     written = capsys.readouterr()
     return json.loads(written.out), written.err

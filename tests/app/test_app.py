@@ -382,7 +382,7 @@ def quiet(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 def wait(found, what: str, seconds: float = 60.0):
-    """Give what `found` gives as soon as it gives something."""
+    """Wait for `found` to return something, and return it."""
     for _ in range(int(seconds / 0.05)):
         if one := found():
             return one

@@ -229,7 +229,7 @@ def test_a_leap_has_its_own_torque() -> None:
 
 @pytest.fixture(scope="module")
 def bench() -> Fitted:
-    """Give the fit to the printed drive's loops, from near where the search of many starts ends."""
+    """Compute the fit to the printed drive's loops, from near where the search of many starts ends."""
     loops, design = [read_loop(path) for path in BENCH], resolve("printed")
     chosen = parameters(Reducer(design), FIVE, loops)
     near = [one.place(value) for one, value in zip(chosen, NEAR, strict=True)]
@@ -453,7 +453,7 @@ def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pyte
 
 
 def measured_te(design: Design, torque: float, shift_deg: float, noise: float, turns: int = 1) -> tuple[Array, Array]:
-    """Give crank angles [deg] and errors [arcsec] as a bench with a crank zero of its own would have them."""
+    """Compute crank angles [deg] and errors [arcsec] as a bench with a crank zero of its own would have them."""
     from cycloid_mj.base.units import ARCSECOND
     from cycloid_mj.statics import transmission_error
 

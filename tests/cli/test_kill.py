@@ -104,7 +104,7 @@ def _hear_signals() -> None:
 
 
 def processor_time(process: "subprocess.Popen[str]") -> float:
-    """Give the processor time that a process has taken so far [s]: a moment in its work, on however busy a machine."""
+    """Find the processor time that a process has taken so far [s]: a moment in its work, on however busy a machine."""
     try:
         fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:
@@ -117,7 +117,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def stamps(folder: Path) -> dict[str, tuple[int, int]]:
-    """Give name -> size and time of change [ns] of every file that is there at the moment."""
+    """Map name to size and time of change [ns] of every file that is there at the moment."""
     found = {}
     for root, _, names in os.walk(folder):
         for name in names:

@@ -77,7 +77,7 @@ def at_speed() -> dict[float, Run]:
 
 
 def figures(run: Run) -> dict[str, float]:
-    """Give what anyone would report of a run."""
+    """Compute what anyone would report of a run."""
     found: Findings = analyze(run, settle=0.08)
     pressed = forces(settled(run))
     return {

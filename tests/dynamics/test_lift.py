@@ -43,7 +43,7 @@ def block(friction: float, impratio: float, ours: bool = True, island: str = "en
 
 
 def forces(model: Any, data: Any) -> tuple[float, float]:
-    """Give normal force and friction of the one contact after a step [N]."""
+    """Compute normal force and friction of the one contact after a step [N]."""
     mujoco.mj_step(model, data)
     normal, *friction = data.efc_force
     return normal, float(np.sum(friction))

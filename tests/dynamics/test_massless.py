@@ -29,7 +29,7 @@ MOVING = {"pin": PIN, **{name: unlike(name) for name in ("few", "teeth21", "larg
 
 
 def loaded(design: Design, **settings: float) -> Design:
-    """Give a design at its rated torque, ready for a steady run."""
+    """Return a design at its rated torque, ready for a steady run."""
     own = at_rated_load(Reducer(design))
     return steady_design(own.but(load={"torque": own.design.rated_torque}, settings=settings)).design
 

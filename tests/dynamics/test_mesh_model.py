@@ -562,7 +562,7 @@ def scripted() -> ModuleType:
 
 
 def without_rest(name: str, content: bytes) -> Any:
-    """Give a generated file less what CoACD decides, whose search may go another way on another machine."""
+    """Return a generated file less what CoACD decides, whose search may go another way on another machine."""
     if name == "reducer.xml":
         return [line for line in content.decode().splitlines() if "_rest_" not in line]
     if name == "manifest.json":

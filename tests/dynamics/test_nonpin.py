@@ -32,7 +32,7 @@ def run() -> Run:
 
 
 def broken(found: Findings) -> list[str]:
-    """Give the bounds of the pin run that a run does not meet."""
+    """List the bounds of the pin run that a run does not meet."""
     assert found.crank.max_relative_error is not None
     assert found.ramp is not None
     speed, penetration = found.gear_speed, found.contact_summary.max_penetration_um

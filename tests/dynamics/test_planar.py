@@ -62,7 +62,7 @@ CASES = [
 
 
 def design_of(layout: str, share: float = 1.0, periods: float = 4.0) -> Design:
-    """Give a layout under a share of its rated torque, settled and then for some mesh periods of its own."""
+    """Return a layout under a share of its rated torque, settled and then for some mesh periods of its own."""
     preset, *changes = LAYOUTS[layout]
     design = override(PRESETS[preset], ["drive.ramp_s=0.0", *changes])
     mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed))

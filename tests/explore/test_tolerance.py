@@ -179,7 +179,7 @@ def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> N
 
 
 def stopping_after(count: int):
-    """Give a progress that Ctrl-C comes in as soon as so many samples are balanced."""
+    """Return a progress that Ctrl-C comes in as soon as so many samples are balanced."""
 
     def progress(done: int, _: int) -> None:
         if done >= count:

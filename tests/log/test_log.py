@@ -427,7 +427,7 @@ def test_channels_and_records_of_viewers_are_passed_over(log, truth, tmp_path):
 
 
 def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
-    """Give name -> (change of the log, what the reader must say about it)."""
+    """Map name to (change of the log, what the reader must say about it)."""
 
     def on(kind: str, change: Callable[[dict], dict | None], topic: str = "") -> Callable[[str, dict], dict | None]:
         def edit(this: str, fields: dict) -> dict | None:

@@ -27,7 +27,7 @@ CRANK = 1.7
 
 
 def made_loop(play_width: float, compliance: float, friction: float) -> HysteresisLoop:
-    """Give a loop of a spring behind a play, with a width of friction in proportion to the torque."""
+    """Return a loop of a spring behind a play, with a width of friction in proportion to the torque."""
     phase = np.linspace(0.25, 1.25, 4000, endpoint=False)
     torque = 30.0 * np.sin(2.0 * np.pi * phase) ** 5
     side = np.where((phase < 0.5) | (phase >= 1.0), 1.0, -1.0)

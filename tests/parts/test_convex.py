@@ -192,7 +192,7 @@ def test_the_same_seed_gives_the_same_parts(band: Sector) -> None:
 
 
 def bent_bar(bound: float) -> Sector:
-    """Give a bar whose bend is 1 mm deep."""
+    """Return a bar whose bend is 1 mm deep."""
     bent = np.array([[0.0, 0.0], [10.0, 1.0], [20.0, 0.0], [20.0, 2.0], [10.0, 3.0], [0.0, 2.0]]) * 1e-3
     return Sector("bar", Prism(bent, (), -1e-3, 1e-3), bound)
 

@@ -74,7 +74,7 @@ BOUGHT = {
 
 @pytest.fixture(scope="module", params=DESIGNS)
 def laid(request: pytest.FixtureRequest) -> tuple[str, Design, PrintPlate, np.ndarray]:
-    """Give a design by its name, its plate with the offset, and the triangles of the plate's STL [m]."""
+    """Return a design by its name, its plate with the offset, and the triangles of the plate's STL [m]."""
     design = DESIGNS[request.param]
     found = plate(widened(Reducer(design), OFFSET), CHORD_ERROR)
     return request.param, design, found, 1e-3 * read_stl(stl_bytes(found.mesh, 1e3))

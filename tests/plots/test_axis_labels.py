@@ -21,7 +21,7 @@ RATIOS = ("rms of ", "{} (1 on +y")
 
 
 def labels(code: str) -> Iterator[str]:
-    """Give what axes and colour bars are labelled with in a module, what is filled in later as {}."""
+    """Yield what axes and colour bars are labelled with in a module, what is filled in later as {}."""
     for call in [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Call)]:
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
         named = {"xlabel", "ylabel", "x_label", "y_label"} | ({"label"} if name == "colorbar" else set())

@@ -35,7 +35,7 @@ ARCSEC = math.pi / 180 / 3600
 
 
 def run_of(design: Design) -> Run:
-    """Give the closed form with waves on everything that the figures show."""
+    """Return the closed form with waves on everything that the figures show."""
     pin_1 = {
         "pin_1_x": lambda theta: 0.9e-6 * np.cos(theta),
         "pin_1_y": lambda theta: 0.7e-6 * np.sin(theta),
@@ -233,7 +233,7 @@ def tick_labels(axis):
 
 
 def boxes_of(figure):
-    """Give every text and legend of a figure with its box in pixels, as it will be printed."""
+    """Return every text and legend of a figure with its box in pixels, as it will be printed."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer = canvas.get_renderer()

@@ -28,7 +28,7 @@ ERRORS = (
 
 
 def with_clearances(design: Design, rest: float, **clearances: float) -> Design:
-    """Give a design whose mating pairs all have one clearance [m], but for some."""
+    """Return a design whose mating pairs all have one clearance [m], but for some."""
     return design.but(clearance=dict.fromkeys(design.pair_kinds, rest) | clearances)
 
 
@@ -58,7 +58,7 @@ def test_to_rigid_parts_a_pin_that_moves_is_a_fixed_one_with_the_play_of_both(de
 
 
 def gaps_of_fit(design: Design, crank: float, fit: Fit, pins: Array | float = 0.0) -> tuple[Array, Array]:
-    """Give the gaps of teeth and output pins, and those of cams [m], of parts that stand as a fit tells."""
+    """Compute the gaps of teeth and output pins, and those of cams [m], of parts that stand as a fit tells."""
     seen, z = in_workshop(Reducer(design), crank, fit.shift, fit.gear_turn, fit.output_turn)
     cams = design.clearance.cam - np.linalg.norm(cam_ways(Reducer(design), seen, z), axis=1)
     return exact_gaps(Reducer(design), seen, z, pins), cams

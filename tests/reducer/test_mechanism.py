@@ -34,7 +34,7 @@ AHEAD = 2.0 * np.pi / 3.0 * np.arange(3)
 
 
 def design_of(name: str) -> Design:
-    """Give one of `UNLIKE`, or a preset."""
+    """Return one of `UNLIKE`, or a preset."""
     return unlike(name) if name in UNLIKE else PRESETS[name]
 
 

@@ -43,7 +43,7 @@ FREE_OF_LOSSES = {
 
 
 def turned_over(design: Design) -> Design:
-    """Give the design with its ring as the output, at the same speeds and, without losses, torques in the mesh."""
+    """Return the design with its ring as the output, at the same speeds and, without losses, torques in the mesh."""
     more = design.ring.teeth / design.lobes
     return design.but(
         output=RING, drive={"speed": more * design.drive.speed}, load={"torque": more * design.load.torque}
@@ -196,7 +196,7 @@ def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
 
 
 def _forces(run: Run, kind: str):
-    """Give pair -> force (n, 2) of a kind."""
+    """Map pair to force (n, 2) of a kind."""
     return {name: run.block([f"{name}_{FORCE_X}", f"{name}_{FORCE_Y}"]) for name in run.pairs(kind)}
 
 

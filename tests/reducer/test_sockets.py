@@ -30,7 +30,7 @@ def arc_of(half: float, radius: float) -> PartialCircle:
 
 
 def nearest(place: np.ndarray, inner: float, arc: PartialCircle) -> tuple[float, float, float]:
-    """Give the nearest of the contacts that the collider would find."""
+    """Compute the nearest of the contacts that the collider would find."""
     side, on_arc, other = places_in_arc(*place, arc)
     first = circle_in_circle(*place, inner, arc.radius) if on_arc else circle_at_edge(*place, inner, arc, side)
     return min(first, circle_at_edge(*place, inner, arc, -side)) if other else first
@@ -132,7 +132,7 @@ def test_a_pin_slides_off_the_edge_of_its_socket_as_energy_has_it():
 
 
 def ways(design: Design, by_mesh: bool = False) -> np.ndarray:
-    """Give how far each pin gets from its place in a short run [m], shape (N,)."""
+    """Compute how far each pin gets from its place in a short run [m], shape (N,)."""
     run = simulate(design, build_mesh(Reducer(design)) if by_mesh else None)
     numbers = range(1, design.ring.teeth + 1)
     return np.array([np.hypot(run[f"pin_{number}_x"], run[f"pin_{number}_y"]).max() for number in numbers])

@@ -22,7 +22,7 @@ WAYS = {"forward": (1.0, 1.0), "reversed": (-1.0, -1.0), "back-driven": (1.0, -1
 
 
 def wide(play: float) -> Design:
-    """Give the preset of two discs with wide clearances [um]."""
+    """Return the preset of two discs with wide clearances [um]."""
     return override(PRESETS["twodisc"], [f"clearance.{kind}_um={play}" for kind in ("pin_gear", "cam", "output")])
 
 

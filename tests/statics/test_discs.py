@@ -31,7 +31,7 @@ UNIFORM = {"stiffness_law": "uniform"}
 
 
 def ideal(design: Design, **changes: object) -> Design:
-    """Give a design without friction, weight, inertia and play, whose cams hold and whose contacts are alike."""
+    """Return a design without friction, weight, inertia and play, whose cams hold and whose contacts are alike."""
     still = {"environment": {"gravity_x": 0.0, "gravity_y": 0.0}, "drive": {"speed": 0.0}}
     smooth = dict.fromkeys((*PAIRS, "cam_rolling", "output_rolling"), 0.0)
     stiff = {"pin_gear": 1e8, "tooth": 1e8, "output": 1e8, "cam": 1e12}
@@ -252,12 +252,12 @@ def searched(design: Design, torque: float, crank: float) -> tuple[np.ndarray, f
     along = middles[0] / gear.eccentricity
 
     def turned(angle: float) -> tuple[np.ndarray, np.ndarray]:
-        """Give the studs turned, and their rate by the angle."""
+        """Return the studs turned, and their rate by the angle."""
         c, s = math.cos(angle), math.sin(angle)
         return studs @ np.array([[c, s], [-s, c]]), studs @ np.array([[-s, c], [-c, -s]])
 
     def state(unknown: np.ndarray) -> tuple[float, np.ndarray, list[float]]:
-        """Give the energy [J], its gradient by the unknowns [um], and each disc's moment on the output [N m]."""
+        """Compute the energy [J], its gradient by the unknowns [um], and each disc's moment on the output [N m]."""
         z, bent = unknown[:7] * 1e-6, np.resize(unknown[7:], (output.pins, 2)) * 1e-6 * bends
         slope, by_bend = np.zeros(7), bent @ held
         psi, energy, moments = z[6] / radius, 0.5 * float(np.sum(by_bend * bent)), []

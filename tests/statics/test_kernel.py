@@ -39,7 +39,7 @@ HELD: tuple[Held, ...] = ("crank", "output")
 
 
 def design_of(name: str) -> Design:
-    """Give a preset, one of `UNLIKE`, or the paper's gear with several discs on pins that bend."""
+    """Return a preset, one of `UNLIKE`, or the paper's gear with several discs on pins that bend."""
     if name in UNLIKE:
         return unlike(name)
     if name in PRESETS:
@@ -48,14 +48,14 @@ def design_of(name: str) -> Design:
 
 
 def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), friction: bool = False) -> KernelSprings:
-    """Give the springs of a design with errors in all parts."""
+    """Compute the springs of a design with errors in all parts."""
     made = ("errors.seed=4", "errors.hole_position_um=1.0", "errors.eccentricity_um=1.5", "errors.cam_position_um=0.7")
     design = override(design_of(name), [*made, *changes])
     return springs_of(Reducer(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6))), crank, friction).contacts
 
 
 def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
-    """Give the springs of a design with friction of all kinds, and that friction."""
+    """Return the springs of a design with friction of all kinds, and that friction."""
     design = design_of(name)
     pairs = design.pair_kinds
     design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
@@ -64,7 +64,7 @@ def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
 
 
 def pose(contacts: KernelSprings, size: float) -> np.ndarray:
-    """Give departures up to some size [m], turns three times as far."""
+    """Compute departures up to some size [m], turns three times as far."""
     drawn = np.random.default_rng(5).uniform(-size, size, contacts.slope.shape[2])
     drawn[[*range(2, drawn.size, 3), -1]] *= 3.0
     return drawn
@@ -107,7 +107,7 @@ def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float)
 
 
 def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
-    """Give by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
+    """Compute by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
     sides = [[getattr(at(z + s * step * axis), what) for axis in np.eye(z.size)] for s in (-1, 1)]
     return (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * step)
 
@@ -345,7 +345,7 @@ def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_sear
 
 
 def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
-    """Give friction that remembers of nothing, or the same of all."""
+    """Return friction that remembers of nothing, or the same of all."""
     count = contacts.disc.size + contacts.cam_place.shape[1]
     none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
     values = {name: none[name] + given.get(name, 0.0) for name in none}
@@ -353,7 +353,7 @@ def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
 
 
 def untouched(contacts: KernelSprings) -> KernelSprings:
-    """Give springs whose contacts are all open: what is left are the cams."""
+    """Compute springs whose contacts are all open: what is left are the cams."""
     return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
 
 

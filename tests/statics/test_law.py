@@ -171,7 +171,7 @@ RING = {"pin_sleeve": "ring.pins=sleeved", "tooth": "ring.kind=nonpin"}
 
 
 def with_pair(kind: str, *changes: str) -> Design:
-    """Give the paper's design with the ring that has a kind of pair, and ``table.key=value`` changes."""
+    """Return the paper's design with the ring that has a kind of pair, and ``table.key=value`` changes."""
     return override(PRESETS["pin"], [RING.get(kind, "ring.pins=free"), "settings.timestep_us=1", *changes])
 
 

@@ -20,7 +20,7 @@ FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
 
 
 def as_made(design: Design, made: Samples, number: int) -> Design:
-    """Give the design of one sample, part by part."""
+    """Return the design of one sample, part by part."""
     parts = {f"hole_{axis}": made.hole_place[number, ..., i].ravel() for i, axis in enumerate("xy")}
     if design.ring.kind == "pin":
         parts |= {"pin_x": made.pin_place[number, :, 0], "pin_y": made.pin_place[number, :, 1]}
@@ -159,7 +159,7 @@ def test_two_thousand_samples_take_less_than_four_seconds() -> None:
 
 
 def placed(design: Design, count: int) -> tuple[Samples, dict[str, np.ndarray]]:
-    """Give samples as designed, and places drawn about theirs by 1 um."""
+    """Return samples as designed, and places drawn about theirs by 1 um."""
     draw, many = np.random.default_rng(1).standard_normal, alike(Reducer(design), count)
     places = ("pin_place", "hole_place", "eccentricity")
     return many, {name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape) for name in places}

@@ -44,7 +44,7 @@ COARSE = GridSettings(refinement=0.3)
 
 
 def made_loads(part: str, place: npt.ArrayLike, force: npt.ArrayLike, half_width: float, **given: Any) -> PartLoads:
-    """Give loads at k angles: place and force (k, m, 2)."""
+    """Compute loads at k angles: place and force (k, m, 2)."""
     place, force = np.asarray(place, float), np.asarray(force, float)
     k, m, _ = place.shape
     zero = np.zeros(k)

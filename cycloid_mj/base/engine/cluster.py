@@ -129,7 +129,7 @@ def _require_workers(client: Any, scheduler: str) -> None:
 
 
 def _failure(future: Any, scheduler: str) -> BaseException:
-    """Give the error that ends the work: that of the work itself, or that the cluster is gone."""
+    """Return the error that ends the work: that of the work itself, or that the cluster is gone."""
     if future.status != "error":
         return _lost(scheduler)
     error: BaseException = future.exception()

@@ -32,7 +32,7 @@ def at_most(workers: int | None) -> Iterator[None]:
 
 
 def cores() -> int:
-    """Give the cores that this process may use."""
+    """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

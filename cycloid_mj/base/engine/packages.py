@@ -15,7 +15,7 @@ Versions = tuple[tuple[str, str], ...]
 
 @cache
 def versions() -> Versions:
-    """Give the versions of this process."""
+    """Return the versions of this process."""
     from cycloid_mj import __version__
 
     own = (("python", platform.python_version()), ("cycloid_mj", __version__))

@@ -12,7 +12,7 @@ class _Left(Exception):
 
 
 def handed_on(results: Generator[R, None, None]) -> Iterator[R]:
-    """Give the results of a `joblib.Parallel` as they come.
+    """Yield the results of a `joblib.Parallel` as they come.
 
     Where they are closed early, as by an interrupted loop, joblib's own generator would warn of pieces that are lost.
     """

@@ -38,7 +38,7 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
 def _places(layout: Layout) -> tuple[int, ...]:
-    """Give the places that a collider closes over, and a digest of the sources compiled into it."""
+    """Return the places that a collider closes over, and a digest of the sources compiled into it."""
     arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
     return (*arrays, layout.nuser_geom, digest(gap, mating, memory, near, ring, teeth, touch))
 
@@ -86,7 +86,7 @@ def _compile_lobes(layout: Layout) -> Any:
 
 @cache
 def _pin_collider() -> Any:
-    """Give MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
+    """Return MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")

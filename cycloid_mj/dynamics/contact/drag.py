@@ -7,7 +7,7 @@ import numpy as np
 
 
 def drag_rows(model: Any, drags: Mapping[str, str]) -> dict[str, int]:
-    """Give loss -> row of its constraint, for those of the joints, by loss, that a model brakes.
+    """Map loss to row of its constraint, for those of the joints, by loss, that a model brakes.
 
     A model of ours has no equalities: the rows of joint friction come first, in the order of the degrees of freedom.
     """

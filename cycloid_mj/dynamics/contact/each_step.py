@@ -70,7 +70,7 @@ _times_jacobian = types.ExternalFunction(_PREFIX + "mj_mulJacVec", types.void(*[
 
 
 def add_sensor(spec: Any, impact: bool = False) -> None:
-    """Give an editable model the user data and the user sensor; with `impact` another that is asked for before forces.
+    """Add the user data and the user sensor to an editable model; with `impact` another, asked for before forces.
 
     The second one lets a run put the law IMPACT in the place of the model's own, contact by contact.
     """
@@ -304,7 +304,7 @@ def _end_step(model: int, data: int, run: Kept) -> None:
 
 @njit
 def _strike(run: Kept) -> None:
-    """Give every contact, once it is found, the stiffness and damping that IMPACT has at its depth.
+    """Set the stiffness and damping that IMPACT has at its depth on every contact found.
 
     MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
     tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.

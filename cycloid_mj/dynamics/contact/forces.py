@@ -52,7 +52,7 @@ class PairIndex:
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
-    """Give the index of a model's mating pairs; a geom named ``<surface>/...`` is a slice of that surface."""
+    """Return the index of a model's mating pairs; a geom named ``<surface>/...`` is a slice of that surface."""
     mating = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number = {name: count for count, name in enumerate(mating, start=1)}
     surface = np.array([number.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32)
@@ -66,7 +66,7 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Give reach and teeth of each geom, see `PairIndex`; of a model without exact teeth none has any."""
+    """Compute reach and teeth of each geom, see `PairIndex`; of a model without exact teeth none has any."""
     priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
@@ -84,7 +84,7 @@ def surface_name(model: Any, geom: int) -> str:
 
 @njit(inline="always")
 def pair_of(kept: Kept, contact: int) -> int:
-    """Give the number of the mating pair of a contact at an address, with a minus sign where its first geom is ``on``.
+    """Get the number of the mating pair of a contact at an address, with a minus sign where its first geom is ``on``.
 
     Numbers begin at 1; 0 is none.
     """
@@ -141,7 +141,7 @@ def _add(place: int, value: float) -> None:
 
 @njit
 def _overlap(kept: Kept, contact: int) -> float:
-    """Give how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
+    """Compute how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
 
     With them that distance is scaled: it makes the stiffness follow the local curvature (``mating``).
     """

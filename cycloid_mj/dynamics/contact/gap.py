@@ -44,25 +44,25 @@ class Pose(NamedTuple):
 
 @njit(inline="always")
 def inwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Give the components in the part of a vector of the frame that the pose is in."""
+    """Compute the components in the part of a vector of the frame that the pose is in."""
     return pose.cosine * x + pose.sine * y, pose.cosine * y - pose.sine * x
 
 
 @njit(inline="always")
 def outwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Give the components in that frame of a vector of the part."""
+    """Compute the components in that frame of a vector of the part."""
     return pose.cosine * x - pose.sine * y, pose.cosine * y + pose.sine * x
 
 
 @njit(inline="always")
 def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Give a point of the part in that frame [m]."""
+    """Compute a point of the part in that frame [m]."""
     return pose.x + pose.cosine * x - pose.sine * y, pose.y + pose.cosine * y + pose.sine * x
 
 
 @njit(inline="always")
 def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Give sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
+    """Compute sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
     if abs(angle) > 0.05:
         s, c = math.sin(angle), math.cos(angle)
     else:
@@ -74,7 +74,7 @@ def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
-    """Give the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
+    """Compute the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
 
     On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
     Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
@@ -142,7 +142,7 @@ def trochoid_foot(
 
 @njit
 def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
-    """Give the foot parameter, the signed distance and the outward normal of any point near the trochoid.
+    """Compute the foot parameter, the signed distance and the outward normal of any point near the trochoid.
 
     Starts in closed form; a point far from the curve, where that may lead to another foot, is searched.
     """
@@ -165,7 +165,7 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
 
 @njit(inline="always")
 def trochoid_curvature(t: float, curve: Trochoid) -> float:
-    """Give the signed curvature of the trochoid [1/m], positive where it is convex.
+    """Compute the signed curvature of the trochoid [1/m], positive where it is convex.
 
     From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
     """
@@ -206,7 +206,7 @@ class Flank(NamedTuple):
 
 @njit
 def wave(t: float, waves: Array) -> tuple[float, float, float]:
-    """Give how far waves stand back at the parameter t [rad], the slope of that [m/rad] and the slope's [m/rad2]."""
+    """Compute how far waves stand back at the parameter t [rad], the slope of that [m/rad] and the slope's [m/rad2]."""
     back, slope, bend = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
     s, c = 0.0, 1.0
@@ -222,7 +222,7 @@ def wave(t: float, waves: Array) -> tuple[float, float, float]:
 
 @njit(inline="always")
 def _speed_squared(t: float, curve: Trochoid) -> float:
-    """Give the square of the trochoid's arc rate [m2/rad2]."""
+    """Compute the square of the trochoid's arc rate [m2/rad2]."""
     radius, eccentricity, teeth = curve
     base = eccentricity * teeth
     return radius * radius + base * base - 2.0 * radius * base * math.cos((teeth - 1.0) * t)
@@ -230,7 +230,7 @@ def _speed_squared(t: float, curve: Trochoid) -> float:
 
 @njit
 def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
-    """Give what ``trochoid_distance`` gives, of the curve that stands back from the trochoid by the flank's waves w(t).
+    """Find what ``trochoid_distance`` gives, of the curve that stands back from the trochoid by the flank's waves w(t).
 
     At a point whose foot is at t the gap is wider by w(t). Its gradient, along which the contact pushes, is the normal
     less the tangent times w' over the rate at which the point moves along with its foot: the arc rate times one more
@@ -253,7 +253,7 @@ def _unturned_distance(x: float, y: float, flank: Flank) -> tuple[float, float, 
 
 @njit
 def flank_curvature(t: float, flank: Flank) -> float:
-    """Give the signed curvature [1/m] of the trochoid with the flank's waves, positive where it is convex."""
+    """Compute the signed curvature [1/m] of the trochoid with the flank's waves, positive where it is convex."""
     bend = trochoid_curvature(t, flank.curve)
     if len(flank.waves) == 0:
         return bend
@@ -286,7 +286,7 @@ def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, flo
 
 @njit(inline="always")
 def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Give the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
+    """Compute the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
 
     With turned flanks the gear is what its profile has in common when turned to either side: the nearer way out is
     the longer one, and where that leads to a part that is cut away, the corner where the flanks meet is nearest.
@@ -310,7 +310,7 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
 
 @njit(inline="always")
 def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
-    """Give gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
+    """Compute gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
     distance = math.sqrt(dx * dx + dy * dy)
     if distance == 0.0:
         return outer - inner, 0.0, 1.0

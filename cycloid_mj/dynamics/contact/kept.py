@@ -63,5 +63,5 @@ def _pointer(typing_context: Any, address: types.Integer) -> Any:
 
 @njit(inline="always")
 def kept_at(address: int) -> Kept:
-    """Give the record at an address."""
+    """Return the record at an address."""
     return carray(_pointer(address), 1)[0]

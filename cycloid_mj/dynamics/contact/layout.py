@@ -182,7 +182,7 @@ def _pointers(model: Any) -> dict[str, int]:
 
 
 def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN) -> int:
-    """Give the offset of the last pointer to the array: empty arrays before it may share its address."""
+    """Return the offset of the last pointer to the array: empty arrays before it may share its address."""
     places = _places(structure, start, array.ctypes.data, span)
     if not places:
         raise _strange(f"{name} was not found")
@@ -190,13 +190,13 @@ def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN
 
 
 def _places(structure: int, start: int, address: int, span: int) -> list[int]:
-    """Give the offsets at which an address stands in a structure."""
+    """List the offsets at which an address stands in a structure."""
     words = (ctypes.c_size_t * (span // _WORD)).from_address(structure + start)
     return [start + _WORD * i for i, word in enumerate(words) if word == address]
 
 
 def _numbers(structure: int, span: int, number: int) -> list[int]:
-    """Give the offsets at which a number stands in the first bytes of a structure."""
+    """List the offsets at which a number stands in the first bytes of a structure."""
     words = (ctypes.c_int32 * (span // 4)).from_address(structure)
     return [4 * i for i, word in enumerate(words) if word == number]
 

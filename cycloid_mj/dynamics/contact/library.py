@@ -22,7 +22,7 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Give the library that the bindings use; opening it again gives the same one.
+    """Return the library that the bindings use; opening it again gives the same one.
 
     Raises
     ------
@@ -43,12 +43,12 @@ def library() -> ctypes.CDLL:
 
 
 def collision_table() -> Any:
-    """Give ``mjCOLLISIONFUNC`` as a writable array of ``TYPES * TYPES`` addresses."""
+    """Return ``mjCOLLISIONFUNC`` as a writable array of ``TYPES * TYPES`` addresses."""
     return (ctypes.c_void_p * (TYPES * TYPES)).in_dll(library(), "mjCOLLISIONFUNC")
 
 
 def callback(name: str) -> ctypes.c_void_p:
-    """Give one of MuJoCo's global callbacks as a writable address; none: 0."""
+    """Return one of MuJoCo's global callbacks as a writable address; none: 0."""
     return ctypes.c_void_p.in_dll(library(), name)
 
 
@@ -68,7 +68,7 @@ def answer(name: str, address: int) -> None:
 
 
 def function_address(name: str) -> int:
-    """Give the address of a function of MuJoCo's C API."""
+    """Return the address of a function of MuJoCo's C API."""
     function = getattr(library(), name, None)
     address = function and ctypes.cast(function, ctypes.c_void_p).value
     if not address:

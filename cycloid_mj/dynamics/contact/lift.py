@@ -43,7 +43,7 @@ class Places(NamedTuple):
 
 @cache
 def places() -> Places:
-    """Give the places in the MuJoCo release that is installed."""
+    """Return the places in the MuJoCo release that is installed."""
     model, step = discover(), discover_steps()
     return Places(
         nuserdata=step.nuserdata,

@@ -35,14 +35,14 @@ def write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float,
 
 @njit(inline="always")
 def _place(data: int, at: Places, geom: int) -> tuple[float, float, float]:
-    """Give the place of a geom in the world [m]."""
+    """Return the place of a geom in the world [m]."""
     xpos = read_address(data + at[XPOS]) + 24 * geom
     return read_float(xpos), read_float(xpos + 8), read_float(xpos + 16)
 
 
 @njit(inline="always")
 def _pose(data: int, at: Places, geom: int) -> Pose:
-    """Give the pose of a geom in the plane of the world."""
+    """Return the pose of a geom in the plane of the world."""
     x, y, _ = _place(data, at, geom)
     xmat = read_address(data + at[XMAT]) + 72 * geom
     return Pose(x, y, read_float(xmat), read_float(xmat + 24))
@@ -50,7 +50,7 @@ def _pose(data: int, at: Places, geom: int) -> Pose:
 
 @njit(inline="always")
 def _user(model: int, at: Places, geom: int) -> int:
-    """Give the address of the ``geom user`` of a geom."""
+    """Return the address of the ``geom user`` of a geom."""
     return read_address(model + at[USER]) + 8 * read_int(model + at[NUMBERS]) * geom
 
 
@@ -66,7 +66,7 @@ def _radius(model: int, at: Places, geom: int) -> float:
 
 @njit(inline="always")
 def _pressed(gap: float, factor: float) -> float:
-    """Give the gap that makes MuJoCo's constant stiffness act as ``factor`` times as much on a penetration."""
+    """Compute the gap that makes MuJoCo's constant stiffness act as ``factor`` times as much on a penetration."""
     return factor * gap if gap < 0.0 else gap
 
 

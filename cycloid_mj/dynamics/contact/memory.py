@@ -33,7 +33,7 @@ def _pointer(typing_context: Any, address: types.Integer) -> Any:
 
 @njit(inline="always")
 def array_at(address: int, rows: int, columns: int) -> Any:
-    """Give the numbers at an address as an array (rows, columns) that is a view on them."""
+    """Return the numbers at an address as an array (rows, columns) that is a view on them."""
     return carray(_pointer(address), (rows, columns))
 
 

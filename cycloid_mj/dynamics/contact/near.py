@@ -32,7 +32,7 @@ class Start(NamedTuple):
 
 @njit(inline="always")
 def turned_times(sine: float, cosine: float, times: int) -> tuple[float, float]:
-    """Give sine and cosine of a whole multiple of an angle, by repeated squaring."""
+    """Compute sine and cosine of a whole multiple of an angle, by repeated squaring."""
     s, c = 0.0, 1.0
     while times > 0:
         if times & 1:
@@ -44,7 +44,7 @@ def turned_times(sine: float, cosine: float, times: int) -> tuple[float, float]:
 
 @njit(inline="always")
 def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Give sine and cosine of an angle increased by less than ``_FAR``."""
+    """Compute sine and cosine of an angle increased by less than ``_FAR``."""
     square = angle * angle
     s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
     c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
@@ -53,7 +53,7 @@ def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, flo
 
 @njit(inline="always")
 def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Give signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y).
+    """Compute signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y).
 
     A distance that is surely more than ``most`` [m] is given only as more than that.
     """
@@ -98,7 +98,7 @@ def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float
 
 @njit(inline="always")
 def pin_distance(x: float, y: float, flank: Flank, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Give what ``distance_near`` gives for a gear's flanks; by search if turned, with waves, or with no start."""
+    """Compute what ``distance_near`` gives for a gear's flanks; by search if turned, with waves, or with no start."""
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return distance_near(x, y, flank.curve, start, most)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)

@@ -31,7 +31,7 @@ _SLOPE_TOLERANCE = 1e-9
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
-    """Give the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
+    """Find the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
 
     The arc rate is positive and R is the concave radius of S (``envelope.sigma_radius`` at rho = 0).
     """
@@ -61,7 +61,7 @@ def is_monotone(ring: Trochoid) -> bool:
 
 @njit
 def ideal_root_phase(crank: float, low: float, ring: Trochoid) -> float:
-    """Give B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
+    """Compute B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
 
     ``low`` is B0, where the root begins: its cosine is c N / E.
 
@@ -128,7 +128,7 @@ def _distance_slope(
 
 @njit
 def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
-    """Give the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows.
+    """Compute the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows.
 
     The `gear` is posed in the frame of the lobe clockwise of the root.
     """
@@ -162,7 +162,7 @@ def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: F
 
 @njit
 def root_start(crank: float, low: float, ring: Trochoid, modified: bool) -> float:
-    """Give the phase to start the search of a root from, or 0 where it can have no contact.
+    """Compute the phase to start the search of a root from, or 0 where it can have no contact.
 
     ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
     -B0 < crank < B0 - 2 pi/N, with ``low`` for B0, and poses within the clearances differ from it by less than the

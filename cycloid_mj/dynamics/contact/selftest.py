@@ -188,7 +188,7 @@ def differing(forces: dict[Any, float], weights: dict[Any, float], share: float 
 
 
 def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Give one value of each contact by the mass of its moving part; nothing where there are not as many."""
+    """Compute one value of each contact by the mass of its moving part; nothing where there are not as many."""
     if len(values) != data.ncon:
         return {}
     return {
@@ -198,7 +198,7 @@ def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
 
 
 def _record(part: str) -> Path | None:
-    """Give the file that says that a part has passed with this code on this release, and this build of it."""
+    """Return the file that says that a part has passed with this code on this release, and this build of it."""
     place = folder()
     if place is None:
         return None

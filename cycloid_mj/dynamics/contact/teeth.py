@@ -44,14 +44,14 @@ PLAY = 2
 
 
 def user_data(teeth: Teeth) -> tuple[float, ...]:
-    """Give teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
+    """Compute teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
     curve, offset, *ends, waves = teeth.flank
     law = (teeth.reference, teeth.constant, teeth.deflection)
     return (*curve, offset, *law, teeth.ring.radius, *ends, *waves.ravel().tolist())
 
 
 def teeth_of(numbers: Array) -> Teeth:
-    """Give the teeth that `user_data` made numbers of."""
+    """Return the teeth that `user_data` made numbers of."""
     radius, eccentricity, number, offset, reference, constant, deflection, ring = numbers[:8].tolist()
     rotation, tip, tip_radius, valley, valley_radius = numbers[8:USER_DATA].tolist()
     curve, waves = Trochoid(radius, eccentricity, number), numbers[USER_DATA:].reshape(-1, 2)

@@ -13,7 +13,7 @@ KNOWN = ("3.17.0", "4.0.0", "4.0.1")
 
 
 def unfit(why: str) -> ContactError:
-    """Give the error of a release that does not work."""
+    """Return the error of a release that does not work."""
     return ContactError(
         f"MuJoCo {mujoco.__version__} does not work with this cycloid_mj ({why}); "
         f"known to work: {', '.join(KNOWN)}: pip install 'mujoco=={KNOWN[0]}'"

@@ -136,7 +136,7 @@ def read_touch(at: int) -> Touch:
 
 @njit(inline="always")
 def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
-    """Give the factor on the stiffness at a relative curvature [1/m]; 1 where the law is switched off."""
+    """Compute the factor on the stiffness at a relative curvature [1/m]; 1 where the law is switched off."""
     if teeth.reference == 0.0:
         return 1.0
     least = math.exp(0.5 * teeth.reference - teeth.constant)
@@ -179,7 +179,7 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> float:
-    """Give the phase at a share of a half root, the lobe's own or the next lobe's.
+    """Compute the phase at a share of a half root, the lobe's own or the next lobe's.
 
     Where crowded, the edges are dense at the middle of the root and denser at its junction.
     """

@@ -84,24 +84,24 @@ def add_shapes(spec: Any, mechanism: Mechanism) -> None:
 
 
 def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
-    """Give the inertia of shaft and rotor about the crank axis [kg m2]."""
+    """Compute the inertia of shaft and rotor about the crank axis [kg m2]."""
     return float(
         shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + reducer.design.drive.rotor_inertia
     )
 
 
 def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
-    """Give the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
+    """List the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
     return [(body.part, np.zeros(3)), *carried(reducer, body.part).values()]
 
 
 def colour(part: str) -> Colour:
-    """Give the colour of a part by its name."""
+    """Return the colour of a part by its name."""
     return tinted(COLOURS[names.family(part)], part)
 
 
 def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Give the middle of surfaces along z, and half their width [m]."""
+    """Compute the middle of surfaces along z, and half their width [m]."""
     gear = reducer.design.gear
     if surfaces.disc is None:
         return 0.0, 0.5 * gear.stack_width
@@ -109,18 +109,18 @@ def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
 
 
 def point(place: Array, z: float = 0.0) -> list[float]:
-    """Give a place in the plane [m], shape (2,), and its z [m] as MuJoCo takes it."""
+    """Compute a place in the plane [m], shape (2,), and its z [m] as MuJoCo takes it."""
     return [*on_grid(place).tolist(), float(on_grid(np.array(z)))]
 
 
 def turn(angle: float) -> list[float]:
-    """Give the quaternion of a clockwise turn about z [rad]."""
+    """Compute the quaternion of a clockwise turn about z [rad]."""
     turned: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
     return turned
 
 
 def set_inertia(body: Any, properties: MassProperties) -> None:
-    """Give a body its mass, its centroid and its moments of inertia."""
+    """Set a body's mass, centroid and moments of inertia."""
     inertia = properties.inertia
     body.explicitinertial = True
     body.mass = properties.mass
@@ -138,7 +138,7 @@ def _add_joints(made: Any, body: Body, reducer: Reducer) -> None:
 
 
 def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
-    """Give what seals and rotor add to the turn of a shaft."""
+    """Collect what seals and rotor add to the turn of a shaft."""
     design = reducer.design
     drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
     sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
@@ -147,7 +147,7 @@ def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Give what the collider must know of a surface besides its place and its radius."""
+    """Collect what the collider must know of a surface besides its place and its radius."""
     design = reducer.design
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:

@@ -48,7 +48,7 @@ _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
 def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
-    """Give every file of a model folder by its path in it; takes some 10 s for CoACD.
+    """Collect every file of a model folder by its path in it; takes some 10 s for CoACD.
 
     The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
     to be moved), there are keyframes, and convex pieces behind the teeth meet objects from outside.
@@ -101,7 +101,7 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
 
 
 def design_hash(reducer: Reducer) -> str:
-    """Give the SHA-256 of a design's complete file."""
+    """Return the SHA-256 of a design's complete file."""
     return hashlib.sha256(dump(reducer.design).encode()).hexdigest()
 
 
@@ -124,7 +124,7 @@ def _add_drive(made: MeshSpec, reducer: Reducer) -> tuple[float, float]:
 
 
 def _reducer_xml(spec: Any, reducer: Reducer) -> str:
-    """Give the MJCF, each number as the shortest that reads back the same."""
+    """Write the MJCF, each number as the shortest that reads back the same."""
     text = _NUMBER.sub(lambda found: repr(float(found.group())), xml(spec))
     name = reducer.design.name
     note = f"<!-- {name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
@@ -167,7 +167,7 @@ def _manifest(
 
 
 def quality_um(found: Quality) -> dict[str, float]:
-    """Give the figures of a decomposition with micrometres, rounded."""
+    """Compute the figures of a decomposition with micrometres, rounded."""
     return {
         "parts": found.parts,
         "max_overfill_um": round(1e6 * found.max_overfill, 4),

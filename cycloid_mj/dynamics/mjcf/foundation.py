@@ -11,7 +11,7 @@ from cycloid_mj.statics.law import ContactParameters
 
 
 def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
-    """Give the law of one slice: k = K w / patch for a width w, at most K.
+    """Compute the law of one slice: k = K w / patch for a width w, at most K.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
 
 
 def flank_patch(depth: float, curvature: float) -> float:
-    """Give the effective width [m] of the contact of two flanks at a penetration [m]: 4/3 sqrt(2 d / kappa).
+    """Compute the effective width [m] of the contact of two flanks at a penetration [m]: 4/3 sqrt(2 d / kappa).
 
     The gap opens as kappa s^2 / 2 beside the deepest point: springs of k per width push with 4/3 sqrt(2 d/kappa) k d.
     """
@@ -46,7 +46,7 @@ def flank_patch(depth: float, curvature: float) -> float:
 
 
 def hole_patch(depth: float, radius: float, play: float) -> float:
-    """Give the effective width [m] of the contact of a round part in a hole at a penetration [m].
+    """Compute the effective width [m] of the contact of a round part in a hole at a penetration [m].
 
     Displaced by x = play + d, the part is x cos(theta) - play deep up to the angle theta_0 = acos(play / x); springs of
     k per width push with the share cos(theta), in all k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0].

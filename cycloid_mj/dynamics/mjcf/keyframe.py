@@ -39,7 +39,7 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
 
 
 def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Give positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
+    """Get positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
     the gear does not turn, and the ring does, at speed/N.
@@ -62,7 +62,7 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
 
 
 def _room(mechanism: Mechanism, crank: float) -> dict[str, float]:
-    """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
+    """Compute how far joints are from the ideal mesh in the pose that leaves the most room."""
     fit, angle = best_fit(Reducer(mechanism.design), crank), float(member.ring_angle(mechanism.design, crank))
     cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}

@@ -13,17 +13,17 @@ Laws = dict[str, ContactParameters]
 
 
 def laws_of_discs(reducer: Reducer) -> tuple[Laws, ...]:
-    """Give `contact_laws` of every disc."""
+    """List `contact_laws` of every disc."""
     return tuple(contact_laws(reducer, disc) for disc in range(reducer.design.gear.discs))
 
 
 def stiffest(laws: Sequence[Laws]) -> Laws:
-    """Give the law of each kind on the disc where it is stiffest; elsewhere an output pin may bend more."""
+    """Compute the law of each kind on the disc where it is stiffest; elsewhere an output pin may bend more."""
     return {kind: max((one[kind] for one in laws), key=lambda law: law.stiffness) for kind in laws[0]}
 
 
 def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
-    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
+    """Compute the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
 
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
     as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a

@@ -102,7 +102,7 @@ def reducer_model(made: MeshSpec, reducer: Reducer, gains: tuple[float, float]) 
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
-    """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
+    """Build the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
 
     The slices are as stiff as `for_slices` says.
     """
@@ -166,7 +166,7 @@ def _options(spec: Any) -> None:
 
 
 def _inverse_weights(spec: Any) -> dict[str, float]:
-    """Give MuJoCo's translational inverse weight of every body [1/kg]."""
+    """Compute MuJoCo's translational inverse weight of every body [1/kg]."""
     model = spec.copy().compile()
     return {model.body(i).name: float(model.body_invweight0[i, 0]) for i in range(model.nbody)}
 
@@ -184,7 +184,7 @@ def _add_visuals(spec: Any, mechanism: Mechanism) -> None:
 
 
 def _homes(mechanism: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
-    """Give the body that each copy of a part belongs to, and its place in it [m]."""
+    """Yield the body that each copy of a part belongs to, and its place in it [m]."""
     shown = [
         (body.name, at) for body in mechanism.bodies for one, at in seen(Reducer(mechanism.design), body) if one == part
     ]
@@ -282,7 +282,7 @@ def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
 
 
 def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Give contype and conaffinity of a slice, or of the hull that is a convex tip.
+    """Compute contype and conaffinity of a slice, or of the hull that is a convex tip.
 
     Tips of the gear meet the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe meets
     the gear as a capsule, which is exact and quicker than its hull.

@@ -117,19 +117,19 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
 
 
 def judged(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
-    """Give a model with its warnings."""
+    """Add a model's warnings to it."""
     return replace(compiled, warnings=warnings(reducer, compiled))
 
 
 def xml(spec: Any) -> str:
-    """Give the MJCF of a compiled spec with every digit of every number."""
+    """Write the MJCF of a compiled spec with every digit of every number."""
     with exact_xml():
         spec.compile()  # else it gives the pairs as they were when they were compiled last
         return str(spec.to_xml())
 
 
 def empty_spec(reducer: Reducer, impratio: float) -> Any:
-    """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
+    """Build an editable model with the options of every model of a design, and nothing in it but light and camera."""
     design = reducer.design
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"

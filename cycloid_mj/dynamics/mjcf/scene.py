@@ -29,7 +29,7 @@ _SCENE = """<mujoco model="{name} scene">
 
 
 def scene_xml(reducer: Reducer, model_file: str) -> str:
-    """Give the MJCF of the scene that includes the file of the model."""
+    """Write the MJCF of the scene that includes the file of the model."""
     design = reducer.design
     reach = design.housing.outer_radius
     lengths = {

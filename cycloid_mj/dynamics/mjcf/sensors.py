@@ -28,7 +28,7 @@ class _Sensor(NamedTuple):
 
 
 def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
-    """Give the sensors as groups of column name and unit, in the order of the model."""
+    """Collect the sensors as groups of column name and unit, in the order of the model."""
     groups: dict[str, dict[str, str]] = {}
     for sensor in _sensors(reducer):
         groups.setdefault(sensor.topic, {})[sensor.column] = sensor.unit
@@ -43,7 +43,7 @@ def add_sensors(spec: Any, reducer: Reducer) -> None:
 
 
 def addresses(data: Any, reducer: Reducer) -> list[int]:
-    """Give the addresses in ``MjData`` of what they read, in their order."""
+    """List the addresses in ``MjData`` of what they read, in their order."""
     places = {
         "position": lambda of: data.joint(of).qpos,
         "speed": lambda of: data.joint(of).qvel,

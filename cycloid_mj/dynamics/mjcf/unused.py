@@ -23,7 +23,7 @@ def left_out(model: Any) -> Iterator[None]:
 
 
 def unused(model: Any) -> int:
-    """Give MuJoCo's flags, as bits, that disable what a model has none of; 0 of one with tendons."""
+    """Return MuJoCo's flags, as bits, that disable what a model has none of; 0 of one with tendons."""
     bit = mujoco.mjtDisableBit
     has = {
         bit.mjDSBL_EQUALITY: model.neq > 0,

@@ -46,7 +46,7 @@ __all__ = [
 
 
 def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
-    """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
+    """List every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
 
     Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
     elsewhere on each.

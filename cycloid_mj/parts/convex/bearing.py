@@ -36,14 +36,14 @@ class Hole:
 
 
 def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Give the gear's bore, gear frame: `member` is 1."""
+    """Build the gear's bore, gear frame: `member` is 1."""
     cam = reducer.design.gear.bore_radius
     hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
     return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Give the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
+    """Build the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + reducer.design.clearance.output
@@ -53,7 +53,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Give the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
+    """Build the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
     design = reducer.design
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
@@ -64,7 +64,7 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:
-    """Give the facets of a whole turn that keep the play within the error asked for."""
+    """Count the facets of a whole turn that keep the play within the error asked for."""
     play = hole.radius - hole.inner_radius
     needed = math.pi / math.acos(1.0 / (1.0 + 2.0 * settings.play_error / play))
     return max(settings.fewest_facets, math.ceil(needed))

@@ -9,7 +9,7 @@ from cycloid_mj.parts.convex.surface import ConvexSurface, prism
 
 
 def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
-    """Give the convex hulls that CoACD fills a watertight mesh with, in the order of their centroids.
+    """List the convex hulls that CoACD fills a watertight mesh with, in the order of their centroids.
 
     CoACD keeps vertices in single precision, on a grid of about 1e-4 of the mesh's size.
     """

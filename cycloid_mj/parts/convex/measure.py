@@ -42,7 +42,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
-    """Give points (k, 2) [m] along the walls of a prism and the normals (k, 2) out of its material."""
+    """Compute points (k, 2) [m] along the walls of a prism and the normals (k, 2) out of its material."""
     points, normals = [], []
     for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
         edges = np.roll(ring, -1, axis=0) - ring
@@ -54,7 +54,7 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_way(region: Prism, points: Array, normals: Array) -> Array:
-    """Give how far each normal runs before it meets the prism's material again, at most ``REACH`` [m], shape (k,)."""
+    """Find how far each normal runs before it meets the prism's material again, at most ``REACH`` [m], shape (k,)."""
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)
     edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])

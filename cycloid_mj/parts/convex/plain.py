@@ -22,13 +22,13 @@ class Plain:
 
 
 def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
-    """Give the whole cycloid gear as CoACD cuts it; takes about a minute."""
+    """Decompose the whole cycloid gear by CoACD; takes about a minute."""
     seen = profile.sample(reducer.gear_profile, SAMPLES, reducer.profile_offset)
     return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
 def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
-    """Give the whole internal gear of a nonpin design as CoACD cuts it; takes about a minute."""
+    """Decompose the whole internal gear of a nonpin design by CoACD; takes about a minute."""
     seen = envelope.sample_ring(reducer.tooth_profile, SAMPLES)
     return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 

@@ -56,7 +56,7 @@ class ConvexRegion:
 
 
 def polygon_body(outline: Array) -> ConvexRegion:
-    """Give the half planes of a counter-clockwise convex polygon (n, 2)."""
+    """Build the half planes of a counter-clockwise convex polygon (n, 2)."""
     edges = np.roll(outline, -1, axis=0) - outline
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, np.newaxis]
     centre = outline.mean(axis=0)
@@ -65,7 +65,7 @@ def polygon_body(outline: Array) -> ConvexRegion:
 
 
 def hull_body(vertices: Array) -> ConvexRegion:
-    """Give the half spaces of the convex hull of points (n, 3)."""
+    """Build the half spaces of the convex hull of points (n, 3)."""
     from scipy.spatial import ConvexHull
 
     scale = np.ptp(vertices, axis=0)
@@ -81,7 +81,7 @@ def hull_body(vertices: Array) -> ConvexRegion:
 def fill(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = SEAM
 ) -> Array:
-    """Give where the union of convex bodies ends along each normal [m], shape (k,).
+    """Compute where the union of convex bodies ends along each normal [m], shape (k,).
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def require_within(name: str, found: Quality, overfill: float, underfill: float)
 def _intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], reach: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-    """Give where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
+    """Return where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
     found = []
     for body in bodies:
         near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + reach)

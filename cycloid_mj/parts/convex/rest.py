@@ -49,7 +49,7 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Give what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
+    """List what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
     crank = {name: region for name, region in stretches(reducer, error).items() if family(name) != SPACER}
@@ -66,7 +66,7 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Give the convex pieces of a sector by CoACD, and measure them; pieces that leave it too far are cut finer.
+    """Decompose a sector into convex pieces by CoACD, and measure them; pieces that leave it too far are cut finer.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Give the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
+    """Return the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0
@@ -110,7 +110,7 @@ def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
 
 
 def _housing(reducer: Reducer, settings: ConvexSettings) -> Sector:
-    """Give the housing behind one lobe, or around one pin."""
+    """Return the housing behind one lobe, or around one pin."""
     design = reducer.design
     ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth
@@ -130,11 +130,11 @@ def _housing(reducer: Reducer, settings: ConvexSettings) -> Sector:
 
 
 def _wedge(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
-    """Give a sector of a ring about +y, counter-clockwise."""
+    """Compute a sector of a ring about +y, counter-clockwise."""
     far, near = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
     return np.concatenate([far[::-1], near])
 
 
 def _arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Give points of an arc between clockwise angles from +y."""
+    """Compute points of an arc between clockwise angles from +y."""
     return arc(radius, math.pi / 2 - start, math.pi / 2 - end, chord_error)

@@ -90,12 +90,12 @@ class ConvexSurface:
 
 
 def prism(surface: ConvexSurface, number: int) -> Prism:
-    """Give the solid of slice `number` in its own frame."""
+    """Build the solid of slice `number` in its own frame."""
     return Prism(surface.slices[number].outline, (), -surface.half_width, surface.half_width)
 
 
 def placed_outline(surface: ConvexSurface, place: SlicePlacement) -> Array:
-    """Give the outline of a placed slice, counter-clockwise, in the part's frame (n, 2) [m]."""
+    """Compute the outline of a placed slice, counter-clockwise, in the part's frame (n, 2) [m]."""
     points = surface.slices[place.slice].outline
     if place.mirrored:
         points = (points * [-1.0, 1.0])[::-1]
@@ -111,7 +111,7 @@ def turned(points: Array, angle: float) -> Array:
 def convex_slice(
     name: str, outline: Array, width: float, curvature: float, radius: float = 0.0, play: float = 0.0
 ) -> Slice:
-    """Give a slice, its outline made counter-clockwise.
+    """Return a slice, its outline made counter-clockwise.
 
     Raises
     ------

@@ -27,7 +27,7 @@ _MESH_GRID = 512
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Give the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
+    """Build the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Give the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
+    """Build the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
-    """Give the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
+    """Find the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
 
     Chords leave them by `chord_error` [m].
     """
@@ -110,7 +110,7 @@ def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Give the far ends of the internal gear's slices over one pitch, clockwise, lobe 1 in the middle, (n, 2) [m].
+    """Compute the far ends of the internal gear's slices over one pitch, clockwise, lobe 1 in the middle, (n, 2) [m].
 
     At the given `nodes` of the phase B (from the junction to pi), or else by `chord_error` [m].
     """
@@ -154,7 +154,7 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
 
 
 def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
-    """Give one quadrilateral for each chord of a concave face."""
+    """List one quadrilateral for each chord of a concave face."""
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = OVERLAP * settings.chord_error
     outlines = [
@@ -174,7 +174,7 @@ def _longer(points: Array, overlap: float) -> Array:
 
 
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
-    """Give the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
+    """List the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
     t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
@@ -192,7 +192,7 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Give the relative curvature of pin and lobe [1/m] that stands for a stretch of it, between two phases [rad].
+    """Compute the relative curvature of pin and lobe [1/m] that stands for a stretch of it, between two phases [rad].
 
     The mean of ln kappa, which the compliance follows, weighted by the square of the moment arm, with which a contact
     counts in the stiffness of the mesh.
@@ -204,7 +204,7 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 
 
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
-    """Give half the arc of lobe 1 as one polygon; in contact it is a cylinder, which needs no finer chords."""
+    """Return half the arc of lobe 1 as one polygon; in contact it is a cylinder, which needs no finer chords."""
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
     centre = gear.pin_circle_radius * profile.unit(0.0)
@@ -216,7 +216,7 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
 
 
 def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
-    """Give the places of the slices of half a pitch: each and its mirror image, all round."""
+    """List the places of the slices of half a pitch: each and its mirror image, all round."""
     pitch = 2.0 * math.pi / pitches
     return tuple(
         SlicePlacement(number, lobe + 1, lobe * pitch, mirrored=mirrored)
@@ -225,10 +225,10 @@ def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
 
 
 def _symmetric(right: Array) -> Array:
-    """Give the mirror image of points that start at x = 0, backwards, and then the points."""
+    """Compute the mirror image of points that start at x = 0, backwards, and then the points."""
     return np.concatenate([right[:0:-1] * [-1.0, 1.0], right])
 
 
 def _all_round(pitch: Array, count: int) -> Array:
-    """Give a whole turn of one pitch, clockwise."""
+    """Compute a whole turn of one pitch, clockwise."""
     return np.concatenate([turned(pitch, 2.0 * math.pi * i / count) for i in range(count)])

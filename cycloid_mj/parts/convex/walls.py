@@ -11,7 +11,7 @@ SHARE = 0.25
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Give the thickness of the slices of the gear's teeth, bore and holes [m]."""
+    """Compute the thickness of the slices of the gear's teeth, bore and holes [m]."""
     design = reducer.design
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
@@ -26,7 +26,7 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Give the thickness of the slices of the internal gear's lobes or of the sockets [m]."""
+    """Compute the thickness of the slices of the internal gear's lobes or of the sockets [m]."""
     design = reducer.design
     ring = design.ring
     if ring.kind == "nonpin":
@@ -40,7 +40,7 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 
 
 def _lobe_width(reducer: Reducer) -> float:
-    """Give the width of a lobe between its inflections [m]."""
+    """Compute the width of a lobe between its inflections [m]."""
     gear = reducer.gear_profile
     middle = math.pi / gear.lobes
     inflection = profile.outline(gear, profile.inflection_phase(gear) / gear.lobes, reducer.profile_offset)

@@ -76,7 +76,7 @@ class Export:
 
 
 def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
-    """Give every part of a design in a format, one file a part.
+    """Export every part of a design in a format, one file a part.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export
 
 
 def _step(reducer: Reducer, name: str, stretches: tuple[PartSection, ...]) -> bytes:
-    """Give a part as STEP if the solid read back from it has the part's volume."""
+    """Encode a part as STEP if the solid read back from it has the part's volume."""
     apart = reducer.design.ring.teeth if name == "housing" and reducer.design.ring.has_sleeves else 0
     content = step_part(name, stretches, 1 + apart)
     volume, true = read_volume(content), mass_properties(parts(reducer)[name]).volume

@@ -45,7 +45,7 @@ class BillLine:
 
 
 def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
-    """Give the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
+    """List the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
 
     `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
 
@@ -61,7 +61,7 @@ def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
 
 
 def bill_csv(items: tuple[BillLine, ...]) -> bytes:
-    """Give a bill of materials as CSV."""
+    """Encode a bill of materials as CSV."""
     text = io.StringIO()
     table = csv.DictWriter(text, [field.name for field in fields(BillLine)], lineterminator="\n")
     table.writeheader()
@@ -120,14 +120,14 @@ def _material(reducer: Reducer, part: str) -> str:
 
 
 def _extent(part: PrintedPart) -> str:
-    """Give length x width x height of a part that is made."""
+    """Format length x width x height of a part that is made."""
     outlines = np.concatenate([prism.outline for prism in part.solid.prisms])
     height = max(prism.z1 for prism in part.solid.prisms) - min(prism.z0 for prism in part.solid.prisms)
     return " x ".join(f"{MILLIMETRES * length:.4g}" for length in (*np.ptp(outlines, axis=0), height)) + " mm"
 
 
 def _round(*radii: tuple[str, float], length: float) -> str:
-    """Give diameters, each with what it measures, and the length of a round part."""
+    """Format diameters, each with what it measures, and the length of a round part."""
     return " x ".join([*(f"{what} {_mm(2.0 * radius)}" for what, radius in radii), f"length {_mm(length)}"]) + " mm"
 
 

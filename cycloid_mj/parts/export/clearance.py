@@ -33,7 +33,7 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Give how far points (n, 2) [m] lie inside a gear's trochoid [m], by Newton's method from the nearest sample."""
+    """Find how far points (n, 2) [m] lie inside a gear's trochoid [m], by Newton's method from the nearest sample."""
     grid = 2.0 * np.pi * np.arange(_STARTS_PER_LOBE * gear.lobes) / (_STARTS_PER_LOBE * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
@@ -107,7 +107,7 @@ def measure(
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Give the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
+    """Compute the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
 
     With turned flanks the gear is what two copies of its profile have in common.
     """

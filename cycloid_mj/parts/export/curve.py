@@ -66,7 +66,7 @@ class Spline:
     controls: Array
 
     def points(self, count: int) -> Array:
-        """Give `count` points along it, both ends included, (count, 2) [m]."""
+        """Compute `count` points along it, both ends included, (count, 2) [m]."""
         parameter = np.linspace(self.knots[0], self.knots[-1], count)
         return np.asarray(BSpline(self.knots, self.controls, 3)(parameter), dtype=np.float64)
 
@@ -75,7 +75,7 @@ Curve = Circle | Arc | LineSegment | Spline
 
 
 def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
-    """Give cubic splines, end to end, that keep within ``SPLINE_ERROR`` of a flank from parameter `low` to `high`.
+    """List cubic splines, end to end, that keep within ``SPLINE_ERROR`` of a flank from parameter `low` to `high`.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Give parameters that share the spline's error equally: it goes with h^4 and the fourth derivative by arc length.
+    """Find parameters that share the spline's error equally: it goes with h^4 and the fourth derivative by arc length.
 
     In the moving frame of the curve that derivative is (-3 kappa kappa', kappa'' - kappa^3).
     """
@@ -113,7 +113,7 @@ def _interpolated(flank: SmoothCurve, nodes: Array) -> BSpline:
 
 
 def _deviation(flank: SmoothCurve, spline: BSpline, nodes: Array) -> float:
-    """Give how far a spline leaves its flank across the tangent [m]."""
+    """Compute how far a spline leaves its flank across the tangent [m]."""
     t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
     away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
     return float(np.abs(away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]).max())

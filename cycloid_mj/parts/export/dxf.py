@@ -14,7 +14,7 @@ _FORMAT = "R2000"
 
 
 def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
-    """Give the sections of a part as DXF, each on a layer of its name, [mm]; the same sections give the same bytes."""
+    """Encode the sections of a part as DXF, each on a layer of its name, [mm]; equal sections give equal bytes."""
     import ezdxf
 
     with _fixed_metadata():

@@ -98,7 +98,7 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
 
 
 def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
-    """Give the lower left corner of each rectangle [m], laid in rows, the deepest first, on the smallest square plate.
+    """List the lower left corner of each rectangle [m], laid in rows, the deepest first, on the smallest square plate.
 
     Of all lengths that the first row may have, that with the shortest longer side of the plate is taken.
     """
@@ -128,7 +128,7 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 
 
 def _lying(solid: Solid) -> tuple[Solid, bool]:
-    """Give a part on z = 0, on its end with the larger face, and whether it was turned over for that."""
+    """Lay a part on z = 0, on its end with the larger face, and tell whether it was turned over for that."""
     low, high = min(one.z0 for one in solid.prisms), max(one.z1 for one in solid.prisms)
     below = sum(region_moments(one).area for one in solid.prisms if one.z0 == low)
     above = sum(region_moments(one).area for one in solid.prisms if one.z1 == high)
@@ -143,7 +143,7 @@ def _lying(solid: Solid) -> tuple[Solid, bool]:
 
 
 def _mirrored(polygon: Array) -> Array:
-    """Give a polygon (n, 2) as it is seen from behind: y turned round, counter-clockwise again."""
+    """Compute a polygon (n, 2) as it is seen from behind: y turned round, counter-clockwise again."""
     return polygon[::-1] * np.array([1.0, -1.0])
 
 

@@ -25,7 +25,7 @@ class PrintedPart:
 
 
 def widened(reducer: Reducer, offset: float) -> Reducer:
-    """Give a design with every clearance wider by an offset [m]; press fits stay, and so does what is bought.
+    """Return a design with every clearance wider by an offset [m]; press fits stay, and so does what is bought.
 
     The pin in a sleeve keeps its size: the bore of the sleeve takes the offset.
 
@@ -60,7 +60,7 @@ def in_one_piece(reducer: Reducer) -> bool:
 
 
 def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, PrintedPart]:
-    """Give every part that is made, in its own frame, by name.
+    """Collect every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
     shaft of several. Plain round parts (ring pins, sleeves, output pins, that shaft) are made if they are of a plastic.
@@ -103,13 +103,13 @@ def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[st
 
 
 def output_pin_length(reducer: Reducer) -> float:
-    """Give the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
+    """Compute the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
     output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
     return drawn.height + output.disc_thickness * (2 if output.support == "both_ends" else 1)
 
 
 def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
-    """Give the parts of the crank that have cams, with cams of the radius `seat` [m]."""
+    """Build the parts of the crank that have cams, with cams of the radius `seat` [m]."""
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
     least = gear.eccentricity + (design.shaft.radius if discs > 1 else 0.0)
@@ -133,7 +133,7 @@ def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat
 
 
 def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, PrintedPart]:
-    """Give the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
+    """List the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
     if in_one_piece(reducer):
         return {names.OUTPUT: PrintedPart(1, drawn)}
     output, density = reducer.design.output, drawn.density

@@ -38,7 +38,7 @@ class PartSection:
 
 
 def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
-    """Give the sections of every part of a design, with its clearances, each part in its own frame.
+    """Build the sections of every part of a design, with its clearances, each part in its own frame.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSec
 
 
 def _cores(reducer: Reducer, half: float) -> tuple[PartSection, ...]:
-    """Give the pressed-in pins inside the sleeves; none elsewhere."""
+    """List the pressed-in pins inside the sleeves; none elsewhere."""
     design = reducer.design
     if not design.ring.has_sleeves:
         return ()
@@ -88,7 +88,7 @@ def _circle(radius: float, centre: Array | tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def _gear_outline(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """Give the profile lobe by lobe, counter-clockwise, each from the middle of one valley to that of the next.
+    """List the profile lobe by lobe, counter-clockwise, each from the middle of one valley to that of the next.
 
     Flanks that are turned towards the middle of their lobe are splines of their own.
     """
@@ -126,7 +126,7 @@ def _gear_holes(reducer: Reducer) -> list[tuple[Curve, ...]]:
 
 
 def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """Give the ring as splines for each root and one arc for the lobe after it, counter-clockwise.
+    """List the ring as splines for each root and one arc for the lobe after it, counter-clockwise.
 
     Sigma from B0 to 2 pi - B0 is the whole root counter-clockwise of lobe 1.
     """
@@ -145,7 +145,7 @@ def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
 
 
 def _pinwheel(reducer: Reducer) -> tuple[Curve, ...]:
-    """Give the sockets and the lands between them as arcs, counter-clockwise from socket 1 on +y."""
+    """List the sockets and the lands between them as arcs, counter-clockwise from socket 1 on +y."""
     design = reducer.design
     ring = design.ring
     centre, radius = ring.pin_circle_radius, ring.pin_radius + design.socket_play
@@ -158,7 +158,7 @@ def _pinwheel(reducer: Reducer) -> tuple[Curve, ...]:
 
 
 def _crank(reducer: Reducer) -> dict[str, tuple[PartSection, ...]]:
-    """Give the crank with the faces of its solids: one part, or shaft, spacer and cams."""
+    """Build the crank with the faces of its solids: one part, or shaft, spacer and cams."""
     design = reducer.design
     solids, radius = parts(reducer, VISUAL_CHORD_ERROR), design.shaft.radius
     if design.gear.discs == 1:
@@ -177,7 +177,7 @@ def _crank(reducer: Reducer) -> dict[str, tuple[PartSection, ...]]:
 
 
 def _shaft(reducer: Reducer) -> tuple[PartSection, ...]:
-    """Give journal, counterweight, journal and cam, with the faces of the balanced solid."""
+    """List journal, counterweight, journal and cam, with the faces of the balanced solid."""
     design = reducer.design
     shaft, cam = design.shaft, design.gear.bore_radius
     outer, inner = shaft.counterweight_radius, shaft.radius
@@ -195,7 +195,7 @@ def _shaft(reducer: Reducer) -> tuple[PartSection, ...]:
 
 
 def _output(reducer: Reducer) -> tuple[PartSection, ...]:
-    """Give the disc and its pins, and the second disc where it holds them, too."""
+    """List the disc and its pins, and the second disc where it holds them, too."""
     disc, *others = output_solid(reducer, VISUAL_CHORD_ERROR).prisms
     rim = float(np.linalg.norm(disc.outline, axis=1).max())
     centres = output_centres(reducer)

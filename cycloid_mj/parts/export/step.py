@@ -25,7 +25,7 @@ _PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
 
 
 def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int = 1) -> bytes:
-    """Give the sections of a part as one solid in STEP, or as so many; the same sections give the same bytes.
+    """Encode the sections of a part as one solid in STEP, or as so many; equal sections give equal bytes.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int =
 
 
 def read_volume(content: bytes) -> float:
-    """Give the volume [m3] of the solids in a STEP file.
+    """Compute the volume [m3] of the solids in a STEP file.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def _silenced_stdout() -> Iterator[None]:
 
 @contextmanager
 def _kernel(name: str) -> Iterator[Any]:
-    """Give gmsh with an empty model of its own."""
+    """Yield gmsh with an empty model of its own."""
     try:
         import gmsh
     except (ImportError, OSError) as error:

@@ -11,7 +11,7 @@ _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attrib
 
 
 def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
-    """Give a mesh as binary STL, its vertices [m] times `scale`, in single precision as the format wants."""
+    """Encode a mesh as binary STL, its vertices [m] times `scale`, in single precision as the format wants."""
     corners = shape.vertices[shape.faces] * scale
     triangles = np.zeros(len(corners), _TRIANGLE)
     triangles["normal"] = _normals(corners)
@@ -20,7 +20,7 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
 
 
 def read_stl(content: bytes) -> Array:
-    """Give the corners (m, 3, 3) of the triangles of a binary STL, as its length unit has them.
+    """Compute the corners (m, 3, 3) of the triangles of a binary STL, as its length unit has them.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def read_stl(content: bytes) -> Array:
 
 
 def _normals(corners: Array) -> Array:
-    """Give the unit normals (m, 3) of triangles; zero where a triangle has no area."""
+    """Compute the unit normals (m, 3) of triangles; zero where a triangle has no area."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)
