@@ -33,6 +33,7 @@ KINDS = {
     ".html": Kind("an HTML page", b"<!doctype html"),
     ".json": Kind("a JSON file", b"{"),
     ".svg": Kind("a picture", b"<?xml"),
+    ".vtu": Kind("a VTK file", b"<?xml"),
     ".png": Kind("a picture", b"\x89png"),
     ".gif": Kind("a film", b"gif8"),
     ".pdf": Kind("a PDF file", b"%pdf"),
@@ -131,7 +132,8 @@ def require_ending(path: Path, ending: str) -> None:
 def standing(path: Path) -> str:
     """Tell what a file is, what it is about where its head says so, and its time of change."""
     head = _head(path)
-    what = _kind(head) or KINDS.get(path.suffix.lower(), ANY).name
+    own = _own_kind(path)
+    what = own.name if _begins(head, own) else _kind(head) or own.name
     found = NAMED.search(head)
     about = next((word for word in found.groups() if word), b"").decode(errors="replace") if found else ""
     when = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
@@ -140,15 +142,25 @@ def standing(path: Path) -> str:
 
 def _require_own_kind(path: Path) -> None:
     """Raise TakenError where what stands under a name is of another kind than the name says; nothing is of any."""
-    head, wanted = _head(path), KINDS.get(path.suffix.lower(), ANY)
-    found = _kind(head)
-    if head and (not head.lower().startswith(wanted.start) or found not in ("", wanted.name)):
+    head, wanted = _head(path), _own_kind(path)
+    if not head or (wanted.start and _begins(head, wanted)):
+        return
+    if (found := _kind(head)) or wanted.start:
         raise TakenError(f"cannot write {path}: it is {found or f'not {wanted.name}'}; give another name")
 
 
+def _own_kind(path: Path) -> Kind:
+    """Look up what a file is by its name."""
+    return KINDS.get(path.suffix.lower(), ANY)
+
+
+def _begins(head: bytes, kind: Kind) -> bool:
+    return head.lower().startswith(kind.start)
+
+
 def _kind(head: bytes) -> str:
-    """Tell what a file is by its head; nothing where that does not say it."""
-    return next((kind.name for kind in KINDS.values() if kind.start and head.lower().startswith(kind.start)), "")
+    """Tell what a file is by its head: the first kind that begins so; nothing where that does not say it."""
+    return next((kind.name for kind in KINDS.values() if kind.start and _begins(head, kind)), "")
 
 
 def _head(path: Path) -> bytes:

@@ -77,7 +77,7 @@ class Reducer:
     @property
     def shape(self) -> "Reducer":
         """The reducer as far as its parts are drawn: one and the same at all loads, speeds and contact laws."""
-        return self.kept("shape", lambda: Reducer(_shape(self.design)))
+        return self._variant("shape", _shape)
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -138,7 +138,19 @@ class Reducer:
         """The reducer as an observer on its ring has it: itself, where the carrier turns; see ``member``."""
         from cycloid_mj.reducer.member import seen_from_ring
 
-        return self.kept("seen_from_ring", lambda: Reducer(seen_from_ring(self.design)))
+        return self._variant("seen_from_ring", seen_from_ring)
+
+    def _variant(self, key: str, change: Callable[[Design], Design]) -> "Reducer":
+        """Look up the reducer of a changed design, or make it and keep it; this one, where nothing is changed.
+
+        This one is not kept on itself: such a cycle holds all that is kept here till the next garbage collection.
+        """
+
+        def changed() -> Reducer | None:
+            design = change(self.design)
+            return None if design == self.design else Reducer(design)
+
+        return self.kept(key, changed) or self
 
 
 def _shape(design: Design) -> Design:

@@ -315,11 +315,11 @@ def moved(first, last):
     for step in range(first, last):
         life_lines(turned(pin, {"ring.pin_radius_mm": 2.0 + 0.0005 * step}))
     return psutil.Process().memory_info().rss
-print(moved(0, 5) / 1e6, moved(5, 60) / 1e6)
+print(moved(0, 5) / 1e6, moved(5, 40) / 1e6)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     before, after = map(float, done.stdout.split())
-    assert after - before < 70.0
+    assert after - before < 30.0
 
 
 # --- in a browser: one server and one browser for all

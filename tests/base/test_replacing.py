@@ -10,7 +10,7 @@ import pytest
 from made_run import made_groups, made_run
 
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.replacing import KINDS, one_command
+from cycloid_mj.base.replacing import KINDS, claim, one_command
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
@@ -68,7 +68,7 @@ WRITING = {
 }
 """Command -> how it is called, and a file that it writes."""
 
-READING = {"analyze", "app", "view", "statics", "validate", "doctor"}
+READING = {"analyze", "app", "figures", "view", "statics", "validate", "doctor"}
 READING |= {"design show", "design check", "log info", "log columns", "log layout"}
 
 QUICK = {"plot", "report", "animate", "profile", "kinematics", "design new", "log csv", "log parquet", "log repair"}
@@ -150,6 +150,19 @@ def test_force_replaces_results_of_the_same_kind(name: str, here: Path) -> None:
     code, err = called(*words.split(), "--force")
     assert code == 0, err
     assert Path(file).read_bytes() != old
+
+
+def test_kinds_that_begin_alike_are_told_by_their_names(tmp_path: Path) -> None:
+    """A picture and a VTK file are both XML: each may be replaced where --force says so, and is called what it is."""
+    for name, kind in (("a.svg", "a picture"), ("a.vtu", "a VTK file")):
+        path = tmp_path / name
+        path.write_bytes(b'<?xml version="1.0"?> another')
+        with one_command():
+            with pytest.raises(CycloidError, match=rf"exists already \({kind} of"):
+                claim(path, force=False)
+            claim(path, force=True)
+            write_whole({path: b"new"})
+        assert path.read_bytes() == b"new"
 
 
 READ = [
