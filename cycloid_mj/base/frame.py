@@ -7,6 +7,7 @@ of arrays for all else: ``pandas.DataFrame(frame.columns)``.
 
 import csv
 import importlib
+import io
 import json
 import math
 import os
@@ -16,12 +17,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.whole import whole_file
 
 Cell = float | int | str | bool
@@ -76,10 +78,23 @@ class Frame(Tabular):
         """How many rows there are."""
         return len(next(iter(self.columns.values()), ()))
 
+    def as_csv(self) -> str:
+        """Return the rows as CSV, with every digit of every number; what is no number is left empty."""
+        text = io.StringIO()
+        _write_rows(self, text)
+        return text.getvalue()
+
     @property
     def numbers(self) -> dict[str, Column]:
         """The columns that are numbers, as floats."""
         return {name: column.astype(float) for name, column in self.columns.items() if column.dtype.kind in "fiu"}
+
+
+def quantity_frame(quantities: Mapping[str, Quantity]) -> Frame:
+    """Return quantities as a frame, a row each."""
+    rows = [{"key": key, **one.as_json()} for key, one in quantities.items()]
+    names = ("key", "name", "value", "unit", "numerical_error", "reference", "source", "note")
+    return framed(rows, names, {})
 
 
 def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
@@ -104,11 +119,15 @@ def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
     CycloidError
         The file cannot be written; one that was there before is as it was.
     """
-    columns = [_words(column) for column in frame.columns.values()]
     with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="") as stream:
-        lines = csv.writer(stream, lineterminator="\n")
-        lines.writerow(frame.columns)
-        lines.writerows(zip(*columns, strict=True))
+        _write_rows(frame, stream)
+
+
+def _write_rows(frame: Frame, stream: TextIO) -> None:
+    columns = [_words(column) for column in frame.columns.values()]
+    lines = csv.writer(stream, lineterminator="\n")
+    lines.writerow(frame.columns)
+    lines.writerows(zip(*columns, strict=True))
 
 
 def _words(column: Column) -> list[str]:

@@ -1,7 +1,7 @@
 """What every measure, check, comparison and claim is made of: quantities, curves, tables, verdicts."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -145,11 +145,14 @@ class Table:
         Names of the columns, with units; the first column names the row.
     rows
         Texts and numbers, as many as there are columns.
+    words
+        Columns of prose, which are set flush left like the first.
     """
 
     title: str
     header: tuple[str, ...]
     rows: tuple[tuple[str | float, ...], ...]
+    words: Sequence[int] = ()
 
     @property
     def cells(self) -> list[list[str]]:

@@ -1,21 +1,30 @@
 """``cycloid-mj datasheet``: what a maker's catalogue tells of a reducer, as two pages to print and one to read."""
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import FLAT, PRESET, ForceFlag, JsonFlag, PresetOptions
-from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, say_json
+from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.base.result import keyed, quantity_table
+from cycloid_mj.cli.delivery import RUNS, Destination, claimed, deliver
+from cycloid_mj.cli.flags import FLAT, PRESET, Delivery, PresetOptions, out_flag
 from cycloid_mj.reducer import Reducer
 
-RUNS = "runs"
+if TYPE_CHECKING:
+    from cycloid_mj.life.datasheet import Datasheet
 
-OutFlag = Annotated[
-    str,
-    Parameter(metavar="DIR", help=f"Folder of NAME-datasheet.pdf and .html. Default: {RUNS}."),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class Sheets(Delivery):
+    """The same; the sheet is always written."""
+
+    out: Annotated[str | None, out_flag("NAME-datasheet.pdf, .html, .json and .csv", RUNS)] = None
+
+
+SHEETS = Sheets()
+
 LifeFlag = Annotated[float, Parameter(help="Hours that the rated torque is for. Default: 6000.")]
 
 EXAMPLES = """Examples:
@@ -26,10 +35,8 @@ EXAMPLES = """Examples:
 def datasheet(
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
     *,
-    out: OutFlag = RUNS,
     life_h: LifeFlag = 6000.0,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
+    delivery: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
     """Write a data sheet, as makers of reducers do: two pages as PDF, and one as HTML.
 
@@ -38,23 +45,34 @@ def datasheet(
     dimensioned drawing. Every number is this model's, by statics, and has its
     condition beside it.
     """
-    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.life.datasheet import datasheet as computed
-    from cycloid_mj.plots.datasheet import datasheet_pages
-    from cycloid_mj.plots.save import document
-    from cycloid_mj.report.datasheet import datasheet_page
 
     if not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g}: give a number more than 0")
     design = chosen.sound()
-    pdf, html = (f"{design.name}-datasheet.{form}" for form in ("pdf", "html"))
-    into = folder(out, "the data sheet", (pdf, html), force)
-    sheet = computed(Reducer(design), life_h)
-    files = {into / pdf: document(datasheet_pages(sheet)), into / html: datasheet_page(sheet).encode()}
-    write_whole(files)
-    if json:
-        say_json(sheet.as_json() | {"files": [str(path) for path in files]})
-        return 0
-    for path in files:
-        say(str(path))
-    return 0
+    stem = f"{design.name}-datasheet"
+    place = claimed(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
+    return deliver(_outcome(computed(Reducer(design), life_h), place), place, delivery)
+
+
+def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:
+    from cycloid_mj.base.frame import quantity_frame
+    from cycloid_mj.plots.datasheet import datasheet_pages
+    from cycloid_mj.plots.save import document
+    from cycloid_mj.report.datasheet import datasheet_page
+
+    pdf = f"{place.stem}.pdf"
+    quantities = keyed(*sheet.groups.values())
+    written = [*place.paths([pdf]), str(place.page)]
+    return Outcome(
+        title=f"data sheet: {sheet.design.name}",
+        condition=f"rated for {sheet.life:g} h",
+        headline=headline(quantities.values()),
+        summary=written,
+        tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
+        notes=sheet.notes,
+        files={pdf: document(datasheet_pages(sheet))},
+        frame=quantity_frame(quantities),
+        result=sheet.as_json() | {"files": written},
+        page=lambda: datasheet_page(sheet),
+    )

@@ -1,7 +1,7 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from math import degrees
 from pathlib import Path
@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import App, Parameter
 
 from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import FLAT, NAMES, DesignOptions, ForceFlag, JsonFlag, SetFlag, designed, whole
-from cycloid_mj.cli.terminal import say, say_json
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, NAMES, Delivery, DesignOptions, ForceFlag, SetFlag, designed, whole
+from cycloid_mj.cli.terminal import say
 from cycloid_mj.design import PRESETS, Design, dump, override, reasons
 from cycloid_mj.reducer import Reducer
 
@@ -141,11 +143,11 @@ def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
     return 0
 
 
-def check(chosen: Annotated[DesignOptions, FLAT], *, json: JsonFlag = False) -> int:
-    """Make every check of a design, list them all, and sum the design up.
+def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+    """Make every check of a design, and sum the design up.
 
-    For each check: the value, its limit and the reason; for a failure also what
-    to change. First come those of whether it can be built, then those that decide
+    For each check that fails or warns: the value, its limit, the reason, and what
+    to change; --all lists the others too. First come those of whether it can be built, then those that decide
     how well it works at its rated torque (drive torque times the ratio), by
     statics with the real clearances, friction and errors; these only warn.
 
@@ -157,23 +159,34 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, json: JsonFlag = False) -> 
     from cycloid_mj.checks import check as checks
 
     design = chosen.resolved()
+    place = claimed(delivery, f"{design.name}-check")
     found = checks(design)
     sound = not any(_word(item) == "FAIL" for item in found)
     summed = _summed(design) if sound else None
     rating = _rated(design) if summed else None
-    if json:
-        told = _in_file_units(summed, rating) if summed else None
-        say_json({"design": design.name, "sound": sound, "checks": [asdict(item) for item in found], "summary": told})
-    else:
-        for item in found:
-            say(f"{_word(item):4}  {item}")
-        if summed:
-            for line in _lines(summed, rating):
-                say(f"      {line}")
-        failed = sum(_word(item) == "FAIL" for item in found)
-        warnings = sum(_word(item) == "warn" for item in found)
-        say(f"{len(found)} checks: {failed} failed, {warnings} {'warning' if warnings == 1 else 'warnings'}")
-    return 0 if sound else 1
+    return deliver(_outcome(design.name, found, summed, rating), place, delivery)
+
+
+def _outcome(design: str, found: "Sequence[Check]", summed: "Summary | None", rating: "Rating | None") -> Outcome:
+    from cycloid_mj.base.frame import framed
+
+    failed, warned, passed = ([item for item in found if _word(item) == word] for word in ("FAIL", "warn", "ok"))
+    numbers = _in_file_units(summed, rating) if summed else None
+    rows = [asdict(item) for item in found]
+    count = f"{len(warned)} {'warning' if len(warned) == 1 else 'warnings'}"
+    return Outcome(
+        title=f"checks: {design}",
+        failures=list(map(str, failed)),
+        warnings=list(map(str, warned)),
+        passes=list(map(str, passed)),
+        summary=[
+            *(f"      {line}" for line in (_lines(summed, rating) if summed else [])),
+            f"{len(found)} checks: {len(failed)} failed, {count}",
+        ],
+        frame=framed(rows, rows[0], {}),
+        result={"design": design, "sound": not failed, "checks": rows, "summary": numbers},
+        code=1 if failed else 0,
+    )
 
 
 def _summed(design: Design) -> "Summary | None":

@@ -73,7 +73,18 @@ ForceFlag = Annotated[
         "nor one of another kind.",
     ),
 ]
+AllFlag = Annotated[bool, Parameter(name="--all", help="Show all tables and notes, not the headline alone.")]
 QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
+HtmlFlag = Annotated[
+    tuple[str, ...] | None,
+    Parameter(
+        name="--html",
+        metavar="[FILE]",
+        consume_multiple=True,
+        help="Write one HTML page. FILE may be left out: the page is then named after the design, in the folder of "
+        "--out or in runs.",
+    ),
+]
 FollowFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -265,6 +276,28 @@ class EngineOptions:
 
 
 HERE = EngineOptions()
+
+
+def out_flag(files: str, usual: str = "") -> Parameter:
+    """Declare ``--out``: the folder of `files`, by default `usual`, or none."""
+    default = f"Default: {usual}." if usual else "Default: nothing is written."
+    return Parameter(metavar="DIR", help=f"Folder of {files}, made if there is none. {default}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delivery:
+    """Where results go and how much of them is shown: the flags of every command that gives results."""
+
+    out: Annotated[str | None, out_flag("the figures as JSON and CSV")] = None
+    html: HtmlFlag = None
+    json: JsonFlag = False
+    all: AllFlag = False
+    force: ForceFlag = False
+    quiet: QuietFlag = False
+    workers: WorkersFlag = None
+
+
+DELIVERY = Delivery()
 
 
 def require_distinct(designs: Iterable[Design]) -> None:

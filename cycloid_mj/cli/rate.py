@@ -7,17 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.replacing import claim, require_ending
-from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, ForceFlag, JsonFlag, PresetOptions
-from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, say_json, say_table, show
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, LOAD, PRESET, SPEED, Delivery, PresetOptions
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.life import Duty
-
-RUNS = "runs"
+    from cycloid_mj.life import Duty, Rating
 
 LoadFlag = Annotated[float | None, LOAD.flag("Torque on the output", ". Default: the rated torque.")]
 SpeedFlag = Annotated[float | None, SPEED.flag("Speed of the crank", ". Default: drive.speed_rpm.")]
@@ -37,16 +34,6 @@ StressFlag = Annotated[
         "stress range of each node, not by beam formulas.",
     ),
 ]
-HtmlFlag = Annotated[
-    tuple[str, ...] | None,
-    Parameter(
-        name="--html",
-        metavar="[FILE]",
-        consume_multiple=True,
-        help=f"Write the table as one HTML page. FILE may be left out: {RUNS}/NAME-rating.html.",
-    ),
-]
-
 EXAMPLES = """Examples:
   cycloid-mj rate --design pin
   cycloid-mj rate --design my.toml --load-nm 20 --speed-rpm 1000 --life-h 6000
@@ -63,9 +50,7 @@ def rate(
     life_h: LifeFlag = 10_000.0,
     peak_nm: PeakFlag = None,
     stress: StressFlag = None,
-    html: HtmlFlag = None,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Rate life, fatigue, wear and heat of a reducer, the weakest item first.
 
@@ -80,10 +65,8 @@ def rate(
     not say is assumed, and said beside the number: [bearing] and [service] take
     ratings and limits. The exit code is 0 whatever the safeties are.
     """
-    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.life.items import rate as rated
     from cycloid_mj.life.ranges import read_ranges
-    from cycloid_mj.report.rating import rating_page
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
@@ -93,27 +76,35 @@ def rate(
             raise UsageError(f"--duty has torques and speeds of its own: leave {flag} out")
         if value is not None and not (value != 0.0 and isfinite(value)):
             raise UsageError(f"{flag} {value:g}: give a number that is not 0")
-    if html and len(html) > 1:
-        raise UsageError(f"--html takes one file, got {', '.join(html)}")
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
-    page = None if html is None else _named(design, html, force)
+    place = claimed(delivery, f"{design.name}-rating")
     found = rated(design, cycle, life_h, read_ranges(stress, Reducer(design)) if stress else None, give=True)
-    if page:
-        write_whole({page: rating_page(found).encode()})
-    if json:
-        say_json(found.as_json())
-        return 0
-    table = found.table()
-    say_table(table.title, table.header, table.cells, words=(4, 5))
-    if found.cam_give:
-        show(found.cam_give.table())
-    for sentence in found.assumptions:
-        say(f"assumed: {sentence}")
-    say(f"weakest: {found.told_weakest()}")
-    if page:
-        say(str(page))
-    return 0
+    return deliver(_outcome(found, place), place, delivery)
+
+
+def _outcome(found: "Rating", place: Destination) -> Outcome:
+    from cycloid_mj.base.frame import framed
+    from cycloid_mj.report.rating import rating_page
+
+    weakest, failing = found.weakest, found.failing
+    rows = [{"key": key, **item.as_json()} for key, item in found.items.items()]
+    return Outcome(
+        title=f"rating: {found.design}",
+        condition=f"{found.duty}, for {found.life:g} h",
+        headline={
+            "weakest item": weakest.name,
+            "its life" if weakest.safety is None else "its safety": weakest.verdict,
+            "items below what is asked": f"{len(failing)} of {len(found.items)}",
+        },
+        failures=[found.told(item) for item in failing],
+        summary=[f"weakest: {found.told_weakest()}", *([str(place.page)] if place.page else [])],
+        tables=[found.table(), *([found.cam_give.table()] if found.cam_give else [])],
+        notes=[f"assumed: {sentence}" for sentence in found.assumptions],
+        frame=framed(rows, rows[0], {}),
+        result=found.as_json(),
+        page=lambda: rating_page(found),
+    )
 
 
 def _duty(
@@ -126,11 +117,3 @@ def _duty(
         return read_duty(duty, peak_nm)
     torque = design.rated_torque if load_nm is None else load_nm
     return steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
-
-
-def _named(design: Design, html: tuple[str, ...], force: bool) -> Path:
-    """Claim the name of a rating's page."""
-    path = Path(html[0]) if html else folder(RUNS, "the page", (), force) / f"{design.name}-rating.html"
-    require_ending(path, ".html")
-    claim(path, force=force)
-    return path

@@ -4,8 +4,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, JsonFlag
-from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, LOAD, Delivery, DesignOptions
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -15,6 +17,14 @@ EXAMPLES = """Examples:
   cycloid-mj statics --design pin
   cycloid-mj statics --design nonpin --load-nm 20 --set clearance.tooth_um=3
   cycloid-mj statics --design my.toml --set errors.hole_position_um=2 --json"""
+
+HEADLINE = (
+    *("backlash", "lost_motion_ideal", "stiffness_ideal"),
+    *("output_peak_to_peak_unloaded_forward_speed", "output_peak_to_peak_loaded_forward_speed"),
+    *("pin_gear_peak_force", "tooth_peak_force", "cam_peak_force", "output_peak_force"),
+    *("capacity", "capacity_shakedown", "efficiency", "back_driving_efficiency"),
+)
+"""Keys of the figures that one looks for first; a design's ring has pins or teeth."""
 
 HEADER = ("quantity", "value", "unit", "known difference")
 
@@ -31,7 +41,12 @@ LoadFlag = Annotated[
 ]
 
 
-def statics(chosen: Annotated[DesignOptions, FLAT], *, load_nm: LoadFlag = None, json: JsonFlag = False) -> int:
+def statics(
+    chosen: Annotated[DesignOptions, FLAT],
+    *,
+    load_nm: LoadFlag = None,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+) -> int:
     """Tell what a data sheet has of a reducer, by statics, in under a second.
 
     Backlash, lost motion, torsional stiffness; transmission error, loaded and
@@ -45,21 +60,15 @@ def statics(chosen: Annotated[DesignOptions, FLAT], *, load_nm: LoadFlag = None,
     gear's centrifugal force counts. Beside each figure stands how far dynamic
     runs are known to differ from it.
     """
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.statics.sheet import sheet
 
-    design = chosen.resolved()
-    reducer = Reducer(design)
-    require_sound(reducer)
-    found = sheet(reducer, load_nm)
-    if json:
-        say_json(found.as_json())
-    else:
-        _print(found)
-    return 0
+    design = chosen.sound()
+    place = claimed(delivery, f"{design.name}-statics")
+    return deliver(_outcome(sheet(Reducer(design), load_nm)), place, delivery)
 
 
-def _print(found: "Sheet") -> None:
+def _outcome(found: "Sheet") -> Outcome:
+    from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.statics.sheet import COMPARED, known_difference
 
     rows = []
@@ -67,11 +76,17 @@ def _print(found: "Sheet") -> None:
         known = known_difference(one)
         value = "-" if one.value != one.value else f"{one.value:.6g}"
         rows.append((one.name, value, one.unit, "" if known is None else f"{100.0 * known:g} %"))
-    say_table(f"statics: {found.design}, {found.condition}", HEADER, rows)
-    say(f"load: {SOURCES[found.load_source]}")
-    for one in found.quantities.values():
-        if one.note:
-            say(f"{one.name}: {one.note}")
-    say(f"known difference: the largest, relative, from {COMPARED}")
-    for sentence in found.assumptions:
-        say(f"assumed: {sentence}")
+    return Outcome(
+        title=f"statics: {found.design}",
+        condition=found.condition,
+        headline=headline(one for key, one in found.quantities.items() if key in HEADLINE),
+        tables=[Table(f"statics: {found.design}, {found.condition}", HEADER, tuple(rows))],
+        notes=[
+            f"load: {SOURCES[found.load_source]}",
+            *(f"{one.name}: {one.note}" for one in found.quantities.values() if one.note),
+            f"known difference: the largest, relative, from {COMPARED}",
+            *(f"assumed: {sentence}" for sentence in found.assumptions),
+        ],
+        frame=quantity_frame(found.quantities),
+        result=found.as_json(),
+    )

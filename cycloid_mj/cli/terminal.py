@@ -50,7 +50,7 @@ def tell(text: str) -> None:
 
 def show(table: "Table") -> None:
     """Write a table of results."""
-    say_table(table.title, table.header, table.cells)
+    say_table(table.title, table.header, table.cells, table.words)
 
 
 def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: Container[int] = ()) -> None:

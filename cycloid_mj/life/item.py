@@ -122,11 +122,19 @@ class Rating:
         """The item nearest to failing."""
         return next(iter(self.items.values()))
 
+    @property
+    def failing(self) -> list[RatedItem]:
+        """The items whose safety is below 1, or whose life is below that asked for; the weakest first."""
+        return [item for item in self.items.values() if item.margin(self.life) < 1.0]
+
+    def told(self, item: RatedItem) -> str:
+        """Format an item in one line."""
+        what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
+        return f"{item.name}: {what}"
+
     def told_weakest(self) -> str:
         """Format the weakest item in one line."""
-        item = self.weakest
-        what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
-        return f"{item.name}: {what} at {self.duty}"
+        return f"{self.told(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
         """Tabulate the items as text."""
@@ -134,7 +142,7 @@ class Rating:
         rows = tuple(
             (item.name, item.load, item.borne, item.verdict, item.source, item.note) for item in self.items.values()
         )
-        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows)
+        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(4, 5))
 
     def as_json(self) -> dict[str, Any]:
         """Convert the rating to JSON values."""

@@ -44,6 +44,8 @@ WRITING = {
     "stress": ("stress --design pin --quick --out d", "d/pin.mcap"),
     "stress result": ("stress --log run.mcap --part pin_1 --quick --out d", "d/stress.json"),
     "rate": ("rate --design pin --html page.html", "page.html"),
+    "statics": ("statics pin --out d", "d/pin-statics.json"),
+    "design check": ("design check pin --out d", "d/pin-check.csv"),
     "datasheet": ("datasheet --design pin --out d", "d/pin-datasheet.pdf"),
     "sweep": ("sweep --vary clearance.cam_um=1,2 --measure mass --out d", "d/sweep.csv"),
     "tolerance": ('tolerance --set tolerance.cam="IT6" --samples 2 --out d', "d/pin-samples.csv"),
@@ -68,8 +70,8 @@ WRITING = {
 }
 """Command -> how it is called, and a file that it writes."""
 
-READING = {"analyze", "app", "figures", "view", "statics", "validate", "doctor"}
-READING |= {"design show", "design check", "log info", "log columns", "log layout"}
+READING = {"analyze", "app", "view", "validate", "doctor", "figures"}
+READING |= {"design show", "log info", "log columns", "log layout"}
 
 QUICK = {"plot", "report", "animate", "profile", "kinematics", "design new", "log csv", "log parquet", "log repair"}
 QUICK |= {"export", "sweep"}

@@ -659,7 +659,7 @@ def unsound(tmp_path):
 
 
 def test_design_check_lists_all_failures_with_remedies(unsound):
-    code, out, err = told("design", "check", unsound)
+    code, out, err = told("design", "check", unsound, "--all")
     assert (code, err) == (1, "")
     failed = [line for line in out.splitlines() if line.startswith("FAIL")]
     for key in ("gear.eccentricity_mm", "housing.outer_radius_mm", "output.hole_radius_mm"):

@@ -115,6 +115,19 @@ NEEDED = {
 """Flags that a command cannot do without."""
 
 
+RESULTS = {("statics",), ("rate",), ("datasheet",), ("design", "check")}
+"""Commands whose results go out by `cycloid_mj.cli.delivery`."""
+
+DELIVERED = {"--out", "--html", "--json", "--all", "--force", "--quiet", "--workers"}
+
+
+@pytest.mark.parametrize("chain", sorted(RESULTS), ids=" ".join)
+def test_results_go_out_by_the_same_flags(chain: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*chain, "--help"]) == 0
+    page = capsys.readouterr().out
+    assert {flag for flag in DELIVERED if re.search(rf"│ +{flag} ", page)} == DELIVERED
+
+
 def flag_names(command: App) -> set[str]:
     """Return all names of a command's arguments."""
     return {name for argument in command.assemble_argument_collection() for name in argument.names}

@@ -383,7 +383,7 @@ def test_other_designs_are_rated(name: str) -> None:
 
 
 def test_the_command_prints_table_and_json(capsys) -> None:
-    assert main(["rate", "--design", "pin", "--life-h", "5000"]) == 0
+    assert main(["rate", "--design", "pin", "--life-h", "5000", "--all"]) == 0
     printed = capsys.readouterr().out
     assert "weakest: teeth on pins, pitting" in printed
     assert "\\x" not in printed

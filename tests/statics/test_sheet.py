@@ -145,7 +145,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
         sheet(Reducer(PRESETS["nonpin"]), 20.0).quantities["efficiency"].value
     )
     assert told["quantities"]["efficiency"]["known_difference"] == KNOWN["efficiency"]
-    assert main(["statics", "--design", str(design_file("few")), "--set", "errors.pin_position_um=0.4"]) == 0
+    assert main(["statics", "--design", str(design_file("few")), "--set", "errors.pin_position_um=0.4", "--all"]) == 0
     out = capsys.readouterr().out
     assert "capacity" in out
     assert "known difference" in out

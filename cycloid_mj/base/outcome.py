@@ -1,0 +1,87 @@
+"""The results of a command as one record, which one delivery turns into terminal, JSON, page and files."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from cycloid_mj.base.result import Quantity, Table
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.frame import Frame
+
+Picture = Callable[[str], bytes]
+"""Draws a picture in a format, such as ``svg``, as the bytes of a file."""
+
+MOST_FIGURES = 12
+"""Figures of a headline."""
+
+
+def headline(quantities: Iterable[Quantity]) -> dict[str, str]:
+    """Write the first dozen quantities: name -> value with its unit."""
+    return {one.name: _written(one) for one in islice(quantities, MOST_FIGURES)}
+
+
+def _written(one: Quantity) -> str:
+    if math.isnan(one.value):
+        return "-"
+    return f"{one.value:.6g}" if one.unit == "1" else f"{one.value:.6g} {one.unit}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a command computed, for people and for programs.
+
+    Attributes
+    ----------
+    title, condition
+        What was computed, of which design; under what it holds.
+    headline
+        The figures that one looks for first, a dozen at most: name -> value with its unit.
+    failures, warnings, passes
+        What does not hold, what to know before trusting the figures, and what holds, a sentence each.
+    summary
+        Closing sentences.
+    tables
+        All figures, for people.
+    frame
+        All figures, for programs: the CSV file.
+    notes
+        What the figures stand on, a sentence each.
+    pictures, formats
+        By the names of their files, and the formats that they are written in.
+    captions
+        What pictures show, by their names, for the page.
+    files
+        Other files, by name.
+    result
+        The JSON object.
+    page
+        Renders a page of its own, instead of the one that shows headline, pictures, tables and notes.
+    code
+        Exit code.
+    """
+
+    title: str
+    condition: str = ""
+    headline: Mapping[str, str] = field(default_factory=dict)
+    failures: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    passes: Sequence[str] = ()
+    summary: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    frame: "Frame | None" = None
+    notes: Sequence[str] = ()
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
+    formats: Sequence[str] = ("png", "svg")
+    captions: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    result: Mapping[str, Any]
+    page: Callable[[], str] | None = None
+    code: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse a headline that is longer than what one looks for first."""
+        if len(self.headline) > MOST_FIGURES:
+            raise ValueError(f"a headline has at most {MOST_FIGURES} figures, not {len(self.headline)}")

@@ -1,0 +1,165 @@
+"""The way out of every result: an `Outcome` to the terminal, as one JSON object, as a page, and as files."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.whole import write_whole
+from cycloid_mj.cli.flags import Delivery
+from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.terminal import json_text, say, say_json, say_table, show, tell
+from cycloid_mj.design import PRESETS
+
+RUNS = "runs"
+"""Folder of a page without a name, where the command writes no other file."""
+
+MOST_LINES = 25
+"""Lines on the terminal, without ``--all``."""
+
+FRAME_LINES = 6
+"""Lines of a table beside its rows, and of the hint at ``--all``."""
+
+FEWEST_WARNINGS = 3
+"""Warnings that are shown however long the rest is."""
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where a command writes, claimed before its work begins.
+
+    Attributes
+    ----------
+    stem
+        Name of its JSON file, CSV file and page, without the ending.
+    folder
+        Of all files; None where it writes none.
+    page
+        The HTML page; None where it writes none.
+    """
+
+    stem: str
+    folder: Path | None
+    page: Path | None
+
+    def paths(self, names: Iterable[str]) -> list[str]:
+        """Return the paths of files in the folder."""
+        return [str(self.folder / name) for name in names] if self.folder else []
+
+
+def claimed(
+    wanted: Delivery, stem: str, names: Iterable[str] = (), usual: str = "", paged: bool = False
+) -> Destination:
+    """Claim the names of a command's files.
+
+    Parameters
+    ----------
+    wanted
+        What the user asked for.
+    stem
+        Name of the JSON file, the CSV file and the page, without the ending.
+    names
+        Other files.
+    usual
+        The folder where ``--out`` names none; without it no files are written.
+    paged
+        Whether there is a page in the folder without ``--html``, too.
+
+    Raises
+    ------
+    UsageError
+        ``--html`` names several files, or none that a page can have.
+    TakenError
+        One of the files is there, and may not be replaced.
+    CycloidError
+        The folder cannot be made.
+    """
+    out = wanted.out or usual
+    into = folder(out, "the results", [f"{stem}.json", f"{stem}.csv", *names], wanted.force) if out else None
+    return Destination(stem, into, _page(wanted, stem, into, paged))
+
+
+def _page(wanted: Delivery, stem: str, into: Path | None, paged: bool) -> Path | None:
+    if wanted.html is None and not paged:
+        return None
+    named = wanted.html or ()
+    if len(named) > 1:
+        raise UsageError(f"--html takes one file, got {', '.join(named)}")
+    if named and named[0] in PRESETS:
+        raise UsageError(f"--html {named[0]} is a design: name it before the flags, or the page {named[0]}.html")
+    path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
+    require_ending(path, ".html")
+    claim(path, force=wanted.force)
+    return path
+
+
+def deliver(outcome: Outcome, place: Destination, wanted: Delivery) -> int:
+    """Write the files of an outcome, print it, and return its exit code."""
+    files = dict(_files(outcome, place))
+    if files:
+        with unbroken():
+            write_whole(files)
+        if not wanted.quiet:
+            tell(f"wrote {', '.join(map(str, files))}")
+    if wanted.json:
+        say_json(dict(outcome.result))
+    else:
+        _print(outcome, wanted.all)
+    return outcome.code
+
+
+def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]:
+    """Yield path and content of every file."""
+    if place.folder:
+        for name, content in outcome.files.items():
+            yield place.folder / name, content
+        for name, draw in outcome.pictures.items():
+            for form in outcome.formats:
+                yield place.folder / f"{name}.{form}", draw(form)
+        yield place.folder / f"{place.stem}.json", f"{json_text(dict(outcome.result))}\n".encode()
+        if outcome.frame:
+            yield place.folder / f"{place.stem}.csv", outcome.frame.as_csv().encode()
+    if place.page:
+        from cycloid_mj.report.outcome import outcome_page
+
+        yield place.page, (outcome.page() if outcome.page else outcome_page(outcome)).encode()
+
+
+def _print(outcome: Outcome, everything: bool) -> None:
+    """Print headline, failures and warnings first; the tables and notes where all is asked for."""
+    heading = ", ".join(filter(None, (outcome.title, outcome.condition)))
+    if outcome.headline:
+        say_table(heading, ("figure", "value"), list(outcome.headline.items()))
+    else:
+        say(heading)
+    for line in outcome.failures:
+        say(f"FAIL  {line}")
+    taken = FRAME_LINES + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))
+    shown = outcome.warnings if everything else outcome.warnings[: max(FEWEST_WARNINGS, MOST_LINES - taken)]
+    for line in shown:
+        say(f"warn  {line}")
+    if everything:
+        for line in outcome.passes:
+            say(f"ok    {line}")
+        for table in outcome.tables:
+            show(table)
+        for note in outcome.notes:
+            say(note)
+    elif left := _left_out(outcome, len(outcome.warnings) - len(shown)):
+        say(f"with --all: {left}")
+    for line in outcome.summary:
+        say(line)
+
+
+def _left_out(outcome: Outcome, warnings: int) -> str:
+    """Count what only ``--all`` shows, in words."""
+    counts = {
+        "more warnings": warnings,
+        "that hold": len(outcome.passes),
+        "rows of tables": sum(len(table.rows) for table in outcome.tables),
+        "notes": len(outcome.notes),
+    }
+    return ", ".join(f"{count} {what}" for what, count in counts.items() if count)

@@ -1,0 +1,116 @@
+"""The one way out of results: to the terminal, as JSON, as a page and as files."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli import main
+from cycloid_mj.cli.delivery import MOST_LINES, claimed, deliver
+from cycloid_mj.cli.flags import Delivery
+
+TABLE = Table("all of it", ("what", "number"), tuple((f"row {number}", float(number)) for number in range(40)))
+
+
+def outcome(**changes: object) -> Outcome:
+    parts: dict[str, object] = {"title": "tried: pin", "condition": "9 N m", "result": {"key": 1.0}}
+    return Outcome(**(parts | changes))  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
+    """Deliver an outcome to the terminal; return the lines."""
+
+    def lines(found: Outcome, **flags: bool) -> list[str]:
+        wanted = Delivery(**flags)  # type: ignore[arg-type]
+        deliver(found, claimed(wanted, "stem"), wanted)
+        return capsys.readouterr().out.splitlines()
+
+    return lines
+
+
+def test_headline_failures_and_warnings_come_first_and_the_rest_with_all(printed: Callable[..., list[str]]) -> None:
+    found = outcome(
+        headline={f"figure {number}": "1 mm" for number in range(MOST_FIGURES)},
+        failures=["it breaks"],
+        warnings=[f"reason {number}" for number in range(50)],
+        passes=["it turns"],
+        tables=[TABLE],
+        notes=["assumed: steel"],
+        summary=["51 checks"],
+    )
+    short, whole = printed(found), printed(found, all=True)
+    assert len(short) <= MOST_LINES
+    assert short[0].rstrip() == "tried: pin, 9 N m"
+    first = short.index("FAIL  it breaks")
+    assert all(f"figure {number} " in "".join(short[:first]) for number in range(MOST_FIGURES))
+    assert short[first + 1] == "warn  reason 0"
+    assert short[-2:] == ["with --all: 45 more warnings, 1 that hold, 40 rows of tables, 1 notes", "51 checks"]
+    assert not any("row 3" in line or "steel" in line for line in short)
+    assert {"warn  reason 49", "ok    it turns", "assumed: steel", "51 checks"} <= set(whole)
+    assert sum("row " in line for line in whole) == len(TABLE.rows)
+
+
+def test_no_failure_is_left_out(printed: Callable[..., list[str]]) -> None:
+    lines = printed(outcome(failures=[f"part {number}" for number in range(60)], warnings=list("abcde")))
+    assert sum(line.startswith("FAIL") for line in lines) == 60
+    assert sum(line.startswith("warn") for line in lines) == 3
+
+
+def test_a_headline_is_a_dozen_figures_at_most() -> None:
+    with pytest.raises(ValueError, match="at most 12"):
+        outcome(headline={str(number): "1" for number in range(MOST_FIGURES + 1)})
+
+
+def test_files_are_what_was_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    found = outcome(pictures={"drawn": lambda form: f"<{form}>".encode()}, files={"more.txt": b"more"})
+    for wanted, names in (
+        (Delivery(), set()),
+        (Delivery(html=()), {"runs/stem.html"}),
+        (Delivery(html=("mine.html",)), {"mine.html"}),
+        (Delivery(out="d"), {"d/stem.json", "d/drawn.png", "d/drawn.svg", "d/more.txt"}),
+        (Delivery(out="e", html=()), {"e/stem.json", "e/drawn.png", "e/drawn.svg", "e/more.txt", "e/stem.html"}),
+    ):
+        before = set(tmp_path.rglob("*.*"))
+        assert deliver(found, claimed(wanted, "stem"), wanted) == 0
+        assert {path.relative_to(tmp_path).as_posix() for path in set(tmp_path.rglob("*.*")) - before} == names
+    assert json.loads(Path("d/stem.json").read_text())["key"] == 1.0
+    assert "<h1>cycloid_mj: tried: pin</h1>" in Path("mine.html").read_text()
+
+
+def test_results_replace_no_others_without_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ("statics", "pin", "--out", str(tmp_path), "--quiet", "--json")
+    assert main(list(argv)) == 0
+    assert main(list(argv)) == 1
+    assert "pin-statics.json exists already" in capsys.readouterr().err
+    assert main([*argv, "--force"]) == 0
+
+
+@pytest.mark.parametrize("html", [("a.html", "b.html"), ("pin",), ("page.toml",)])
+def test_a_page_has_one_name_and_that_of_a_page(html: tuple[str, ...]) -> None:
+    with pytest.raises(UsageError, match="html"):
+        claimed(Delivery(html=html), "stem")
+
+
+def test_csv_has_every_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", "pin", "--out", str(tmp_path), "--json", "--quiet"]) == 0
+    figures = json.loads(capsys.readouterr().out)["quantities"]
+    with (tmp_path / "pin-statics.csv").open(newline="") as stream:
+        rows = {row["key"]: row for row in csv.DictReader(stream)}
+    assert list(rows) == list(figures)
+    assert all(float(rows[key]["value"]) == one["value"] for key, one in figures.items() if one["value"] is not None)
+    assert json.loads((tmp_path / "pin-statics.json").read_text())["quantities"] == figures
+
+
+@pytest.mark.parametrize("command", [("statics",), ("rate",), ("design", "check")])
+def test_the_terminal_shows_some_25_lines(command: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*command, "pin"]) == 0
+    short = capsys.readouterr().out.splitlines()
+    assert main([*command, "pin", "--all"]) == 0
+    assert len(short) <= MOST_LINES < len(capsys.readouterr().out.splitlines())
