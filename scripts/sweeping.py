@@ -13,10 +13,11 @@ from dask_cluster import ROOT, Cluster
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
-from cycloid_mj.explore.figures import ANGLES, FIGURES
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.row import PointResult, Task, measured_row
 from cycloid_mj.explore.tolerances import balanced
+from cycloid_mj.figures import SAMPLED
+from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.reducer import Reducer
 
 WORKERS = 2
@@ -57,7 +58,7 @@ def works(many: int, few: int) -> dict[str, Work]:
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
         f"{BLOCK} samples": Work(
             partial(balanced, Reducer(made), tolerances(Reducer(made)), 0, ANGLES),
-            [(block, tuple(FIGURES)) for block in blocks(WORKERS * BLOCK)],
+            [(block, SAMPLED) for block in blocks(WORKERS * BLOCK)],
         ),
     }
 

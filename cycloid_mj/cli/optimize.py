@@ -43,7 +43,7 @@ VaryFlag = Annotated[
         "by one. Repeatable.",
     ),
 ]
-FIGURES = "statics' (as in its JSON), design check's, mass_kg, least_convex_radius_mm, short_width"
+FIGURES = "any of geometry, statics or life that `cycloid-mj figures` lists"
 MinimizeFlag = Annotated[
     tuple[str, ...],
     Parameter(name="--minimize", metavar="QUANTITY", help=f"Figure to make small: {FIGURES}. Two give a front."),
@@ -80,9 +80,9 @@ OutFlag = Annotated[
 
 EXAMPLES = """Examples:
   cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2
-      --minimize pin_gear_pressure --limit 'backlash<=0.97' --out better
+      --minimize pin_gear_pressure_mpa --limit 'backlash_arcmin<=0.97' --out better
   cycloid-mj optimize --design my.toml --vary output.pins=6:10 --vary output.pin_radius_mm=2:5
-      --minimize mass_kg --minimize output_pressure --quick"""
+      --minimize mass_kg --minimize output_pressure_mpa --quick"""
 
 
 def optimize(

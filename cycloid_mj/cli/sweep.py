@@ -38,6 +38,7 @@ EXAMPLES = """Examples:
   cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --vary ring.kind=pin,nonpin --measure simulate,mass
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5 --vary errors.pin_position_um=0:2 --sample sobol --points 64
   cycloid-mj sweep --design pin --vary gear.eccentricity_mm=0.6:1:5 --follow output.hole_radius_mm --measure statics
+  cycloid-mj sweep --design pin --vary gear.face_width_mm=8:16:5 --measure mass_kg,life_h
   cycloid-mj sweep --design pin --table points.csv --measure backlash --quick --scheduler 10.0.0.1:8786"""
 
 VaryFlag = Annotated[
@@ -73,7 +74,8 @@ MeasureFlag = Annotated[
         name="--measure",
         metavar="NAME[,NAME]",
         help="statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, simulate, mass, checks; with "
-        "several, columns begin with the measure's name. Default: statics.",
+        "several, columns begin with the measure's name. Or keys of `cycloid-mj figures`; figures: all of geometry "
+        "and statics. Default: statics.",
     ),
 ]
 QuickFlag = Annotated[bool, Parameter(help="Measures take fewer angles and runs, as with their own --quick.")]

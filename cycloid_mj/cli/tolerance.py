@@ -11,6 +11,7 @@ from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, ForceFlag, JsonFlag, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.tolerances import Tolerances
@@ -27,7 +28,8 @@ LimitFlag = Annotated[
     Parameter(
         name="--limit",
         metavar="'KEY<=NUMBER'",
-        help="A figure is to be at most, or at least (>=), a number; repeatable.",
+        help="A figure, any of geometry, statics or life that `cycloid-mj figures` lists, is to be at most, or at "
+        "least (>=), a number; repeatable.",
     ),
 ]
 VerifyFlag = Annotated[
@@ -76,7 +78,6 @@ def tolerance(
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.figures import FIGURES
     from cycloid_mj.explore.limit import limit as read
     from cycloid_mj.explore.tolerances import AllJam, Unfinished
     from cycloid_mj.explore.tolerances import tolerance as found_in
@@ -86,8 +87,8 @@ def tolerance(
     if seed < 0:
         raise UsageError(f"--seed {seed}: give 0 or more")
     engine = where.engine("threads")
-    limits = [read(text, FIGURES) for text in limit]
     design = chosen.sound()
+    limits = [read(text, Reducer(design)) for text in limit]
     into = folder(str(out), "the samples", [f"{design.name}-{rest}" for rest in FILES], force)
     try:
         found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)

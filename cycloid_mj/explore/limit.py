@@ -8,6 +8,8 @@ import numpy as np
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.figures import COMPUTED, Need, figure
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,8 @@ class FigureLimit:
         return f"{self.key}{'<=' if self.at_most else '>='}{self.bound:g}"
 
 
-def limit(text: str, known: Collection[str]) -> FigureLimit:
-    """Read a limit on one of the known figures.
+def limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
+    """Read a limit on a figure that a reducer has, and that can be computed from some needs.
 
     Raises
     ------
@@ -49,6 +51,8 @@ def limit(text: str, known: Collection[str]) -> FigureLimit:
         bound = np.nan
     if not found or not np.isfinite(bound):
         raise UsageError(f"--limit {text!r}: expected KEY<=NUMBER or KEY>=NUMBER, e.g. 'backlash_arcmin<=1'")
-    if found[1] not in known:
-        raise UsageError(f"--limit {text!r}: there is no figure {found[1]}; there are {', '.join(known)}")
+    try:
+        figure(found[1], needs, reducer)
+    except UsageError as error:
+        raise UsageError(f"--limit {text!r}: {error}") from error
     return FigureLimit(found[1], found[2] == "<=", bound)

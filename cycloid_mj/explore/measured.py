@@ -1,8 +1,8 @@
-"""What a sweep can ask of a design: each measure as named numbers with their units."""
+"""What a sweep can ask of a design: each measure as named numbers with their units, or figures of the catalogue."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
+from cycloid_mj.figures import COMPUTED, FIGURES, Figure, figure, figures_of
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
@@ -47,16 +48,18 @@ class Measured:
 
 def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
     """Return quantities by their keys, each ending in its unit."""
-    named = {with_unit(one.key, one.unit): one for one in quantities}
+    named = {one.key if one.key in FIGURES else with_unit(one.key, one.unit): one for one in quantities}
     units = {name: one.unit for name, one in named.items() if one.unit not in ("", "1")}
     return Measured({name: one.value for name, one in named.items()}, units, **more)
 
 
 def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
+    """Compute the sheet: its quantities under the columns that they always had, and under the catalogue's keys."""
     from cycloid_mj.statics.sheet import sheet
 
     found = sheet(reducer)
-    return _of_quantities(found.quantities.values(), assumptions=found.assumptions)
+    named = (replace(one, key=figure(one.key).key) for one in found.quantities.values())
+    return _of_quantities((*found.quantities.values(), *named), assumptions=found.assumptions)
 
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
@@ -144,21 +147,46 @@ def _summed_up(reducer: Reducer) -> Measured:
     return Measured({**measured.values, "weakest": found.weakest}, measured.units)
 
 
+def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:
+    return _of_quantities(row.quantity(reducer) for row in figures_of(reducer))
+
+
+def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measured:
+    """Compute one figure of the catalogue: a column under its key."""
+    return Measured({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
+
+
 MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
     "statics": _statics,
     **{name: partial(_measure, name) for name in MEASURES},
     "simulate": _simulate,
     "mass": _mass,
     "checks": _checks,
+    "figures": _figures,
 }
-"""Name -> measure; `checks` alone takes a design that cannot be built."""
+"""Name -> measure; `checks` alone takes a design that cannot be built, `figures` are those of geometry and statics."""
+
+
+def measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+    """Take a measure of a design, or compute a figure of the catalogue."""
+    if name in MEASURED:
+        return MEASURED[name](reducer, options)
+    return _figure(figure(name, COMPUTED), reducer, options)
 
 
 def require_measures(names: Iterable[str]) -> tuple[str, ...]:
-    """List the names of measures, each once; raise UsageError where one is none."""
+    """List the names of measures and keys of figures, each once; raise UsageError where one is neither."""
     chosen = tuple(dict.fromkeys(names))
-    if unknown := [name for name in chosen if name not in MEASURED]:
-        raise UsageError(f"there is no measure {unknown[0]!r:.80}; there are {', '.join(MEASURED)}")
+    for name in chosen:
+        if name not in MEASURED:
+            _require_figure(name)
     if not chosen:
         raise UsageError(f"name a measure: {', '.join(MEASURED)}")
     return chosen
+
+
+def _require_figure(name: str) -> None:
+    try:
+        figure(name, COMPUTED)
+    except UsageError as error:
+        raise UsageError(f"there is no measure {name!r:.80}; there are {', '.join(MEASURED)}; {error}") from error

@@ -76,10 +76,10 @@ def optimize(
         Key of the design file -> ``lo:hi`` or a pair, for real numbers; whole numbers are tried one by one, as values
         ``a,b,c`` of any key are.
     minimize, maximize
-        Figures: keys of `statics`, of the summary of `design check`, ``mass_kg``, ``least_convex_radius_mm``,
-        ``short_width``. One in all, or two for a front.
+        Figures by their keys in the catalogue (`cycloid_mj.figures.FIGURES`), of geometry, statics and life. One in
+        all, or two for a front.
     limits
-        On such figures, ``"backlash<=1"``. The checks of a design are limits of their own.
+        On such figures, ``"backlash_arcmin<=1"``. The checks of a design are limits of their own.
     evaluations, starts, seed
         About how many points; searches from different starts; seed of all draws.
     strict

@@ -14,10 +14,10 @@ from cycloid_mj.checks import check
 from cycloid_mj.design import Design, declared
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.explore.problem import FEASIBLE, REFUSED, VIOLATION, Problem
-from cycloid_mj.explore.quantities import catalogue
 from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
 from cycloid_mj.explore.verify import Verified, table_rows
+from cycloid_mj.figures import figure
 from cycloid_mj.statics.sheet import Sheet
 
 
@@ -229,14 +229,13 @@ def tables(found: Optimum) -> tuple[Table, ...]:
     assert found.best is not None
     start, best = found.values(0), found.values(found.best)
     keys = tuple((key, _short(start[key]), _short(best[key])) for key in found.task.keys)
-    there = catalogue(found.task.reducer)
     figures = tuple(
         (
-            there[key][1].name,
+            figure(key).name,
             _number(found.start_figures.get(key)),
             _number(value),
             _percent(found.change(key)),
-            there[key][1].unit,
+            figure(key).unit,
         )
         for key, value in found.best_figures.items()
     )

@@ -11,8 +11,9 @@ from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
-from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
+from cycloid_mj.explore.refusals import refusals
 from cycloid_mj.explore.row import PointResult, one_line
+from cycloid_mj.figures import COMPUTED, compute, figure
 from cycloid_mj.reducer import Reducer
 
 MOST_OBJECTIVES = 2
@@ -72,8 +73,6 @@ class Problem:
         One or two.
     limits
         On figures.
-    groups
-        Of figures that are computed, see `quantities.GROUPS`.
     strict
         Whether warnings of the checks refuse a point, too.
     followers
@@ -85,7 +84,6 @@ class Problem:
     choices: tuple[Choice, ...]
     objectives: tuple[Objective, ...]
     limits: tuple[FigureLimit, ...]
-    groups: tuple[str, ...]
     strict: bool
     followers: tuple[Follower, ...] = ()
 
@@ -155,20 +153,17 @@ def problem(
     ranges = tuple(one for one in made if isinstance(one, SearchRange))
     choices = tuple(one for one in made if isinstance(one, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
-    there = catalogue(reducer)
     if not 1 <= len(objectives) <= MOST_OBJECTIVES:
         raise UsageError(
             f"{len(objectives)} objectives: name one figure, or two for a front, with --minimize or --maximize; "
-            f"there are {known(there)}"
+            "`cycloid-mj figures` lists them"
         )
-    if unknown := next((one.key for one in objectives if one.key not in there), None):
-        raise UsageError(f"there is no figure {unknown!r:.60} to optimise; there are {known(there)}")
-    asked = tuple(limit(text, there) for text in limits)
-    wanted = [*(one.key for one in objectives), *(one.key for one in asked)]
-    groups = tuple(dict.fromkeys(there[key][0] for key in wanted))
+    for one in objectives:
+        figure(one.key, COMPUTED, reducer)
+    asked = tuple(limit(text, reducer) for text in limits)
     told = following(reducer, follow, vary)
     followers = (*told, *by_themselves(told, vary))
-    found = Problem(reducer, ranges, choices, objectives, asked, groups, strict, followers)
+    found = Problem(reducer, ranges, choices, objectives, asked, strict, followers)
     if found.combinations > MOST_COMBINATIONS:
         raise UsageError(
             f"{found.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
@@ -210,10 +205,9 @@ def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], d
     try:
         if broken := refusals(Reducer(design), task.strict):
             return {}, broken, UNBUILT, ""
-        there = figures(Reducer(design), task.groups)
+        found = compute(Reducer(design), task.wanted)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
-    found = {key: there.get(key, math.nan) for key in task.wanted}
     broken = {str(one): one.excess(found[one.key]) for one in task.limits if one.excess(found[one.key]) > 0.0}
     if not task.allows(values):
         broken[RANGES] = 1.0

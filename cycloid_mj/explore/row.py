@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import CycloidError, CycloidWarning
 from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
 from cycloid_mj.explore.followers import Follower, followed, values_of
-from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings
+from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings, measured
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer
 
@@ -39,8 +39,8 @@ class Task:
     followers: tuple[Follower, ...] = ()
 
     def column(self, measure: str, name: str) -> str:
-        """Return the column of a measure's number: it says which measure, where there are several."""
-        return name if len(self.measures) == 1 else f"{measure}.{name}"
+        """Name the column of a number: by its measure, too, where there are several; that of a figure is its key."""
+        return name if len(self.measures) == 1 or measure not in MEASURED else f"{measure}.{name}"
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured
     with warnings.catch_warnings():
         # they are in the row
         warnings.simplefilter("ignore", CycloidWarning)
-        return MEASURED[name](reducer, options)
+        return measured(name, reducer, options)
 
 
 def one_line(error: BaseException) -> str:

@@ -124,7 +124,7 @@ def sweep(
     vary
         Key of the design file -> its values: a sequence, or in words ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
     measure
-        Names of one or more measures: see `MEASURED`.
+        Names of one or more measures, see `MEASURED`, or keys of figures, see `cycloid_mj.figures.FIGURES`.
     table
         The points themselves, in place of `vary`: rows of key -> value.
     sample, points, seed

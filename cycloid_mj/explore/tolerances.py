@@ -1,5 +1,6 @@
 """Samples of a design within its tolerances: distributions, yield, jams, and an error budget by Sobol indices."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.engine import Engine, Progress, silent
-from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.types import Array, Mask
@@ -19,6 +20,7 @@ from cycloid_mj.explore.draw import (
     BEGINNING,
     SOURCES,
     Batch,
+    as_design,
     blocks,
     departures,
     drawn,
@@ -29,13 +31,14 @@ from cycloid_mj.explore.draw import (
     sample_design,
     tolerances,
 )
-from cycloid_mj.explore.figures import ANGLES, FIGURES, condition, figures_of
 from cycloid_mj.explore.jam import PRELOADS, cause, jams_of, pressed_pairs
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
+from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
+from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.samples import alike
+from cycloid_mj.statics.samples import Samples, alike
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
@@ -114,7 +117,9 @@ class Tolerances(Tabular):
     @property
     def frame(self) -> Frame:
         """The samples, a row each."""
-        units = {key: one.unit for key, one in FIGURES.items() if one.unit != "1"} | dict.fromkeys(self.drawn, "um")
+        units = {key: unit for key in self.figures if (unit := figure(key).unit) != "1"} | dict.fromkeys(
+            self.drawn, "um"
+        )
         number, jams = np.arange(1, self.samples + 1), self.jams.astype(int)
         return Frame({"sample": number, **self.drawn, **self.figures, "jams": jams}, units)
 
@@ -153,11 +158,14 @@ class Tolerances(Tabular):
         stopped = ["no error budget: the study was stopped before its samples were balanced"]
         pressed = pressed_pairs(self.figures)
         jammed = [f"pressed without a load: {', '.join(f'{pair} in {share:.2%}' for pair, share in pressed.items())}"]
+        each = [key for key in self.figures if figure(key).sampled is None]
+        alone = [f"{', '.join(each)}: of each sample as a design of its own, at the load of the design"] if each else []
         why = [f"all samples jam: {self.jammed_by}"] if self.jammed_by else []
         return (
             *([] if self.budget or self.jammed_by else stopped),
             *(jammed if pressed else []),
             *why,
+            *alone,
             *self.left_out,
             *lost,
         )
@@ -165,7 +173,7 @@ class Tolerances(Tabular):
     @property
     def distributions(self) -> dict[str, Distribution]:
         """The distribution of every figure over the samples that do not jam; no number where all do."""
-        return {key: _distribution(values[~self.jams], FIGURES[key].unit) for key, values in self.figures.items()}
+        return {key: _distribution(values[~self.jams], figure(key).unit) for key, values in self.figures.items()}
 
     def tables(self) -> tuple[Table, ...]:
         """Tabulate distributions, and where there are some budget and dynamics."""
@@ -244,7 +252,8 @@ def tolerance(
     samples, seed
         How many are drawn, and from which seed.
     limits
-        On `FIGURES`, such as ``"backlash_arcmin<=1"``; the first one's figure is that of the budget.
+        On figures of the catalogue, such as ``"backlash_arcmin<=1"``; the first one's figure is that of the budget.
+        Those not in `SAMPLED` are computed of each sample as a design of its own, which takes longer.
     progress
         Called with how many samples are balanced, and how many there are, those of the budget included.
     engine
@@ -272,9 +281,8 @@ def tolerance(
         )
     if not 0 <= verify <= WORST:
         raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
-    study = _Study(
-        reducer, zones, samples, seed, tuple(limit(one, FIGURES) if isinstance(one, str) else one for one in limits)
-    )
+    asked = tuple(limit(one, reducer) if isinstance(one, str) else one for one in limits)
+    study = _Study(reducer, zones, samples, seed, asked)
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, Verified] = {}
     try:
@@ -339,12 +347,17 @@ class _Study:
         """Every block with the figures that it is balanced for: those of the samples, then those of the budget."""
         keys = tuple(dict.fromkeys((self.of, *PRELOADS, *PRELOADS.values())))
         budget = [(block, keys) for block in self.compared.values()]
-        return [*((block, tuple(FIGURES)) for block in self.main), *budget]
+        return [*((block, self.keys) for block in self.main), *budget]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Figures of the samples: all that are balanced together, and those with limits."""
+        return tuple(dict.fromkeys((*SAMPLED, *(one.key for one in self.limits))))
 
     def found(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
         """Gather the result from the figures of all work, or of so much as is `done`: its first block at least."""
         main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
-        figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in FIGURES}
+        figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in self.keys}
         jams, parts = jams_of(figures), [departures(self.reducer, self.zones, self.seed, block) for block in main]
         changed = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
         has_file = filed(self.reducer, put(self.reducer, alike(self.reducer, jams.size), changed))
@@ -384,7 +397,21 @@ def balanced(
 ) -> dict[str, Array]:
     """Balance the samples of a block; give the figures that are asked for by key, shape (samples,) each."""
     block, keys = work
-    return figures_of(reducer, drawn(reducer, zones, seed, block), keys, angles)
+    made = drawn(reducer, zones, seed, block)
+    alone = {key: _each(reducer, made, figure(key)) for key in keys if figure(key).sampled is None}
+    return compute_sampled(reducer, made, keys, angles) | alone
+
+
+def _each(reducer: Reducer, made: Samples, row: Figure) -> Array:
+    """Compute a figure of each sample as a design of its own, shape (samples,); NaN where there is none."""
+    return np.array([_of_sample(reducer, made, number, row) for number in range(len(made))])
+
+
+def _of_sample(reducer: Reducer, made: Samples, number: int, row: Figure) -> float:
+    try:
+        return row.value(Reducer(as_design(reducer, made, number, reducer.design.name)))
+    except CycloidError:
+        return math.nan
 
 
 def _distribution(values: Array, unit: str) -> Distribution:

@@ -8,12 +8,11 @@ import numpy as np
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import ARCSECONDS
-from cycloid_mj.explore.figures import FIGURES, figures_of
+from cycloid_mj.figures import SAMPLED, compute, figure
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import output_angle
-from cycloid_mj.statics.samples import alike
 
 KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 
@@ -27,7 +26,7 @@ class Verified:
     design
         Its name.
     statics, dynamics
-        Figures by their keys in `FIGURES`; `dynamics` are fewer, and none where the run went wrong.
+        Figures by their keys in `SAMPLED`; `dynamics` are fewer, and none where the run went wrong.
     note
         Why there are none.
     """
@@ -48,7 +47,7 @@ class Verified:
 
 def verified(reducer: Reducer) -> Verified:
     """Run a design and give its figures beside those of its statics; a run that goes wrong is told in the note."""
-    statics = {key: float(values[0]) for key, values in figures_of(reducer, alike(reducer, 1)).items()}
+    statics = compute(reducer, SAMPLED)
     try:
         return Verified(reducer.design.name, statics, _dynamics(reducer))
     except CycloidError as error:
@@ -77,7 +76,7 @@ def table_rows(found: Verified) -> list[tuple[str, ...]]:
             f"{found.statics[key]:.5g}",
             f"{value:.5g}",
             f"{100.0 * found.differences[key]:+.2f} %",
-            FIGURES[key].unit,
+            figure(key).unit,
         )
         for key, value in found.dynamics.items()
     ]

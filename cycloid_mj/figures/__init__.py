@@ -4,7 +4,18 @@ A row (`Figure`) has key, name, unit, definition, what it needs, and a function 
 function and a row, and every command has it. Rooms above name their functions in `above`.
 """
 
-from cycloid_mj.figures.catalogue import CHEAP, COMPUTED, FIGURES, figure, figures_of, values
+from cycloid_mj.figures.catalogue import CHEAP, COMPUTED, FIGURES, SAMPLED, compute, compute_sampled, figure, figures_of
 from cycloid_mj.figures.figure import Figure, Need
 
-__all__ = ["CHEAP", "COMPUTED", "FIGURES", "Figure", "Need", "figure", "figures_of", "values"]
+__all__ = [
+    "CHEAP",
+    "COMPUTED",
+    "FIGURES",
+    "SAMPLED",
+    "Figure",
+    "Need",
+    "compute",
+    "compute_sampled",
+    "figure",
+    "figures_of",
+]

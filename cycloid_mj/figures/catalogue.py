@@ -4,12 +4,14 @@ from collections.abc import Collection, Iterable, Mapping
 from difflib import get_close_matches
 
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.types import Array
 from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
-from cycloid_mj.figures.sampled import OF_SAMPLES
+from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solved
 from cycloid_mj.figures.statics import OF_STATICS
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.samples import Samples
 
 FIGURES: Mapping[str, Figure] = {
     one.key: one
@@ -18,6 +20,9 @@ FIGURES: Mapping[str, Figure] = {
     if one.need == need
 }
 """Key -> figure, the cheapest first."""
+
+SAMPLED = tuple(row.key for row in FIGURES.values() if row.sampled)
+"""Keys of the figures that many samples of a reducer are balanced for at a time."""
 
 _BY_ANY_NAME: Mapping[str, Figure] = {
     **{alias: one for one in FIGURES.values() for alias in one.aliases},
@@ -80,6 +85,16 @@ def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figur
     return tuple(row for row in FIGURES.values() if row.need in needs and row.exists(reducer))
 
 
-def values(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
+def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
     """Compute figures by the keys that they are asked for, which may be aliases; errors are those of the figures."""
     return {key: figure(key).value(reducer) for key in keys}
+
+
+def compute_sampled(
+    reducer: Reducer, made: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
+) -> dict[str, Array]:
+    """Compute some of the figures `SAMPLED` of samples of a reducer by their keys, shape (samples,) each."""
+    rows = {key: sampled for key in keys if (sampled := figure(key).sampled)}
+    needed = {state for row in rows.values() for state in row.states}
+    states = solved(reducer, made, needed, angles)
+    return {key: row.value(*(states[state] for state in row.states)) for key, row in rows.items()}

@@ -1,5 +1,6 @@
 """A figure: one number of a reducer, with its key, unit and definition, and what computes it."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -66,8 +67,8 @@ class Figure:
     exists: Callable[[Reducer], bool] = lambda _: True
 
     def value(self, reducer: Reducer) -> float:
-        """Compute the figure of a sound reducer [`unit`]; errors are those of its function."""
-        return self._imported(reducer)
+        """Compute the figure of a sound reducer [`unit`], NaN where it has none; errors are those of its function."""
+        return self._imported(reducer) if self.exists(reducer) else math.nan
 
     def quantity(self, reducer: Reducer) -> Quantity:
         """Compute the figure with its name and unit."""

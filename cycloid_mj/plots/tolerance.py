@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.base.types import Array
-from cycloid_mj.explore.figures import FIGURES
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
+from cycloid_mj.figures import figure as row_of
 from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled
 
 MOST_BINS = 60
@@ -41,7 +41,7 @@ def budget_figure(found: Tolerances) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
     axes.grid(visible=False, axis="y")
-    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {FIGURES[found.budget_of].name}")
+    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {row_of(found.budget_of).name}")
     looks = (
         ("total, with 95 % confidence", {"color": SKY, "linewidth": 6}),
         ("alone", {"color": BLUE, "linewidth": 3}),
@@ -54,7 +54,7 @@ def budget_figure(found: Tolerances) -> Figure:
 @styled
 def distributions_figure(found: Tolerances) -> Figure:
     """Draw a histogram of every figure over the samples that do not jam, with what was asked of it."""
-    keys_of = list(FIGURES)
+    keys_of = list(found.figures)
     rows = -(-len(keys_of) // 3)
     figure = sheet(1.75 * rows + 0.4)
     for axes, key in zip(np.ravel(figure.subplots(rows, 3)), keys_of, strict=False):
@@ -67,7 +67,7 @@ def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -
     axes.set_title(key, fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
-    axes.set_xlabel(f"[{FIGURES[key].unit}]")
+    axes.set_xlabel(f"[{row_of(key).unit}]")
     axes.locator_params(axis="x", nbins=4)
     if values.size < 2:
         axes.text(0.5, 0.5, "no sample", ha="center", va="center", transform=axes.transAxes)

@@ -23,6 +23,7 @@ from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.points import MOST_POINTS, grid, sampled, tabled
 from cycloid_mj.explore.ranks import ranks, shown
 from cycloid_mj.explore.row import PointResult, Task
+from cycloid_mj.figures import FIGURES, compute
 from cycloid_mj.plots import save
 from cycloid_mj.plots.explored import sweep_figure
 from cycloid_mj.reducer import Reducer
@@ -166,6 +167,23 @@ def test_a_point_that_fails_has_its_error_and_others_their_figures() -> None:
     assert found["checks.failed_errors"].tolist()[:2] == [0.0, found["checks.failed_errors"][1]]
     assert found["checks.failed_errors"][1] >= 1.0
     assert np.isnan(found["statics.backlash_arcmin"][1:]).all()
+
+
+def test_figures_of_the_catalogue_are_columns_under_their_keys() -> None:
+    """Beside a measure, too, whose own columns bear its name; what a design has not got is no number."""
+    keys = ("mass_kg", "te_loaded_arcsec", "tooth_pressure_mpa", "life_h")
+    found = sweep(PIN, {"clearance.cam_um": [1.0]}, ["mass", *keys], engine=HERE)
+    assert found.quantities[-4:] == keys
+    assert found["mass_kg"] == found["mass.mass_kg"]
+    assert found["te_loaded_arcsec"][0] == compute(Reducer(PIN.but(clearance={"cam": 1e-6})), keys)["te_loaded_arcsec"]
+    assert np.isnan(found["tooth_pressure_mpa"][0])
+    assert found.frame.units["life_h"] == "h"
+
+
+def test_columns_of_statics_have_the_catalogue_s_keys_beside_the_old_ones(statics: sweeps.Sweep) -> None:
+    frame = statics.frame
+    assert frame["stiffness_nm_per_arcmin"].tolist() == frame["stiffness_ideal_nm_arcmin"].tolist()
+    assert {"backlash_arcmin", "te_loaded_forward_arcsec", "capacity_nm"} <= frame.columns.keys() & FIGURES.keys()
 
 
 def test_an_error_of_the_program_is_told_in_its_row(monkeypatch: pytest.MonkeyPatch) -> None:

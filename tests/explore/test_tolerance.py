@@ -15,11 +15,11 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import PRESETS, Design, load, override
-from cycloid_mj.explore import budget, draw, figures, tolerance, tolerances
-from cycloid_mj.explore.figures import FIGURES
+from cycloid_mj.explore import budget, draw, tolerance, tolerances
 from cycloid_mj.explore.limit import limit
 from cycloid_mj.explore.verify import Verified, verified
 from cycloid_mj.explore.zone import Zone, zone
+from cycloid_mj.figures import figure, sampled
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit, stops, tightest
 from cycloid_mj.statics.samples import SampleFigures, solve_samples
@@ -354,7 +354,7 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
             SampleFigures(*(np.where(np.arange(value.size) == 7, np.nan, value) for value in astuple(of))) for of in one
         ]
 
-    monkeypatch.setattr(figures, "solve_samples", without_the_eighth)
+    monkeypatch.setattr(sampled, "solve_samples", without_the_eighth)
     words = {"pin_position": "normal 0.1", "hole_position": "normal 0.1", "eccentricity": "normal 0.1", "cam": "H7/g6"}
     found = tolerance(override(NONPIN, {f"tolerance.{key}": text for key, text in words.items()}), 60, 0)
     lost = np.isnan(found.figures["backlash_arcmin"])
@@ -448,7 +448,7 @@ def test_other_words_are_no_waves(text: str) -> None:
 
 def test_yield_counts_what_keeps_the_limits() -> None:
     design = override(PIN, {"tolerance.cam": "uniform 0.5"})
-    asked = [limit("backlash_arcmin<=0.98", FIGURES), limit("backlash_arcmin >= 0.9", FIGURES)]
+    asked = [limit("backlash_arcmin<=0.98"), limit("backlash_arcmin >= 0.9")]
     found = tolerance(design, 300, 1, asked)
     values = found.figures["backlash_arcmin"]
     assert found.good.mean() == np.mean((values <= 0.98) & (values >= 0.9))
@@ -456,10 +456,10 @@ def test_yield_counts_what_keeps_the_limits() -> None:
     assert 0.0 < low < found.good.mean() < high < 1.0
 
 
-@pytest.mark.parametrize("text", ["backlash<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
+@pytest.mark.parametrize("text", ["play<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
 def test_wrong_limits_are_refused(text: str) -> None:
     with pytest.raises(UsageError, match="--limit"):
-        limit(text, FIGURES)
+        limit(text)
 
 
 @pytest.mark.parametrize("name", UNLIKE)
@@ -519,9 +519,32 @@ def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monke
         ([], "has no tolerances"),
         (["--set", 'tolerance.cam="normal 1"', "--samples", "1"], "--samples 1"),
         (["--set", 'tolerance.cam="normal 1"', "--seed", "-1"], "--seed -1"),
-        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "there is no figure play"),
+        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "there is no figure 'play'"),
     ],
 )
 def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], message: str) -> None:
     assert main(["tolerance", "--design", "pin", *flags, "--out", str(tmp_path)]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_limit_takes_a_figure_that_samples_are_designs_for() -> None:
+    """Lost motion is not balanced for many samples at a time: each is a design, whose own value stands in the table."""
+    design = override(PIN, {"tolerance.cam": "uniform 0.5"})
+    found = tolerance(design, 3, 1, ["lost_motion_arcmin<=1.1"], engine=Engine(1, kind="threads"))
+    assert not found.budget or found.budget_of == "lost_motion_arcmin"
+    of_each = [
+        figure("lost_motion_arcmin").value(
+            Reducer(draw.sample_design(Reducer(design), draw.tolerances(Reducer(design)), 1, number))
+        )
+        for number in range(3)
+    ]
+    assert found.figures["lost_motion_arcmin"].tolist() == pytest.approx(of_each, rel=1e-12)
+    assert found.distributions["lost_motion_arcmin"].unit == "arcmin"
+    assert any("lost_motion_arcmin: of each sample" in note for note in found.notes)
+
+
+def test_a_limit_on_no_figure_proposes_near_names() -> None:
+    with pytest.raises(
+        UsageError, match="--limit 'tooth_force<=1': there is no figure 'tooth_force'; did you mean tooth"
+    ):
+        limit("tooth_force<=1")
