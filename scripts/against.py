@@ -54,14 +54,14 @@ def figures(run: Run) -> dict[str, float]:
     speed = late["gear_speed"] + late["crank_speed"] / lobes
     power_in = float((late["crank_torque"] * late["crank_speed"]).mean())
     power_out = -float((late["load_torque"] * late["output_speed"]).mean())
-    found = {
+    computed = {
         "rms gear speed [rad/s]": float(np.sqrt((speed**2).mean())),
         "mean TE [arcsec]": float(error.mean()),
         "TE p-p [arcsec]": float(np.ptp(error)),
         "q path, rms [um]": 1e6 * float(np.hypot(late["gear_x"], late["gear_y"]).std()),
         "cam [N]": float(np.hypot(late["cam_force_x"], late["cam_force_y"]).mean()),
     }
-    return found | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
+    return computed | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
 
 
 def of_the_log(ended: Ended) -> Figures:
@@ -72,7 +72,7 @@ def of_the_log(ended: Ended) -> Figures:
 
 def of_the_json(ended: Ended) -> Figures:
     """Get every number that a command has printed as JSON, by its place there, but for what depends on the machine."""
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
 
     def gather(place: str, value: Any) -> None:
         if isinstance(value, dict):
@@ -82,10 +82,10 @@ def of_the_json(ended: Ended) -> Figures:
             for number, inner in enumerate(value):
                 gather(f"{place}.{inner.get('key', number) if isinstance(inner, dict) else number}", inner)
         elif isinstance(value, float) and math.isfinite(value) and not place.endswith(("_s", "_mb")):
-            found[place.lstrip(".")] = value
+            numbers[place.lstrip(".")] = value
 
     gather("", json.loads(ended.printed))
-    return found
+    return numbers
 
 
 @dataclass(frozen=True)
@@ -258,24 +258,24 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[E
         for number in range(passes):
             ours.append(ended(ROOT, trial, trial.ours, out / f"ours{number}"))
             theirs.append(ended(other, trial, (), out / f"other{number}"))
-        found = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
+        compared = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
         if trial.reference:
             for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
-                found[name] = trial.figures(ended(tree, trial, trial.reference, out / name))
-    return ours, theirs, found
+                compared[name] = trial.figures(ended(tree, trial, trial.reference, out / name))
+    return ours, theirs, compared
 
 
 def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]]:
     """Collect what `LOOPS` finds of each case in this tree and in another, in turn, pass by pass."""
-    found: dict[str, tuple[list[float], list[float]]] = {}
+    times: dict[str, tuple[list[float], list[float]]] = {}
     trial = Trial("loops", (LOOPS,), figures=of_the_json, logged=False)
     with TemporaryDirectory() as folder:
         for number in range(passes):
             for side, tree in enumerate((ROOT, other)):
                 costs = trial.figures(ended(tree, trial, (), Path(folder) / f"{number}-{side}"))
                 for name, cost in costs.items():
-                    found.setdefault(name, ([], []))[side].append(cost)
-    return found
+                    times.setdefault(name, ([], []))[side].append(cost)
+    return times
 
 
 def difference(ours: Figures, theirs: Figures) -> tuple[str, float, int]:

@@ -61,12 +61,12 @@ def main() -> int:
     parser.add_argument("--design", default="pin")
     parser.add_argument("--moves", type=int, default=40)
     options = parser.parse_args()
-    found = _in_browser(options.design, options.moves)
+    measured = _in_browser(options.design, options.moves)
     print(
         f"in the browser [ms from the key]: median, least and most of {options.moves} moves; load {os.getloadavg()[0]}"
     )
     for step in STEPS:
-        taken = [times[step] - times["moved"] for times in found if step in times]
+        taken = [times[step] - times["moved"] for times in measured if step in times]
         if taken:
             print(f"  {step:9} {statistics.median(taken):6.0f} {min(taken):6.0f} {max(taken):6.0f}")
     print("computed alone [ms of CPU]: median and least of 8 designs")
@@ -85,7 +85,7 @@ def _in_browser(design: str, moves: int) -> list[dict[str, float]]:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     words = [sys.executable, "-m", "cycloid_mj.cli", "app", "--no-browser", "--design", design, "--port", str(port)]
-    found = []
+    times = []
     with subprocess.Popen(words) as server:
         try:
             driver = _chromium(webdriver)
@@ -97,11 +97,11 @@ def _in_browser(design: str, moves: int) -> list[dict[str, float]]:
             for move in range(moves):
                 time.sleep(0.5)
                 thumb.send_keys(Keys.ARROW_LEFT if move % 2 else Keys.ARROW_RIGHT)
-                found.append(_wait_for(driver, STEPS, 10.0))
+                times.append(_wait_for(driver, STEPS, 10.0))
             driver.quit()
         finally:
             server.terminate()
-    return found
+    return times
 
 
 def _wait_for(driver: Any, steps: Iterable[str], seconds: float) -> dict[str, float]:

@@ -178,8 +178,8 @@ def together(runs: int, work: Callable[[], float]) -> tuple[float, float]:
     """Do so many works at once, in threads; give the wall time [s] and the mean of what they give."""
     start = time.perf_counter()
     with ThreadPoolExecutor(runs) as pool:
-        given = [run.result() for run in [pool.submit(work) for _ in range(runs)]]
-    return time.perf_counter() - start, statistics.mean(given)
+        results = [run.result() for run in [pool.submit(work) for _ in range(runs)]]
+    return time.perf_counter() - start, statistics.mean(results)
 
 
 def command_table(passes: int) -> Table:
@@ -274,18 +274,18 @@ def against_table(revision: str, passes: int) -> Table:
             table[f"1 s of {name}"] = costs | ratio(costs, revision, "this tree")
         show(table)
         for trial in TRIALS:
-            ours, theirs, found = compare(trial, other, passes)
+            ours, theirs, rows = compare(trial, other, passes)
             row = {"this tree": [one.cpu for one in ours], revision: [one.cpu for one in theirs]}
             memory = {
                 f"{name}, MB": [one.memory for one in ends] for name, ends in zip(row, (ours, theirs), strict=True)
             }
             table[trial.name] = row | ratio(row, revision, "this tree") | memory
             show({trial.name: table[trial.name]})
-            for name in found["this tree"] if trial.figures is of_the_log else ():
-                values = ", ".join(f"{tree} {one[name]:.5g}" for tree, one in found.items() if name in one)
+            for name in rows["this tree"] if trial.figures is of_the_log else ():
+                values = ", ".join(f"{tree} {one[name]:.5g}" for tree, one in rows.items() if name in one)
                 print(f"    {name}: {values}")
-            for tree in list(found)[1:]:
-                worst, size, count = difference(found["this tree"], found[tree])
+            for tree in list(rows)[1:]:
+                worst, size, count = difference(rows["this tree"], rows[tree])
                 print(f"    largest difference of {count} figures to {tree}: {size:.2%}, {worst}", flush=True)
     return table
 
@@ -327,8 +327,8 @@ def show(table: Table) -> None:
     names = list(next(iter(table.values())))
     print(f"{'':22}" + "".join(f"{name:>18}" for name in names))
     for case, row in table.items():
-        told = [f"{statistics.median(values):.3g} ({max(values) - min(values):.2g})" for values in row.values()]
-        print(f"{case:22}" + "".join(f"{cell:>18}" for cell in told), flush=True)
+        cells = [f"{statistics.median(values):.3g} ({max(values) - min(values):.2g})" for values in row.values()]
+        print(f"{case:22}" + "".join(f"{cell:>18}" for cell in cells), flush=True)
 
 
 def main() -> None:
@@ -346,19 +346,19 @@ def main() -> None:
     if unknown := set(sections) - set(SECTIONS):
         parser.error(f"no section {', '.join(sorted(unknown))}: choose of {', '.join(SECTIONS)}, or against REVISION")
     passes = (1 if options.quick else 3) if revision else (2 if options.quick else 7)
-    told: dict[str, Any] = {"machine": machine(), "passes": passes, "tables": {}}
-    for name, value in told["machine"].items():
+    content: dict[str, Any] = {"machine": machine(), "passes": passes, "tables": {}}
+    for name, value in content["machine"].items():
         print(f"{name}: {value}")
     print(f"median of {passes} passes (spread)")
     if revision:
-        told["tables"][f"against {revision}"] = against_table(revision, passes)
+        content["tables"][f"against {revision}"] = against_table(revision, passes)
     for name in sections or ([] if revision else SECTIONS):
         print(f"\n{name}: {inspect.getdoc(SECTIONS[name])}")
-        told["tables"][name] = SECTIONS[name](passes)
-        show(told["tables"][name])
-    told["machine"]["load average at the end"] = machine()["load average"]
+        content["tables"][name] = SECTIONS[name](passes)
+        show(content["tables"][name])
+    content["machine"]["load average at the end"] = machine()["load average"]
     if options.json:
-        options.json.write_text(json.dumps(told, indent=2) + "\n")
+        options.json.write_text(json.dumps(content, indent=2) + "\n")
 
 
 if __name__ == "__main__":

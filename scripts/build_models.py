@@ -43,11 +43,11 @@ def two_discs() -> Design:
 
 def two_disc_files() -> dict[str, bytes]:
     """Collect every file of models/twodisc, with its README."""
-    made = model_files(Reducer(two_discs()), COARSE)
-    manifest = json.loads(made[MANIFEST])
+    generated = model_files(Reducer(two_discs()), COARSE)
+    manifest = json.loads(generated[MANIFEST])
     rows = [
-        f"| {name} | {found['parts']} | {found['max_overfill_um']:.3g} | {found['max_underfill_um']:.3g} |"
-        for name, found in manifest["surfaces"].items()
+        f"| {name} | {figures['parts']} | {figures['max_overfill_um']:.3g} | {figures['max_underfill_um']:.3g} |"
+        for name, figures in manifest["surfaces"].items()
     ]
     text = TWO_DISCS.read_text(encoding="utf-8").format(
         rows="\n".join(rows),
@@ -58,13 +58,13 @@ def two_disc_files() -> dict[str, bytes]:
         step=1e6 * manifest["timestep_s"],
         mujoco=manifest["versions"]["mujoco"],
     )
-    return {**made, "README.md": text.encode()}
+    return {**generated, "README.md": text.encode()}
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
     """Collect every generated file of one model folder but its picture."""
-    made = model_files(Reducer(design))
-    return {**made, "README.md": readme(name, json.loads(made[MANIFEST]), plain).encode()}
+    generated = model_files(Reducer(design))
+    return {**generated, "README.md": readme(name, json.loads(generated[MANIFEST]), plain).encode()}
 
 
 def readme(name: str, manifest: dict[str, Any], plain: dict[str, dict[str, Any]]) -> str:
@@ -112,7 +112,7 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
         rows="\n".join(_row(title, figures) for title, figures in {**sliced, **plain}.items()),
         agreement="\n".join(_run_row(row) for row in rows),
         ratios=_ratios(rows),
-        free="\n".join(_free_row(name, found) for name, found in free.items()),
+        free="\n".join(_free_row(name, row) for name, row in free.items()),
         force=round(working_force(at_rated_load(Reducer(PRESETS["pin"])), "pin_gear")),
     )
 
@@ -134,24 +134,24 @@ def _run_row(row: dict[str, Any]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _free_row(name: str, found: dict[str, float]) -> str:
+def _free_row(name: str, run: dict[str, float]) -> str:
     """Return a free run as a row of the table."""
     keys = ("mean_error", "largest_mesh_period_error", "rms_error", "peak_error")
-    errors = [f"{found[f'{key}_percent']:g} %" for key in keys]
-    return f"| {' | '.join([name, *errors, str(found['warnings'])])} |"
+    errors = [f"{run[f'{key}_percent']:g} %" for key in keys]
+    return f"| {' | '.join([name, *errors, str(run['warnings'])])} |"
 
 
 def _ratios(rows: list[dict[str, Any]]) -> str:
     """Tell how much slower mesh contact is, by the step and by what is simulated."""
-    told = []
+    lines = []
     for name in MODELLED:
         mesh, exact = (
             [row["us_per_step"] for row in rows if (row["design"], row["contact"]) == (name, contact)]
             for contact in ("mesh", "profile")
         )
-        told.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times for {name}")
+        lines.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times for {name}")
     return (
-        f"A step in mesh contact takes {' and '.join(told)} as long as one in profile contact; for the same time "
+        f"A step in mesh contact takes {' and '.join(lines)} as long as one in profile contact; for the same time "
         "simulated, by a step of 5 us against one of 1 us, a fifth of that."
     )
 
@@ -183,13 +183,13 @@ def render(folder: Path) -> None:
     Image.fromarray(np.hstack(views)).save(folder / "picture.png", optimize=True)
 
 
-def written(name: str, made: dict[str, bytes]) -> Path:
+def written(name: str, generated: dict[str, bytes]) -> Path:
     """Write a model's folder, without what it had before."""
     folder = MODELS / name
     folder.mkdir(exist_ok=True)
-    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(made):
+    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(generated):
         (folder / stale).unlink()
-    write_folder(made, folder)
+    write_folder(generated, folder)
     return folder
 
 
@@ -202,9 +202,9 @@ def main(arguments: list[str]) -> int:
     manifests = {}
     print(written("twodisc", two_disc_files()))
     for name, design in designs().items():
-        made = files(name, design, plain)
-        folder = written(name, made)
-        manifests[name] = json.loads(made[MANIFEST])
+        generated = files(name, design, plain)
+        folder = written(name, generated)
+        manifests[name] = json.loads(generated[MANIFEST])
         if "--pictures" in arguments:
             render(folder)
         print(folder)

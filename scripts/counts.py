@@ -71,8 +71,8 @@ def modules() -> list[Module]:
 
 def takes_design(function: Function) -> bool:
     """Tell whether a parameter of a function is annotated with Design, alone or as a part of its type."""
-    given = function.args
-    parameters = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+    arguments = function.args
+    parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
     return any(
         isinstance(part, ast.Name) and part.id == "Design"
         for parameter in parameters

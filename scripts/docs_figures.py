@@ -196,8 +196,8 @@ def words_of_the_report() -> dict[str, Value]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
         page = report({"pin": short_run("free"), "nonpin": short_run("nonpin")})
-    found = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
-    words = [re.sub(r"<[^>]+>", "", one).strip() for one in found]
+    headings = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
+    words = [re.sub(r"<[^>]+>", "", one).strip() for one in headings]
     return {"words": " | ".join(words[: words.index("The mechanism") + 1])}
 
 
@@ -216,8 +216,8 @@ def numbers_of_the_paper() -> dict[str, Value]:
     """Collect the digest of what the paper is said to state."""
     from hsieh2014 import stated
 
-    told = {key: repr(value) for key, value in sorted(vars(stated).items()) if key.isupper()}
-    return {"digest": hashlib.sha256(repr(told).encode()).hexdigest()[:16]}
+    values = {key: repr(value) for key, value in sorted(vars(stated).items()) if key.isupper()}
+    return {"digest": hashlib.sha256(repr(values).encode()).hexdigest()[:16]}
 
 
 PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
@@ -256,12 +256,12 @@ def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
 
 def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
     """Tell which figures of an artefact's probes come out otherwise than before, a sentence each."""
-    found = []
+    changes = []
     for name in artefact.probes:
         was, now = before.get(name, {}), probed(name)
         keys = [key for key in sorted(set(was) | set(now)) if not _alike(was.get(key), now.get(key))]
-        found += [f"{name}, {key}: {_told(was.get(key))}, now {_told(now.get(key))}" for key in keys[:MOST_REASONS]]
-    return found
+        changes += [f"{name}, {key}: {_told(was.get(key))}, now {_told(now.get(key))}" for key in keys[:MOST_REASONS]]
+    return changes
 
 
 def _alike(one: Value | None, other: Value | None) -> bool:
@@ -361,8 +361,8 @@ def main() -> int:
             print(f"stopped in {name}; the same command goes on from there", file=sys.stderr)
             return 1
         left -= artefact.minutes
-    told = f", {len(failed)} failed ({', '.join(failed)})" if failed else ""
-    print(f"{len(wanted) - len(failed)} written{told}, {cpu():.1f} min of CPU", file=sys.stderr)
+    failures = f", {len(failed)} failed ({', '.join(failed)})" if failed else ""
+    print(f"{len(wanted) - len(failed)} written{failures}, {cpu():.1f} min of CPU", file=sys.stderr)
     return 1 if failed else 0
 
 

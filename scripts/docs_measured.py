@@ -73,21 +73,21 @@ LEVELS = (
 
 def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
     """List what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
-    found: dict[str, dict[str, Any]] = {}
+    measures: dict[str, dict[str, Any]] = {}
     for measure in MEASURES:
-        told = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
-        told = told[0] if isinstance(told, list) else told
-        for key, quantity in told["quantities"].items():
+        content = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
+        content = content[0] if isinstance(content, list) else content
+        for key, quantity in content["quantities"].items():
             if any(f"{measure}/{key}" in keys for _, keys in ROWS):
                 kept = ("value", "unit", "numerical_error", "reference")
-                found[f"{measure}/{key}"] = {name: quantity[name] for name in kept}
-    return found
+                measures[f"{measure}/{key}"] = {name: quantity[name] for name in kept}
+    return measures
 
 
-def compared(told: Mapping[str, Any]) -> dict[str, Any]:
+def compared(content: Mapping[str, Any]) -> dict[str, Any]:
     """Collect what the page shows of the JSON of `compare`: by load and design, and how each run was stepped."""
     runs = []
-    for run in told["runs"]:
+    for run in content["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}
         figures: dict[str, Any] = {}
         for label, spread, (group, key) in LEVELS:
@@ -98,18 +98,18 @@ def compared(told: Mapping[str, Any]) -> dict[str, Any]:
             {key: run[key] for key in ("design", "load_nm", "starts")}
             | {"timestep_us": 1e6 * step, "efficiency": efficiency, "figures": figures}
         )
-    return {"speed_rpm": told["conditions"]["drive.speed_rpm"], "runs": runs}
+    return {"speed_rpm": content["conditions"]["drive.speed_rpm"], "runs": runs}
 
 
-def comparison(found: Mapping[str, Any]) -> str:
+def comparison(data: Mapping[str, Any]) -> str:
     """Return the table of `compare`: a column for each run, no load first, with what it holds for above."""
-    runs = found["runs"]
+    runs = data["runs"]
     loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
     names = [run["design"].replace("-", " ") for run in runs]
     steps = ", ".join(f"{run['timestep_us']:.3g}" for run in runs)
     starts = max(run["starts"] for run in runs)
-    told = (
-        f"`compare pin nonpin` at {found['speed_rpm']:g} rpm with steps of {steps} us in the order of the columns; rms "
+    condition = (
+        f"`compare pin nonpin` at {data['speed_rpm']:g} rpm with steps of {steps} us in the order of the columns; rms "
         f"of the errors against the closed form, at no load least to largest over {starts} independent starts (mean):"
     )
     lines = ["| | " + " | ".join(map("{}, {}".format, loads, names)) + " |", "|---" * (len(runs) + 1) + "|"]
@@ -117,7 +117,7 @@ def comparison(found: Mapping[str, Any]) -> str:
         f"| {label} | " + " | ".join(_level(run["figures"][label]) for run in runs) + " |" for label, *_ in LEVELS
     ]
     shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)
-    return "\n".join([told, "", *lines, "| efficiency [%] | " + " | ".join(shares) + " |"])
+    return "\n".join([condition, "", *lines, "| efficiency [%] | " + " | ".join(shares) + " |"])
 
 
 def _level(value: float | Sequence[float]) -> str:
@@ -127,11 +127,11 @@ def _level(value: float | Sequence[float]) -> str:
     return f"{value:.3g}"
 
 
-def table(found: Mapping[str, Quantities]) -> str:
+def table(quantities: Mapping[str, Quantities]) -> str:
     """Return the table: value, its numerical error, and its closed form or statics in brackets."""
-    lines = ["| | " + " | ".join(found) + " |", "|---" * (len(found) + 1) + "|"]
+    lines = ["| | " + " | ".join(quantities) + " |", "|---" * (len(quantities) + 1) + "|"]
     for label, keys in ROWS:
-        cells = [_cell(next(one[key] for key in keys if key in one)) for one in found.values()]
+        cells = [_cell(next(one[key] for key in keys if key in one)) for one in quantities.values()]
         lines.append(f"| {label} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -162,8 +162,8 @@ def _read(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-def _keep(path: Path, found: Any) -> None:
-    path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+def _keep(path: Path, value: Any) -> None:
+    path.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> int:

@@ -21,28 +21,28 @@ STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "p
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
 
 
-def sections(found: dict[str, Any]) -> dict[str, str]:
+def sections(content: dict[str, Any]) -> dict[str, str]:
     """Collect the generated sections of the page by name."""
-    return {"results": results(found), "errata": errata(found["errata"])}
+    return {"results": results(content), "errata": errata(content["errata"])}
 
 
-def results(found: dict[str, Any]) -> str:
+def results(content: dict[str, Any]) -> str:
     """Return the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
-    claims, told = found["claims"], tally(found)
+    claims, summary = content["claims"], tally(content)
     head = (
         *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
         *("verdict", "decided by", "beside it: ours at the rated load"),
     )
-    return f"{told}\n\n{_table(head, [_row(claim) for claim in claims])}"
+    return f"{summary}\n\n{_table(head, [_row(claim) for claim in claims])}"
 
 
-def tally(found: dict[str, Any]) -> str:
+def tally(content: dict[str, Any]) -> str:
     """Tell how many claims there are, and what becomes of them."""
-    claims = found["claims"]
+    claims = content["claims"]
     counts = ", ".join(
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
-    command = "cycloid-mj reproduce --quick" if found["quick"] else "cycloid-mj reproduce"
+    command = "cycloid-mj reproduce --quick" if content["quick"] else "cycloid-mj reproduce"
     return (
         f"`{command}` holds {len(claims)} claims of the paper against this model, each at the paper's own condition: "
         f"{counts}."
@@ -58,16 +58,16 @@ def load(condition: dict[str, float]) -> str:
 
 def _row(one: dict[str, Any]) -> tuple[str, ...]:
     error, rated = one["numerical_error"], one["at_rated_load"]
-    told = (
+    error_text = (
         f"{error['value']:.2g} {error['unit']} ({error['source']})" if error["value"] is not None else error["source"]
     )
     return (
         *(one["figure"], one["design"], load(one["condition"]), one["paper"]["claim"], one["paper"]["text"]),
-        *(one["ours"]["text"], told, one["verdict"], one["decided_by"], rated["text"] if rated else ""),
+        *(one["ours"]["text"], error_text, one["verdict"], one["decided_by"], rated["text"] if rated else ""),
     )
 
 
-def errata(found: Sequence[dict[str, Any]]) -> str:
+def errata(entries: Sequence[dict[str, Any]]) -> str:
     """Return the errata: printed and corrected, and by how much each misses what its proof holds it against."""
     head = ("Eq.", "printed", "right", "relative error as printed", "corrected", "held against")
     rows = [
@@ -79,7 +79,7 @@ def errata(found: Sequence[dict[str, Any]]) -> str:
             _bounded(one["right_error"]),
             one["proof"],
         )
-        for one in found
+        for one in entries
     ]
     return _table(head, rows)
 
@@ -96,14 +96,14 @@ def written(page: str, texts: Mapping[str, str]) -> str:
     return page
 
 
-def kept(found: dict[str, Any]) -> dict[str, Any]:
+def kept(content: dict[str, Any]) -> dict[str, Any]:
     """Collect what of the command's JSON the page stands on; raise ValueError if a stage broke or was left out."""
-    stages = {stage["key"]: stage["error"] for stage in found["stages"]}
+    stages = {stage["key"]: stage["error"] for stage in content["stages"]}
     if broken := [key for key, error in stages.items() if error]:
         raise ValueError(f"the page is not written from a run with a broken stage: {', '.join(broken)}")
     if missing := [key for key in STAGES if key not in stages]:
         raise ValueError(f"the page is not written from a run of some stages alone; missing: {', '.join(missing)}")
-    return {key: found[key] for key in ("quick", "claims", "errata")}
+    return {key: content[key] for key in ("quick", "claims", "errata")}
 
 
 def _bounded(error: float) -> str:
@@ -118,10 +118,10 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Write the page; give the exit code."""
     if arguments:
-        told = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
-        KEPT.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    found = json.loads(KEPT.read_text(encoding="utf-8"))
-    for path, texts in ((PAGE, sections(found)), (README, {"tally": tally(found)})):
+        kept_content = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
+        KEPT.write_text(json.dumps(kept_content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    content = json.loads(KEPT.read_text(encoding="utf-8"))
+    for path, texts in ((PAGE, sections(content)), (README, {"tally": tally(content)})):
         path.write_text(written(path.read_text(encoding="utf-8"), texts), encoding="utf-8")
     return 0
 

@@ -220,7 +220,7 @@ def warm() -> None:
         importlib.import_module(library)
 
 
-def see(flip: Flip | None, file: str, told: int) -> None:
+def see(flip: Flip | None, file: str, pipe: int) -> None:
     """Write what fails to a pipe, with a sign of a file flipped or none; in a process of its own."""
     import numba
 
@@ -236,7 +236,7 @@ def see(flip: Flip | None, file: str, told: int) -> None:
     os.dup2(nowhere, 2)
     for question in (validated, tested):
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
-        os.write(told, b"yes " if question(file) else b"no ")
+        os.write(pipe, b"yes " if question(file) else b"no ")
 
 
 def out_of_time(*_: object) -> None:
@@ -255,7 +255,7 @@ class Trial:
     @classmethod
     def start(cls, flip: Flip | None, file: str) -> "Trial":
         """Fork the process."""
-        told, tell = os.pipe()
+        pipe, tell = os.pipe()
         child = os.fork()
         if not child:
             try:
@@ -263,7 +263,7 @@ class Trial:
             finally:
                 os._exit(0)
         os.close(tell)
-        return cls(flip, child, told)
+        return cls(flip, child, pipe)
 
     def end(self) -> Found:
         """Wait for what it finds; a process that is stopped for its time has seen what it had not judged yet."""
@@ -314,8 +314,8 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"a {'test' if unspoiled.by_test else 'row'} fails as it is: nothing can be said of any sign")
             return 1
     slower, missed = 0, 0
-    for number, (flip, found) in enumerate(tried(every, options.workers), start=1):
-        unseen = [what for what, by in (("test", found.by_test), ("row", found.by_row)) if not by]
+    for number, (flip, outcome) in enumerate(tried(every, options.workers), start=1):
+        unseen = [what for what, by in (("test", outcome.by_test), ("row", outcome.by_row)) if not by]
         excused = unseen == ["row"] and flip.leads
         slower, missed = slower + excused, missed + (bool(unseen) and not excused)
         if unseen:

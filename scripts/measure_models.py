@@ -35,13 +35,13 @@ FREE_RUN, KEYFRAME = 0.2, "1640rpm_0"
 
 def plain() -> dict[str, dict[str, Any]]:
     """Let CoACD cut the toothed parts whole, and measure it along the true normals."""
-    found = {}
+    figures = {}
     for threshold in THRESHOLDS:
         settings = CoacdSettings(threshold=threshold)
         gear, ring = plain_gear(Reducer(PRESETS["pin"]), settings), plain_ring(Reducer(PRESETS["nonpin"]), settings)
-        found[f"gear teeth, plain CoACD at threshold {threshold:g}"] = quality_um(gear.quality)
-        found[f"internal gear, plain CoACD at threshold {threshold:g}"] = quality_um(ring.quality)
-    return found
+        figures[f"gear teeth, plain CoACD at threshold {threshold:g}"] = quality_um(gear.quality)
+        figures[f"internal gear, plain CoACD at threshold {threshold:g}"] = quality_um(ring.quality)
+    return figures
 
 
 def agreement() -> list[dict[str, Any]]:
@@ -56,19 +56,19 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
     start = time.process_time()
     run = simulate(design, compiled)
     seconds = time.process_time() - start
-    found = analyze(run, settle=SETTLED)
+    findings = analyze(run, settle=SETTLED)
     settled = run.select(run.time >= SETTLED)
     return {
         "design": name,
         "load_nm": load,
         "contact": contact,
         "timestep_us": step,
-        "gear_transmission_error_arcsec": round(found.gear_transmission_error.mean_arcsec, 2),
-        "output_transmission_error_arcsec": round(found.output_transmission_error.mean_arcsec, 2),
+        "gear_transmission_error_arcsec": round(findings.gear_transmission_error.mean_arcsec, 2),
+        "output_transmission_error_arcsec": round(findings.output_transmission_error.mean_arcsec, 2),
         "gear_speed_rms_error_percent": round(
-            100.0 * found.gear_speed.rms_error_rad_s / abs(found.gear_speed.theory_rad_s), 3
+            100.0 * findings.gear_speed.rms_error_rad_s / abs(findings.gear_speed.theory_rad_s), 3
         ),
-        "crank_torque_nm": round(found.power.crank_torque_nm, 4),
+        "crank_torque_nm": round(findings.power.crank_torque_nm, 4),
         "cam_force_n": round(float(np.mean(np.hypot(settled["cam_force_x"], settled["cam_force_y"]))), 1),
         "us_per_step": round(1e6 * seconds / schedule(Reducer(design)).steps, 1),
     }

@@ -98,7 +98,7 @@ def reasons(old: str, new: str) -> list[str]:
 
 def compared(old: Path, new: Path) -> list[Move]:
     """Run all commands in two trees and list what moved."""
-    found: list[Move] = []
+    moved: list[Move] = []
     with TemporaryDirectory() as folder:
         for design in PRESETS:
             for number, trial in enumerate(trials(design)):
@@ -107,8 +107,8 @@ def compared(old: Path, new: Path) -> list[Move]:
                     trial.figures(ended(tree, trial, (), Path(folder) / f"{side}-{design}-{number}"))
                     for side, tree in (("old", old), ("new", new))
                 ]
-                found += moves(design, trial.name, *figures)
-    return found
+                moved += moves(design, trial.name, *figures)
+    return moved
 
 
 def main() -> None:

@@ -50,14 +50,14 @@ def works(many: int, few: int) -> dict[str, Work]:
         task = Task(Reducer(override(pin, changes)), (key,), (measure,), MeasureSettings(real_pins=real_pins))
         return Work(partial(measured_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
 
-    made = override(pin, TOLERANCES)
+    toleranced = override(pin, TOLERANCES)
     return {
         "nothing": Work(nothing, range(many)),
         "statics": points("load.torque_nm", "statics", {}, few),
         "turn, massless pins": points("load.torque_nm", "simulate", TURN, few),
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
         f"{BLOCK} samples": Work(
-            partial(balanced, Reducer(made), tolerances(Reducer(made)), 0, ANGLES),
+            partial(balanced, Reducer(toleranced), tolerances(Reducer(toleranced)), 0, ANGLES),
             [(block, SAMPLED) for block in blocks(WORKERS * BLOCK)],
         ),
     }
@@ -77,7 +77,7 @@ def sweep_table(passes: int, chosen: Mapping[str, Work] | None = None) -> dict[s
 
 def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
     """Measure a piece of work in all ways, in turn."""
-    found: dict[str, list[float]] = {name: [] for name in COLUMNS}
+    costs: dict[str, list[float]] = {name: [] for name in COLUMNS}
     for engine in (Engine(1), Engine(WORKERS), there):
         engine.each(one.work, one.items[:WORKERS])
     for _ in range(passes):
@@ -87,12 +87,12 @@ def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, l
         before = time.perf_counter()
         Engine(WORKERS).each(one.work, one.items)
         spent.append(time.perf_counter() - before)
-        before, own, others = time.perf_counter(), time.process_time(), cpu_of(scheduler)
+        before, start, others = time.perf_counter(), time.process_time(), cpu_of(scheduler)
         there.each(one.work, one.items)
-        spent += [time.perf_counter() - before, time.process_time() - own, cpu_of(scheduler) - others]
+        spent += [time.perf_counter() - before, time.process_time() - start, cpu_of(scheduler) - others]
         for name, seconds in zip(COLUMNS, spent, strict=True):
-            found[name].append(1e3 * seconds / len(one.items))
-    return found
+            costs[name].append(1e3 * seconds / len(one.items))
+    return costs
 
 
 def cpu_of(process: int) -> float:

@@ -39,8 +39,8 @@ def requirements() -> tuple[str, str]:
 
 def ran(*command: str | Path, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
     """Run a command, with compile caches of this environment's own; give its output."""
-    own = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLBACKEND": "agg"}
-    return subprocess.run([*map(str, command)], cwd=ROOT, env=os.environ | own, capture_output=True, text=True)
+    environment = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLBACKEND": "agg"}
+    return subprocess.run([*map(str, command)], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True)
 
 
 def install(environment: Path, requirement: str) -> str:
@@ -87,14 +87,14 @@ def main() -> int:
             start = perf_counter()
             release = install(folder / name, requirement)
             if release in seen:
-                told, passed = "as above", True
+                status, passed = "as above", True
             elif release[0].isdigit():
-                passed, told = tested(folder / name)
+                passed, status = tested(folder / name)
             else:
-                passed, told, release = False, release, "-"
+                passed, status, release = False, release, "-"
             seen.add(release)
             failures += not passed and name != "ahead"
-            print(f"{requirement:24} {release:10} {perf_counter() - start:5.0f}  {told}", flush=True)
+            print(f"{requirement:24} {release:10} {perf_counter() - start:5.0f}  {status}", flush=True)
     return min(failures, 1)
 
 

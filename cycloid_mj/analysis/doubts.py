@@ -113,27 +113,27 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
     itself.
     """
     design = reducer.design
-    found = balance(run)
+    powers = balance(run)
     idle = IDLE * design.drive.torque * abs(design.drive.speed)
-    scale = max(found.crank, found.output, found.lost, idle)
+    scale = max(powers.crank, powers.output, powers.lost, idle)
     doubtful = []
     short = _swept(run) < WHOLE_TURN
-    if "kinetic_energy" in run.columns and not short and abs(found.missing) > OPEN * scale:
+    if "kinetic_energy" in run.columns and not short and abs(powers.missing) > OPEN * scale:
         doubtful.append(
-            f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
+            f"the power balance is open by {powers.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
             f"wrong; {COARSE}"
         )
-    if design.load.torque and 0.0 < found.efficiency < SELF_LOCKING:
+    if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
         doubtful.append(
-            f"the efficiency is {found.efficiency:.2%}: friction takes {1.0 / found.efficiency - 1.0:.3g} times what "
+            f"the efficiency is {powers.efficiency:.2%}: friction takes {1.0 / powers.efficiency - 1.0:.3g} times what "
             "goes to the load; such a drive all but locks itself, check friction.*, clearances and the load"
         )
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
-    most = 1.0 + (OPEN if found.lost < OPEN * scale else 0.0)
-    outside = not 0.0 <= found.efficiency <= most if design.load.torque else found.efficiency > most
-    if outside and (design.load.torque or max(found.crank, found.output) > idle):
+    most = 1.0 + (OPEN if powers.lost < OPEN * scale else 0.0)
+    outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
+    if outside and (design.load.torque or max(powers.crank, powers.output) > idle):
         why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
-        doubtful.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")
+        doubtful.append(f"the efficiency reads {powers.efficiency:.2%}, which no reducer has; {why}")
     return tuple(doubtful)
 
 

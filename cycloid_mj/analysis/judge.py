@@ -204,12 +204,12 @@ def _losses(motion: Series) -> tuple[Loss, ...]:
     """List the losses of each kind of pair that was ever in touch."""
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
-    found = []
+    losses = []
     for kind, friction in sorted(by_friction.items()):
         normal = by_damping.get(kind, np.zeros(len(run)))
         if friction.any() or normal.any():
-            found.append(Loss(kind, _mean(friction, motion), _mean(normal, motion)))
-    return tuple(found)
+            losses.append(Loss(kind, _mean(friction, motion), _mean(normal, motion)))
+    return tuple(losses)
 
 
 def _window(motion: Series) -> Window:

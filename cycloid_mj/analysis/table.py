@@ -51,8 +51,8 @@ def groups(findings: Findings) -> list[RowGroup]:
     x, y = findings.q_path.q_mm
     on = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
     details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{on}"}
-    found = [RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
-    return [group for group in found if group.rows]
+    row_groups = [RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
+    return [group for group in row_groups if group.rows]
 
 
 def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[FigureRow]:

@@ -29,10 +29,10 @@ def reaches_hold(reducer: Reducer, time: Array) -> bool:
 def require_hold(reducer: Reducer, time: Array) -> None:
     """Raise LogError for a run that does not reach its hold."""
     if not reaches_hold(reducer, time):
-        held = np.count_nonzero(~in_ramp(reducer, time))
+        count = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
-            f"the run has {held} samples at constant crank speed, but this needs at least {FEWEST_SAMPLES}: {reached},"
+            f"the run has {count} samples at constant crank speed, but this needs at least {FEWEST_SAMPLES}: {reached},"
             f" the ramp ends at {reducer.design.drive.ramp:.6g} s; run the design to its end"
         )
 

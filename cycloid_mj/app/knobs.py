@@ -76,21 +76,21 @@ def knobs(design: Design) -> tuple[Knob, ...]:
 
 def shape_of(design: Design) -> str | None:
     """Return which of `SHAPES` a design has; none where it has, say, three discs."""
-    own = {"ring.kind": design.ring.kind, "gear.discs": design.gear.discs}
-    return next((name for name, values in SHAPES.items() if values == own), None)
+    layout = {"ring.kind": design.ring.kind, "gear.discs": design.gear.discs}
+    return next((name for name, values in SHAPES.items() if values == layout), None)
 
 
 def _knob(design: Design, name: str, label: str) -> Knob:
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key
     section = getattr(design, table)
-    field, held = type(section).model_fields[key], getattr(section, key)
+    field, current = type(section).model_fields[key], getattr(section, key)
     unit = unit_of(field)
     label = f"{label} [{UNITS[unit.suffix]}]" if unit.suffix in UNITS else label
     path = f"{table}.{file_key(key, field)}"
     if name in COUNTS:
-        return Knob(path, label, held, *COUNTS[name], 1.0)
-    value = unit.from_si(held)
+        return Knob(path, label, current, *COUNTS[name], 1.0)
+    value = unit.from_si(current)
     middle = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
     high = max(WIDE_UM, SPAN * middle) if table == "clearance" else SPAN * middle
     step = 10.0 ** math.floor(math.log10(high / STEPS))

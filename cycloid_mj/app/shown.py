@@ -59,12 +59,12 @@ def check_lines(design: Design) -> tuple[FigureLine, ...]:
 def static_lines(design: Design) -> tuple[FigureLine, ...]:
     """List the figures of a sound design by statics, at its load, or why there are none."""
     try:
-        found = glance(Reducer(design), design.load.torque or None)
+        sheet = glance(Reducer(design), design.load.torque or None)
     except CycloidError as error:
         return (FigureLine("no figures by statics", str(error)),)
-    quantities = [found.quantities[key] for key in KEYS if key in found.quantities]
-    head = FigureLine("by statics, at", found.condition)
-    return (head, *(FigureLine(KEYS[one.key], _written(one), one.note or found.condition) for one in quantities))
+    quantities = [sheet.quantities[key] for key in KEYS if key in sheet.quantities]
+    head = FigureLine("by statics, at", sheet.condition)
+    return (head, *(FigureLine(KEYS[one.key], _written(one), one.note or sheet.condition) for one in quantities))
 
 
 def life_lines(design: Design) -> tuple[FigureLine, ...]:

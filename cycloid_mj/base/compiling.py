@@ -21,10 +21,10 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Function], Any]:
     """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked."""
 
     def compiled(function: Function) -> Any:
-        made = numba.njit(**options)(function)
+        wrapped = numba.njit(**options)(function)
         if cache:
-            made._cache = SealedCache(function)
-        return made
+            wrapped._cache = SealedCache(function)
+        return wrapped
 
     return compiled
 
@@ -33,11 +33,11 @@ def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
     """Compile a function that C can call, as ``numba.cfunc`` does; kept in a `SealedCache` if asked."""
 
     def compiled(function: Function) -> Any:
-        made: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
+        compiled_function: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
         if cache:
-            made._cache = SealedCache(function)
-        made.compile()
-        return made
+            compiled_function._cache = SealedCache(function)
+        compiled_function.compile()
+        return compiled_function
 
     return compiled
 

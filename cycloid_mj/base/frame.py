@@ -155,8 +155,8 @@ def write_parquet(
     """
     duckdb = _duckdb("Parquet", "write CSV", error)
     pairs = {"units": dict(frame.units), **metadata}
-    told = ", ".join(f"{key}: {_quoted(json.dumps(value))}" for key, value in pairs.items())
-    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{told}}}"
+    entries = ", ".join(f"{key}: {_quoted(json.dumps(value))}" for key, value in pairs.items())
+    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{entries}}}"
     with whole_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
         database.register("frame", dict(frame.columns))
         # DuckDB takes names in UTF-8 alone

@@ -70,18 +70,18 @@ def unbroken() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    held: list[int] = []
+    signals: list[int] = []
     before: dict[int, Any] = {}
     try:
         for number in STOPPING:
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, lambda number, _: held.append(number))
+                before[number] = signal.signal(number, lambda number, _: signals.append(number))
         yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        if held:
-            signal.raise_signal(held[0])
+        if signals:
+            signal.raise_signal(signals[0])
 
 
 @contextmanager

@@ -71,8 +71,8 @@ def number_of(pair: str) -> int:
 @cache
 def disc_of(pair: str) -> int:
     """Return the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
-    found = _OF_DISC.match(pair)
-    return int(found.group(1)) - 1 if found else 0
+    match = _OF_DISC.match(pair)
+    return int(match.group(1)) - 1 if match else 0
 
 
 def family(part: str) -> str:

@@ -26,8 +26,8 @@ LARGEST = 1e30
 class Deferred(Mapping[str, bytes]):
     """Files by name whose contents are made when they are first read: a run in memory seldom shows its model."""
 
-    def __init__(self, made: Mapping[str, Callable[[], bytes]]) -> None:
-        self._made = {name: cache(content) for name, content in made.items()}
+    def __init__(self, makers: Mapping[str, Callable[[], bytes]]) -> None:
+        self._made = {name: cache(content) for name, content in makers.items()}
 
     def __getitem__(self, name: str) -> bytes:
         """Return the content of a file."""
@@ -88,8 +88,8 @@ class Run:
         object.__setattr__(self, "time", _locked(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
         for name in ("units", "provenance", "attachments"):
-            given = getattr(self, name)
-            object.__setattr__(self, name, given if isinstance(given, Deferred) else MappingProxyType(dict(given)))
+            value = getattr(self, name)
+            object.__setattr__(self, name, value if isinstance(value, Deferred) else MappingProxyType(dict(value)))
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
         object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))
@@ -230,17 +230,17 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
     """Collect the topics of all columns; raise LogError if they have another name, or one of them twice."""
-    found = {topic: tuple(names) for topic, names in topics.items()}
-    listed = [name for names in found.values() for name in names]
+    names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
+    listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
         raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown(unknown[0], list(columns))}")
     if len(set(listed)) < len(listed):
         twice = next(name for name in listed if listed.count(name) > 1)
         raise LogError(f"topics has column {twice!r} twice: give it one topic")
     if rest := tuple(name for name in columns if name not in set(listed)):
-        first = next(iter(found), REDUCER)
-        found[first] = (*found.get(first, ()), *rest)
-    return found
+        first = next(iter(names_by_topic), REDUCER)
+        names_by_topic[first] = (*names_by_topic.get(first, ()), *rest)
+    return names_by_topic
 
 
 def _unknown(name: str, names: list[str]) -> str:

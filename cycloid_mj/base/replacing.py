@@ -124,9 +124,9 @@ def require_replaceable(path: Path) -> None:
 
 def require_ending(path: Path, ending: str) -> None:
     """Raise UsageError for a name with the ending of another kind of file than `ending`."""
-    found = path.suffix.lower()
-    if found in KINDS and found != ending:
-        raise UsageError(f"cannot write {path}: {found} is the ending of {KINDS[found].name}; take {ending}")
+    suffix = path.suffix.lower()
+    if suffix in KINDS and suffix != ending:
+        raise UsageError(f"cannot write {path}: {suffix} is the ending of {KINDS[suffix].name}; take {ending}")
 
 
 def standing(path: Path) -> str:
@@ -134,8 +134,8 @@ def standing(path: Path) -> str:
     head = _head(path)
     own = _own_kind(path)
     what = own.name if _begins(head, own) else _kind(head) or own.name
-    found = NAMED.search(head)
-    about = next((word for word in found.groups() if word), b"").decode(errors="replace") if found else ""
+    match = NAMED.search(head)
+    about = next((word for word in match.groups() if word), b"").decode(errors="replace") if match else ""
     when = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
     return f"{what}{f', {about!r},' if about else ''} of {when}"
 
@@ -145,8 +145,8 @@ def _require_own_kind(path: Path) -> None:
     head, wanted = _head(path), _own_kind(path)
     if not head or (wanted.start and _begins(head, wanted)):
         return
-    if (found := _kind(head)) or wanted.start:
-        raise TakenError(f"cannot write {path}: it is {found or f'not {wanted.name}'}; give another name")
+    if (kind := _kind(head)) or wanted.start:
+        raise TakenError(f"cannot write {path}: it is {kind or f'not {wanted.name}'}; give another name")
 
 
 def _own_kind(path: Path) -> Kind:

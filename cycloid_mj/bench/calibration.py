@@ -162,7 +162,7 @@ class Calibration:
             )
             for place, loop in enumerate(self.fitted.loops)
         )
-        found = [
+        tables = [
             Table(
                 f"{self.design.name}: fitted values",
                 ("value", "fitted", "95 %", "unit", "determined by the loop"),
@@ -183,7 +183,7 @@ class Calibration:
                 "BIC above best",
                 "values",
             )
-            found.append(
+            tables.append(
                 Table(
                     "which losses explain the loops",
                     header,
@@ -198,7 +198,7 @@ class Calibration:
                     ),
                 )
             )
-        return tuple(found)
+        return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
@@ -308,7 +308,7 @@ def calibrated_name(reducer: Reducer) -> str:
 
 
 def compare_losses(
-    found: Calibration,
+    calibration: Calibration,
     progress: Progress = lambda done: None,
     done: Callable[[Calibration], object] = lambda found: None,
 ) -> Calibration:
@@ -321,7 +321,7 @@ def compare_losses(
     RunError
         No static balance was found.
     """
-    fitted = found.fitted
+    fitted = calibration.fitted
     common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
     smooth, counted = _smooth(fitted.model.reducer), _counting(progress)
     fits: dict[tuple[str, str], Fitted] = {}
@@ -334,9 +334,9 @@ def compare_losses(
         base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth))
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
-        found = replace(found, variants=variants(fits))
-        done(found)
-    return found
+        calibration = replace(calibration, variants=variants(fits))
+        done(calibration)
+    return calibration
 
 
 def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
@@ -499,8 +499,8 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
 
 def _require_answers(search: FitProblem) -> None:
     """Refuse values none of which any loop answers to."""
-    own = np.array([one.place(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
-    if not np.any(np.abs(search.slopes(own, range(len(search.parameters)), central=True)) > SILENT):
+    start = np.array([one.place(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
+    if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > SILENT):
         raise UsageError(
             f"--fit {','.join(one.key for one in search.parameters)}: the loop determines none of these; fit what it "
             f"answers to, such as {','.join(DEFAULT)}"

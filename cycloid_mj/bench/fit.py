@@ -86,23 +86,23 @@ class Fitted:
     @cached_property
     def branches(self) -> tuple[Branches, ...]:
         """Torque [N m] and deflection [rad] of the model along each branch of each loop, with the loop's offsets."""
-        found = []
+        lines = []
         for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
             branches = model_branches(self.calibrated, self.bench, loop, float(torque))
-            found.append([(loads + torque, turns + deflection) for loads, turns in branches])
-        return tuple(found)
+            lines.append([(loads + torque, turns + deflection) for loads, turns in branches])
+        return tuple(lines)
 
     @cached_property
     def turns(self) -> tuple[Array, ...]:
         """The model's deflection at every measured point [rad]: that of its branch at the measured torque."""
-        found = []
+        turns = []
         for loop, branches in zip(self.loops, self.branches, strict=True):
             turn = np.empty(len(loop.torque))
             for number, (torque, deflection) in enumerate(branches):
                 here, order = loop.branch == number, np.argsort(torque)
                 turn[here] = np.interp(loop.torque[here], torque[order], deflection[order])
-            found.append(turn)
-        return tuple(found)
+            turns.append(turn)
+        return tuple(turns)
 
     @property
     def independent(self) -> tuple[float, ...]:
@@ -134,11 +134,11 @@ def fit(
     parameters: Sequence[Parameter],
     loops: Sequence[MeasuredLoop],
     bench: LoopCondition,
-    told: Callable[[], None] = lambda: None,
+    on_step: Callable[[], None] = lambda: None,
     start: Array | None = None,
     intervals: bool = True,
 ) -> Fitted:
-    """Fit parameters to loops by robust least squares, from several starts or from one; `told` is called at each trial.
+    """Fit parameters to loops by robust least squares, from several starts or one; `on_step` is called at each trial.
 
     Without `intervals` they are those of the straight neighbourhood, which take no further search.
 
@@ -147,19 +147,19 @@ def fit(
     RunError
         The model has no balance where the search begins, or where it ends.
     """
-    search = FitProblem(model, tuple(parameters), tuple(loops), bench, told)
+    search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
     starts = search.starts() if start is None else [start]
     best, *others = sorted((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))
     place = best[1]
     for _ in range(RENEWED):
         cost, place = search.run(place, LONG, "trf")
-        found = _fitted(search, place)
-        better = widen(search, found, [(cost, place), *others]) if intervals else None
+        fitted = _fitted(search, place)
+        better = widen(search, fitted, [(cost, place), *others]) if intervals else None
         if better is None:
             break
         others.append((cost, place))
         place = better
-    return found
+    return fitted
 
 
 def _fitted(search: FitProblem, places: Array) -> Fitted:
@@ -191,40 +191,40 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
     )
 
 
-def widen(search: FitProblem, found: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
     """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less.
 
     `valleys` are where searches ended, each with its cost, the fit itself first: in each of them that explains the
     loops as well as the interval allows, an end of its own is looked for, and the farthest one counts.
     """
-    inverse, least = found.spread.inverse, valleys[0][0]
-    apart = [np.any(np.abs(one - found.places) > found.spread.errors) for _, one in valleys[1:]]
+    inverse, least = fitted.spread.inverse, valleys[0][0]
+    apart = [np.any(np.abs(one - fitted.places) > fitted.spread.errors) for _, one in valleys[1:]]
     valleys = [valleys[0], *(one for one, other in zip(valleys[1:], apart, strict=True) if other)]
-    unknown = np.all(found.ends == np.stack(search.bounds, axis=1), axis=1)
-    for place in np.flatnonzero(~(found.at_bound | unknown)[: len(search.parameters)]):
-        for side, end in enumerate(found.ends[place].tolist()):
-            straight = end - found.places[place]
+    unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
+    for place in np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)]):
+        for side, end in enumerate(fitted.ends[place].tolist()):
+            straight = end - fitted.places[place]
             # what the sum of squares rises by there, where it is a paraboloid
             allowed, reached = 0.5 * straight**2 / inverse[place, place], []
             for cost, middle in valleys:
                 if (left := allowed - (cost - least)) <= 0.0:
                     continue
-                way, better = _reach(search, found, (cost, middle), int(place), side, left)
+                way, better = _reach(search, fitted, (cost, middle), int(place), side, left)
                 if better is not None and better[0] < (1.0 - GAINED) * least:
                     return better[1]
                 reached.append(float(middle[place]) + way)
-            found.ends[place, side] = max(reached) if side else min(reached)
+            fitted.ends[place, side] = max(reached) if side else min(reached)
     return None
 
 
 def _reach(
-    search: FitProblem, found: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
+    search: FitProblem, fitted: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
 ) -> tuple[float, tuple[float, Array] | None]:
     """Compute how far a value can be from where a valley has it, until the cost has risen by what is allowed.
 
     With it comes a place, and its cost, where the search ran into one that misses the loops less than the valley.
     """
-    (cost, middle), inverse = valley, found.spread.inverse
+    (cost, middle), inverse = valley, fitted.spread.inverse
     along = inverse[:, place] / inverse[place, place]
     most = float(search.bounds[side][place] - middle[place])
     way = (2.0 * allowed * float(inverse[place, place])) ** 0.5

@@ -139,9 +139,9 @@ def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Arr
         raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}; {form}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((place for place, (_, line) in enumerate(numbered) if names[0] in line), None)
-    found = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "nothing: the file is empty"
+    columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "nothing: the file is empty"
     if header is None:
-        raise UsageError(f"{path}: {form}, named in its first line; found {found[:80]}")
+        raise UsageError(f"{path}: {form}, named in its first line; found {columns[:80]}")
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
         raise UsageError(f"{path}: the column {missing[0]} is missing: {form}; found {', '.join(keys)}")

@@ -58,9 +58,9 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, REACH * loop.height)
     load = np.interp(when, np.arange(len(course)), course)
     parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(each) + 1))
-    found = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
+    branches = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
     # a closed loop takes the same way again
-    return [found[first.index(way)] for way in ways]
+    return [branches[first.index(way)] for way in ways]
 
 
 def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection: float) -> Array:
@@ -70,13 +70,13 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
     [N m] and of `deflection` [rad].
     """
     ranges = float(np.ptp(loop.torque)), loop.height
-    found = np.zeros(len(loop.torque))
+    distance = np.zeros(len(loop.torque))
     for number, (loads, turns) in enumerate(branches):
         here = loop.branch == number
         points = np.stack([loop.torque[here] / ranges[0], loop.deflection[here] / ranges[1]], axis=-1)
         line = np.stack([(loads + torque) / ranges[0], (turns + deflection) / ranges[1]], axis=-1)
-        found[here] = _from_line(points, line)
-    return found[loop.lead :]
+        distance[here] = _from_line(points, line)
+    return distance[loop.lead :]
 
 
 def _from_line(points: Array, line: Array) -> Array:

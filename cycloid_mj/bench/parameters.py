@@ -64,8 +64,8 @@ class Parameter:
 
     def value(self, place: float) -> float:
         """Compute the value at a place, or the bound that is nearest to it."""
-        found = math.exp(self.scale * place) if self.by_factor else self.scale * place
-        return min(max(found, self.least), self.most)
+        value = math.exp(self.scale * place) if self.by_factor else self.scale * place
+        return min(max(value, self.least), self.most)
 
 
 DEFAULT = ("mesh_play", "output_play", "cam_play", "tooth_stiffness", "friction", "drag", "drag_travel")
@@ -104,8 +104,8 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
         return Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
 
     mated = (tooth, *([design.seat_pair] if design.seat_pair else []))
-    own = design.friction_of(tooth) or 0.05
-    found = (
+    friction = design.friction_of(tooth) or 0.05
+    named = (
         play("mesh_play", "clearance between gear and ring, that of pins in their seats counted in", mesh, *mated),
         play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
         play("cam_play", "clearance of the cam in the gear's bore", clearance.cam, "cam"),
@@ -125,8 +125,8 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             "friction",
             "1",
             "coefficient of friction of all that slides: teeth, seats of pins, and holes and cam without rollers",
-            own,
-            max(0.2 * own, 0.01),
+            friction,
+            max(0.2 * friction, 0.01),
             0.0,
             1.5,
             _friction,
@@ -153,17 +153,17 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             lambda model, value: replace(model, losses=replace(model.losses, material=value)),
         ),
     )
-    return {one.key: one for one in found}
+    return {one.key: one for one in named}
 
 
 def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     """Share a clearance out to kinds of pairs: to teeth and seats in the proportion that they have, all to others."""
 
     def put(model: Model, value: float) -> Model:
-        held, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
+        clearance, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
         mated = [kind for kind in kinds if kind != "output"]
-        whole = sum(getattr(held, kind) for kind in mated)
-        change = {kind: total * getattr(held, kind) / whole for kind in mated}
+        whole = sum(getattr(clearance, kind) for kind in mated)
+        change = {kind: total * getattr(clearance, kind) / whole for kind in mated}
         change |= {"output": total} if "output" in kinds else {}
         return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
 

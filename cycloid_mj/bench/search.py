@@ -68,13 +68,13 @@ class FitProblem:
 
     def parts(self, places: Array) -> list[Array]:
         """Compute the residuals of each loop's points."""
-        count, found = len(self.parameters), []
+        count, residuals = len(self.parameters), []
         for number, loop in enumerate(self.loops):
             offset = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2]
             branches = self._branches(tuple(places[:count].tolist()), number, float(offset[0]))
             failed = np.full(len(loop.torque) - loop.lead, FAILED)
-            found.append(failed if branches is None else distances(loop, branches, *offset.tolist()))
-        return found
+            residuals.append(failed if branches is None else distances(loop, branches, *offset.tolist()))
+        return residuals
 
     def residuals(self, places: Array) -> Array:
         """Join the residuals of all loops, so that each loop counts the same."""
@@ -105,21 +105,21 @@ class FitProblem:
         shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if "tooth_stiffness" in keys else (1.0,)
-        found = []
+        starts = []
         for wide in STARTS:
             if not set(wide) <= keys:
                 continue
             tried = []
             for play, stiffness in product(plays, softer):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness} | wide
-                own = [
+                start = [
                     one.place(min(max(one.start * factors.get(one.key, 1.0), one.least), one.most))
                     for one in self.parameters
                 ]
-                places = np.concatenate([own, *shifts])
+                places = np.concatenate([start, *shifts])
                 tried.append((sum(float(np.mean(np.abs(part))) for part in self.parts(places)), places))
-            found.append(min(tried, key=itemgetter(0))[1])
-        return found
+            starts.append(min(tried, key=itemgetter(0))[1])
+        return starts
 
     def run(
         self, start: Array, steps: int, method: Literal["trf", "dogbox"], held: int | None = None
@@ -141,7 +141,7 @@ class FitProblem:
         def slopes(part: Array) -> Array:
             return self.slopes(whole(part), free)
 
-        found = least_squares(
+        solution = least_squares(
             residuals,
             np.clip(start, low + 1e-9, high - 1e-9)[free],
             jac=slopes,
@@ -154,7 +154,7 @@ class FitProblem:
             gtol=1e-9,
             max_nfev=steps,
         )
-        return float(found.cost), np.clip(whole(found.x), low, high)
+        return float(solution.cost), np.clip(whole(solution.x), low, high)
 
 
 def _centre(loop: MeasuredLoop) -> float:

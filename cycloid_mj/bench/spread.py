@@ -99,8 +99,8 @@ def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> F
     noise, influence, memories = np.zeros_like(information), [], []
     for part, rows in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), MOST_LEVERAGE)
-        own, alike = part / (1.0 - leverage), memory(part)
-        noise += alike * (rows.T * own**2) @ rows
+        scaled, alike = part / (1.0 - leverage), memory(part)
+        noise += alike * (rows.T * scaled**2) @ rows
         influence.append(rows @ inverse / np.sqrt(1.0 - leverage)[:, np.newaxis])
         memories.append(np.full(len(part), alike))
     covariance = inverse @ noise @ inverse

@@ -162,17 +162,17 @@ def read_te(path: Path) -> MeasuredError:
     """
     columns = read_columns(path, COLUMNS, "a transmission error")
     crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
-    found = MeasuredError(path.stem, crank, error)
-    if found.turns < 1.0 - 2.0 / len(crank):
-        told = f"{found.turns * 360.0:.4g} deg"
+    measured = MeasuredError(path.stem, crank, error)
+    if measured.turns < 1.0 - 2.0 / len(crank):
+        span = f"{measured.turns * 360.0:.4g} deg"
         radians = f": is {CRANK} in radians?" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
-        raise UsageError(f"{path}: {CRANK} goes over {told}; orders need at least a whole turn of 360 deg{radians}")
+        raise UsageError(f"{path}: {CRANK} goes over {span}; orders need at least a whole turn of 360 deg{radians}")
     if np.ptp(columns[ERROR]) > MOST_ERROR or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
             f"{path}: {ERROR} goes over {np.ptp(columns[ERROR]):.4g} arcsec, which is no transmission error: give the "
             "output's angle less the crank's over the ratio, in seconds of arc"
         )
-    return found
+    return measured
 
 
 def compare_bench(design: Design, measured: MeasuredError, load: float | None = None) -> BenchComparison:
@@ -209,7 +209,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
     known = causes(reducer)
-    told = tuple(", ".join(one.name for one in known if one.has(float(each))) or "none" for each in order)
+    names = tuple(", ".join(one.name for one in known if one.has(float(each))) or "none" for each in order)
     return BenchComparison(
         reducer.design.name,
         torque,
@@ -219,7 +219,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
         order,
         amplitude[:, 0],
         amplitude[:, 1],
-        told,
+        names,
     )
 
 

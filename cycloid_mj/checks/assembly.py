@@ -24,12 +24,12 @@ def assembly_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def _pins_in_sockets(reducer: Reducer) -> Check:
-    made = reducer.deviations.pin_radius
-    thickest = int(np.argmax(made))
+    radius_errors = reducer.deviations.pin_radius
+    thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
-    passed = bool(made[thickest] < play)
-    got, limit = told(float(made[thickest]), "less than", play, MICROMETRE)
-    enough = f"{MICROMETRE.from_si(float(made[thickest])):.4g}"
+    passed = bool(radius_errors[thickest] < play)
+    got, limit = told(float(radius_errors[thickest]), "less than", play, MICROMETRE)
+    enough = f"{MICROMETRE.from_si(float(radius_errors[thickest])):.4g}"
     return Check(
         name="pin_in_socket",
         passed=passed,

@@ -52,8 +52,8 @@ class Check:
 
     def __str__(self) -> str:
         """Tell the check in one line."""
-        told = f"{self.name}: {self.key} is {self.got}, must be {self.limit}: {self.why}"
-        return f"{told}; {self.remedy}" if self.remedy else told
+        text = f"{self.name}: {self.key} is {self.got}, must be {self.limit}: {self.why}"
+        return f"{text}; {self.remedy}" if self.remedy else text
 
 
 @dataclass(frozen=True)
@@ -164,9 +164,9 @@ def wall_verdict(
     """
     E = reducer.design.ring.pin_circle_radius
     needed = f"{where} a wall of at least {millimetres(assumed * E)} is wanted ({assumed:.0%} of E, assumed)"
-    found = verdict(reducer, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
+    check = verdict(reducer, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
     there = verdict(reducer, name, limits(0.0)[0], f"{where} no wall is left")
-    return found if there.passed else replace(there, remedy=found.remedy)
+    return check if there.passed else replace(there, remedy=check.remedy)
 
 
 def _remedy(reducer: Reducer, limits: list[Limit]) -> str:

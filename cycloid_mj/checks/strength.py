@@ -121,19 +121,19 @@ def _weaker(reducer: Reducer, kind: str, strength: str) -> tuple[str, float]:
     """Return the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
     design = reducer.design
     parts = {f"{design.material_table(part)}.{strength}": design.material_of(part) for part in PARTNERS[kind]}
-    return min(((key, float(getattr(made, strength))) for key, made in parts.items()), key=lambda found: found[1])
+    return min(((key, float(getattr(material, strength))) for key, material in parts.items()), key=lambda item: item[1])
 
 
 def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
     """Return the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
-    width, found = reducer.design.gear.face_width, value(rated(reducer))
+    width, figure = reducer.design.gear.face_width, value(rated(reducer))
     for _ in range(GUESSES):
-        width *= (1.0 + MARGIN) * (found / allowed) ** power
+        width *= (1.0 + MARGIN) * (figure / allowed) ** power
         try:
-            found = value(rated(reducer.but(gear={"face_width": width})))
+            figure = value(rated(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
-        if (1.0 - 4.0 * MARGIN) * allowed < found <= allowed:
+        if (1.0 - 4.0 * MARGIN) * allowed < figure <= allowed:
             break
     return Limit("gear.face_width", "at least", width)
 

@@ -101,7 +101,7 @@ def _neighbouring_pins(reducer: Reducer) -> Check:
 def _sleeve(reducer: Reducer) -> Check:
     """Check that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
-    found = verdict(
+    check = verdict(
         reducer,
         "sleeve",
         Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
@@ -115,7 +115,7 @@ def _sleeve(reducer: Reducer) -> Check:
         Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
         "the sleeve leaves no pin inside",
     )
-    return found if there.passed else replace(there, remedy=found.remedy)
+    return check if there.passed else replace(there, remedy=check.remedy)
 
 
 def _held(reducer: Reducer) -> Check:
@@ -128,13 +128,13 @@ def _held(reducer: Reducer) -> Check:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def spare(pin_radius: float, eccentricity: float) -> float:
-        made = design.model_copy(
+        changed = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
                 "gear": design.gear.model_copy(update={"eccentricity": eccentricity}),
             }
         )
-        return socket_half_angle(made) - math.asin(min(1.0, eccentricity * N / E))
+        return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
     return verdict(
         reducer,

@@ -31,8 +31,8 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
 
 def _spread(deviation: float, *listed: Sequence[float]) -> float:
     """Compute the tolerance [m]: that of the random draw, or the largest of what is listed."""
-    given = [max(abs(value) for value in values) for values in listed if values]
-    return math.hypot(*given) if given else SIGMAS * deviation
+    largest = [max(abs(value) for value in values) for values in listed if values]
+    return math.hypot(*largest) if largest else SIGMAS * deviation
 
 
 def _tolerance(reducer: Reducer, name: str, what: str, size: float, pair: str, room: float) -> Iterator[Check]:

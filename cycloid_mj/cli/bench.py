@@ -118,25 +118,25 @@ def calibrate(
     design = chosen.sound()
     into = folder(str(out), "the calibration", [f"{calibrated_name(Reducer(design))}{rest}" for rest in FILES], force)
     progress = _Trials(quiet)
-    found = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
-    written = _write(found, into)
+    calibration = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
+    written = _write(calibration, into)
     if losses:
         try:
-            found = compare_losses(found, progress, lambda so_far: _write(so_far, into))
+            calibration = compare_losses(calibration, progress, lambda so_far: _write(so_far, into))
         except KeyboardInterrupt as stop:
             raise RunError(f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {into}") from stop
     if not quiet:
         tell(f"wrote {', '.join(map(str, written))}")
     if json:
-        say_json(found.as_json() | {"files": [str(path) for path in written]})
+        say_json(calibration.as_json() | {"files": [str(path) for path in written]})
         return 0
-    for table in found.tables():
+    for table in calibration.tables():
         show(table)
-    for one, other, size in found.alike:
+    for one, other, size in calibration.alike:
         say(f"the loop cannot tell {one} from {other}: correlation {size:.3f}")
-    if found.unidentified:
-        say(f"not determined by the loop: {', '.join(found.unidentified)}")
-    for note in found.notes:
+    if calibration.unidentified:
+        say(f"not determined by the loop: {', '.join(calibration.unidentified)}")
+    for note in calibration.notes:
         say(note)
     return 0
 
@@ -169,17 +169,20 @@ def compare_bench(
     design = chosen.sound()
     stem = f"{design.name}-{measured.name}"
     into = folder(str(out), "the comparison", [f"{stem}.json", f"{stem}.png"], force)
-    found = compared(design, measured, load_nm)
+    comparison = compared(design, measured, load_nm)
     path = into / f"{stem}.json"
-    files = {path: (json_text(found.as_json()) + "\n").encode(), **pictures({stem: comparison_figure(found)}, into)}
+    files = {
+        path: (json_text(comparison.as_json()) + "\n").encode(),
+        **pictures({stem: comparison_figure(comparison)}, into),
+    }
     write_whole(files)
     if not quiet:
         tell(f"wrote {', '.join(map(str, files))}")
     if json:
-        say_json(found.as_json())
+        say_json(comparison.as_json())
         return 0
-    show(found.table())
-    say(f"the model explains {found.whole:.1%} of the measured curve's variance")
+    show(comparison.table())
+    say(f"the model explains {comparison.whole:.1%} of the measured curve's variance")
     return 0
 
 
@@ -196,7 +199,7 @@ class _Trials:
             tell(f"calibrate: {done} trials in {now - self._start:.0f} s; a fit takes some 500 to 2000")
 
 
-def _write(found: "Calibration", into: Path) -> list[Path]:
+def _write(calibration: "Calibration", into: Path) -> list[Path]:
     """Write the results of a calibration; give the paths."""
     from cycloid_mj.base.units import DEGREE
     from cycloid_mj.base.whole import write_whole
@@ -205,20 +208,20 @@ def _write(found: "Calibration", into: Path) -> list[Path]:
     from cycloid_mj.plots.save import pictures
     from cycloid_mj.report.bench import calibration_page
 
-    name = found.design.name
-    figures = pictures({f"{name}-loops": calibration_figure(found)}, into, ("png", "svg"))
+    name = calibration.design.name
+    figures = pictures({f"{name}-loops": calibration_figure(calibration)}, into, ("png", "svg"))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
-    for loop, turn in zip(found.fitted.loops, found.fitted.turns, strict=True):
+    for loop, turn in zip(calibration.fitted.loops, calibration.fitted.turns, strict=True):
         measured, model = loop.deflection / DEGREE, turn / DEGREE
         rows += [
             f"{loop.name},{torque!r},{one!r},{other!r},{one - other!r}"
             for torque, one, other in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
         ]
     texts = {
-        into / f"{name}.toml": dump(found.design),
-        into / f"{name}.json": json_text(found.as_json()) + "\n",
+        into / f"{name}.toml": dump(calibration.design),
+        into / f"{name}.json": json_text(calibration.as_json()) + "\n",
         into / f"{name}-residuals.csv": "\n".join(rows) + "\n",
-        into / f"{name}.html": calibration_page(found, figures[into / f"{name}-loops.svg"].decode()),
+        into / f"{name}.html": calibration_page(calibration, figures[into / f"{name}-loops.svg"].decode()),
     }
     write_whole({path: text.encode() for path, text in texts.items()} | figures)
     return [*texts, *figures]

@@ -81,14 +81,14 @@ def build(
     files = model_files(Reducer(design), settings)
     into = folder(out, "the model", files, force)
     write_folder(files, into)
-    told = _told(files[MANIFEST])
+    figures = _told(files[MANIFEST])
     if plain_coacd:
-        told |= _plain_told(design, seed)
+        figures |= _plain_told(design, seed)
     if json:
-        say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": told})
+        say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": figures})
         return 0
     say(str(into / SCENE))
-    say_table("convex pieces against the true surfaces [um]", HEADER, [_row(*item) for item in told.items()])
+    say_table("convex pieces against the true surfaces [um]", HEADER, [_row(*item) for item in figures.items()])
     return 0
 
 
@@ -117,15 +117,15 @@ def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 
-    found: dict[str, dict[str, Any]] = {}
+    figures: dict[str, dict[str, Any]] = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
         tell(f"plain CoACD at threshold {threshold:g}")
         cut: list[Plain] = [plain_gear(reducer, settings)]
         if design.ring.kind == "nonpin":
             cut.append(plain_ring(reducer, settings))
-        found |= {f"{one.part}, plain CoACD {threshold:g}": quality_um(one.quality) for one in cut}
-    return found
+        figures |= {f"{one.part}, plain CoACD {threshold:g}": quality_um(one.quality) for one in cut}
+    return figures
 
 
 def _row(name: str, figures: dict[str, Any]) -> tuple[str, ...]:

@@ -233,11 +233,11 @@ def _from_logs(
 ) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.comparison import compare as compared
 
-    found = [_measured(Path(name), q) for name in names]
+    trials = [_measured(Path(name), q) for name in names]
     usual = f"{names[0].removesuffix('.mcap')}-compare"
     into = folder(usual if options.out is None else options.out, "the figures", [CURVATURE], options.force)
-    comparison = compared([trial for _, trial in found], figures=vibration().figures)
-    motions = {trial: motion for motion, trial in found}
+    comparison = compared([trial for _, trial in trials], figures=vibration().figures)
+    motions = {trial: motion for motion, trial in trials}
     return comparison, _drawn(comparison, [motions[trial] for trial in comparison.trials], into)
 
 
@@ -273,8 +273,8 @@ def _from_runs(
 
     def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
         """List designs with one variation and the measures of all their starts."""
-        found = ([variation.of(Reducer(start)) for start in starts[design]] for design in designs)
-        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in found]
+        varied = ([variation.of(Reducer(start)) for start in starts[design]] for design in designs)
+        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
 
     figures = vibration().figures
     points: list[Varied] = [varied(each, trials(cases, each), figures) for each in variations]

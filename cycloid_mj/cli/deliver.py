@@ -20,9 +20,9 @@ def stem(measure: str, design: "Design") -> str:
     return f"{measure}-{design.name}"
 
 
-def deliver(found: "Sequence[Measurement]", into: Path, wanted: "Delivered") -> int:
+def deliver(measurements: "Sequence[Measurement]", into: Path, wanted: "Delivered") -> int:
     """Print measurements and write their files; return the exit code."""
-    for one in found:
+    for one in measurements:
         with unbroken():
             written = write(one, into, wanted.no_log, wanted.force)
         if not wanted.json:
@@ -30,36 +30,40 @@ def deliver(found: "Sequence[Measurement]", into: Path, wanted: "Delivered") -> 
         if not wanted.quiet:
             tell(f"wrote {', '.join(str(path) for path in written)}")
     if wanted.json:
-        say_json(found[0].as_json() if len(found) == 1 else {"measurements": [one.as_json() for one in found]})
+        say_json(
+            measurements[0].as_json()
+            if len(measurements) == 1
+            else {"measurements": [one.as_json() for one in measurements]}
+        )
     return 0
 
 
-def write(found: "Measurement", into: Path, no_log: bool, force: bool) -> list[Path]:
+def write(measurement: "Measurement", into: Path, no_log: bool, force: bool) -> list[Path]:
     """Write figure, JSON and logs of a measurement; return their paths."""
     from cycloid_mj.log import write as write_log
     from cycloid_mj.plots.measure import measurement_figure
     from cycloid_mj.plots.save import pictures
 
-    name = stem(found.measure, found.design)
-    files = pictures({name: measurement_figure(found)}, into, ("png", "svg"))
-    files[into / f"{name}.json"] = f"{json_text(found.as_json())}\n".encode()
+    name = stem(measurement.measure, measurement.design)
+    files = pictures({name: measurement_figure(measurement)}, into, ("png", "svg"))
+    files[into / f"{name}.json"] = f"{json_text(measurement.as_json())}\n".encode()
     write_whole(files)
     written = [*files]
     if not no_log:
-        for run_name, run in found.runs.items():
+        for run_name, run in measurement.runs.items():
             written.append(into / f"{name}-{run_name}.mcap")
             write_log(run, written[-1], force=force)
     return written
 
 
-def print_table(found: "Measurement") -> None:
+def print_table(measurement: "Measurement") -> None:
     """Print the quantities of a measurement, their notes, and what they stand on."""
-    quantities = found.quantities.values()
-    show(quantity_table(f"{found.measure}: {found.design.name}", quantities))
+    quantities = measurement.quantities.values()
+    show(quantity_table(f"{measurement.measure}: {measurement.design.name}", quantities))
     for one in quantities:
         if one.note:
             say(f"{one.name}: {one.note}")
-    for table in found.tables:
+    for table in measurement.tables:
         show(table)
-    for sentence in found.assumptions:
+    for sentence in measurement.assumptions:
         say(f"assumed: {sentence}")

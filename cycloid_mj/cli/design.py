@@ -114,9 +114,9 @@ def new(
         raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
     from cycloid_mj.explore.sizing import sized
 
-    found = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process, 1 if discs is None else discs)
-    design = override(found.design, set_)
-    write_whole({file: dump(design, found.reasons).encode()})
+    sizing = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process, 1 if discs is None else discs)
+    design = override(sizing.design, set_)
+    write_whole({file: dump(design, sizing.reasons).encode()})
     say(str(file))
     for line in _carried(design):
         say(f"  {line}")
@@ -127,9 +127,9 @@ def _carried(design: Design) -> list[str]:
     """Tell what a new design carries, and what its checks warn of."""
     from cycloid_mj.checks import check as checks
 
-    found = [item for item in checks(design) if not item.passed]
+    failures = [item for item in checks(design) if not item.passed]
     summed = _summed(design)
-    return [*(_lines(summed, _rated(design)) if summed else []), *(f"{_word(item)}  {item}" for item in found)]
+    return [*(_lines(summed, _rated(design)) if summed else []), *(f"{_word(item)}  {item}" for item in failures)]
 
 
 def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
@@ -138,8 +138,8 @@ def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
     Each value that the paper (Hsieh 2014) does not give is marked as
     assumed. A file may leave keys out: they keep the values of the preset pin.
     """
-    found = chosen.resolved()
-    say(dump(found, reasons(chosen.design, found)).rstrip("\n"))
+    design = chosen.resolved()
+    say(dump(design, reasons(chosen.design, design)).rstrip("\n"))
     return 0
 
 
@@ -160,11 +160,11 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
 
     design = chosen.resolved()
     place = claimed(delivery, f"{design.name}-check")
-    found = checks(design)
-    sound = not any(_word(item) == "FAIL" for item in found)
+    results = checks(design)
+    sound = not any(_word(item) == "FAIL" for item in results)
     summed = _summed(design) if sound else None
     rating = _rated(design) if summed else None
-    return deliver(_outcome(design.name, found, summed, rating), place, delivery)
+    return deliver(_outcome(design.name, results, summed, rating), place, delivery)
 
 
 def _outcome(design: str, found: "Sequence[Check]", summed: "Summary | None", rating: "Rating | None") -> Outcome:

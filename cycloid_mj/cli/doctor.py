@@ -130,5 +130,5 @@ def _rendering() -> Iterator[Finding]:
 def _extras() -> Iterator[Finding]:
     for extra, modules in EXTRAS.items():
         missing = [module for module in modules if find_spec(module) is None]
-        found = f"without {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
-        yield Finding(f"extra {extra}", not missing, False, found)
+        extras = f"without {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
+        yield Finding(f"extra {extra}", not missing, False, extras)

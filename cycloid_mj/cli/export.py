@@ -119,31 +119,31 @@ def export(
     seat = (cam_bearing_bore_mm or 0.0) / 2.0 / MILLIMETRES
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     reducer = Reducer(design)
-    made = exported(design, format_, chord_error, offset)
+    files_and_clearances = exported(design, format_, chord_error, offset)
     printed = laid_out(widened(reducer, offset), chord_error, seat) if plate else None
     items = bill(reducer, seat) if plate else ()
-    parts = dict(made.files)
+    parts = dict(files_and_clearances.files)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), BILL: bill_csv(items)}
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
     files = {into / name: content for name, content in parts.items()}
     write_whole(files)
     if json:
-        told = {
+        summary = {
             "files": [str(path) for path in files],
-            "clearances": [asdict(one) for one in made.clearances],
+            "clearances": [asdict(one) for one in files_and_clearances.clearances],
             "offset": offset,
         }
         if printed:
-            told["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
-            told["bom"] = [asdict(item) for item in items]
-        say_json(told)
+            summary["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
+            summary["bom"] = [asdict(item) for item in items]
+        say_json(summary)
         return 0
     for path in files:
         say(str(path))
     rows = [
         (one.pair, *(f"{1e6 * value:.4f}" for value in (one.asked, offset, one.least, one.most)))
-        for one in made.clearances
+        for one in files_and_clearances.clearances
     ]
     say_table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
     if printed:

@@ -186,9 +186,9 @@ class DesignValue:
 
     def flag(self, text: str, rest: str = "") -> Parameter:
         """Declare the flag; `text` says what it is, `rest` what follows its limits, if not the design's value."""
-        own = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} in the presets)."
-        told = f"{text} [{self.symbol}], {self.range}{rest or own}"
-        return Parameter(metavar="X", help=told, validator=self.require)
+        default = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} in the presets)."
+        help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
+        return Parameter(metavar="X", help=help_text, validator=self.require)
 
     def _bounds(self) -> list[tuple[str, float]]:
         return [(side, getattr(limit, side)) for limit in self.field.metadata for side in SIDES if hasattr(limit, side)]

@@ -63,16 +63,16 @@ def info(log: LogName, /, *, json: JsonFlag = False) -> int:
     """
     from cycloid_mj.log import load
 
-    found = load(log)
+    contents = load(log)
     if json:
-        say_json({"log": log, **_described(found)})
+        say_json({"log": log, **_described(contents)})
         return 0
-    run = found.run
+    run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
-    say(f"{log}: {found.size:,} bytes, {state}")
+    say(f"{log}: {contents.size:,} bytes, {state}")
     say(f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second")
     topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
-    topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in found.viewers.items()]
+    topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in contents.viewers.items()]
     say_table("topics", ("topic", "holds", "messages"), topics)
     say_table("attachments", ("file", "bytes"), [(name, f"{len(data):,}") for name, data in run.attachments.items()])
     say_table("provenance", ("what", "value"), sorted(run.provenance.items()))
@@ -146,15 +146,15 @@ def repair(
     """
     from cycloid_mj.log import load, write
 
-    found = load(log)
-    if found.whole and scene_hz is None:
+    contents = load(log)
+    if contents.whole and scene_hz is None:
         tell(f"{log} is whole: there is nothing to repair")
         return 0
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
     claim(path, force=force)
-    write(found.run, path, _scene(found, scene_hz), force=force)
-    tell(found.run.note or f"wrote all {len(found.run)} samples")
+    write(contents.run, path, _scene(contents, scene_hz), force=force)
+    tell(contents.run.note or f"wrote all {len(contents.run)} samples")
     say(str(path))
     return 0
 
@@ -215,14 +215,14 @@ def _names(columns: str | None) -> list[str] | None:
     return None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
 
 
-def _scene(found: "Log", rate: float | None) -> "Scene | None":
+def _scene(log: "Log", rate: float | None) -> "Scene | None":
     """Build the scene of a log that has a design, at the rate asked for, or at the log's own."""
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
-    own = [shown.rate for shown in found.viewers.values() if shown.rate]
+    rates = [shown.rate for shown in log.viewers.values() if shown.rate]
     try:
-        return Scene(design_of(found.run), rate or (own[0] if own else RATE))
+        return Scene(design_of(log.run), rate or (rates[0] if rates else RATE))
     except CycloidError as problem:
         if rate is not None:
             raise
@@ -230,11 +230,11 @@ def _scene(found: "Log", rate: float | None) -> "Scene | None":
         return None
 
 
-def _described(found: "Log") -> dict[str, Any]:
-    run = found.run
+def _described(log: "Log") -> dict[str, Any]:
+    run = log.run
     return {
-        "bytes": found.size,
-        "whole": found.whole,
+        "bytes": log.size,
+        "whole": log.whole,
         "complete": run.complete,
         "note": run.note,
         "samples": len(run),
@@ -242,7 +242,7 @@ def _described(found: "Log") -> dict[str, Any]:
         "end_s": float(run.time[-1]),
         "rate_hz": _rate(run),
         "topics": {topic: list(names) for topic, names in run.topics.items()},
-        "viewers": {topic: vars(shown) for topic, shown in found.viewers.items()},
+        "viewers": {topic: vars(shown) for topic, shown in log.viewers.items()},
         "attachments": {name: len(data) for name, data in run.attachments.items()},
         "provenance": dict(run.provenance),
     }

@@ -77,8 +77,8 @@ class MeasureOptions:
 
     def arguments(self) -> dict[str, Any]:
         """Collect the arguments of the measure, in SI."""
-        given = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name.removesuffix("_nm").removesuffix("_rpm"): _in_si(name, value) for name, value in given.items()}
+        options = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name.removesuffix("_nm").removesuffix("_rpm"): _in_si(name, value) for name, value in options.items()}
 
 
 def _in_si(name: str, value: Any) -> Any:
@@ -345,8 +345,8 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         options: MeasureOptions,
         delivered: Delivered,
     ) -> int:
-        found = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
-        return _measure(name, found, options, delivered)
+        sound = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
+        return _measure(name, sound, options, delivered)
 
     command: Any = many if options is TorqueOptions else one
     shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": Delivered}
@@ -354,8 +354,8 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat
     command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": Delivered()}
-    made: Callable[..., int] = command
-    return made
+    function: Callable[..., int] = command
+    return function
 
 
 def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: Delivered) -> int:
@@ -368,10 +368,10 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
     require_distinct(designs)
     names = [f"{stem(name, design)}.{ending}" for design in designs for ending in ("json", "png", "svg")]
     into = folder(delivered.out, "the measurement", names, delivered.force)
-    found = []
+    measurements = []
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = counted(words, delivered.quiet)
         published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
-        found.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
-    return deliver(found, into, delivered)
+        measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
+    return deliver(measurements, into, delivered)

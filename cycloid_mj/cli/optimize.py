@@ -129,76 +129,76 @@ def optimize(
     if force:
         forget(into, STUDY)
     try:
-        found = explored(task, evaluations, starts, seed, into, engine, counted("optimize", quiet))
-        if found.best is None:
-            raise DesignError(f"{found.hopeless} (all points are in {into})")
-        write_whole({into / BEST: _best(found)})
-        found = found if quick else checked(found)
+        optimum = explored(task, evaluations, starts, seed, into, engine, counted("optimize", quiet))
+        if optimum.best is None:
+            raise DesignError(f"{optimum.hopeless} (all points are in {into})")
+        write_whole({into / BEST: _best(optimum)})
+        optimum = optimum if quick else checked(optimum)
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the points so far are in {into}: the same command goes on from there"
         ) from stop
-    return _delivered(found, into, json, quiet)
+    return _delivered(optimum, into, json, quiet)
 
 
 def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
     """Collect keys and ranges as they were written, once each."""
-    found: dict[str, str] = {}
+    ranges: dict[str, str] = {}
     for text in vary:
         key, equals, wanted = text.partition("=")
         key = key.strip()
         if not equals or not key or not wanted.strip():
             raise UsageError(f"--vary {text!r}: expected KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
-        if key in found:
+        if key in ranges:
             raise UsageError(f"--vary {key}: it is there twice")
-        found[key] = wanted.strip()
-    return found
+        ranges[key] = wanted.strip()
+    return ranges
 
 
-def _best(found: "Optimum") -> bytes:
+def _best(optimum: "Optimum") -> bytes:
     from cycloid_mj.design import dump
 
-    return dump(found.design()).encode()
+    return dump(optimum.design()).encode()
 
 
-def _delivered(found: "Optimum", into: Path, json: bool, quiet: bool) -> int:
+def _delivered(optimum: "Optimum", into: Path, json: bool, quiet: bool) -> int:
     """Write figure and page, and tell what was found."""
     from cycloid_mj.explore.optimizer import BEST, HISTORY
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.plots.save import pictures
 
-    files = pictures({Path(FIGURE).stem: tradeoff_figure(found)}, into) | {into / PAGE: _page(found).encode()}
+    files = pictures({Path(FIGURE).stem: tradeoff_figure(optimum)}, into) | {into / PAGE: _page(optimum).encode()}
     write_whole(files)
     if not quiet:
         tell(f"wrote {', '.join(map(str, (into / HISTORY, into / BEST, *files)))}")
     if json:
-        say_json(_json(found, into / BEST))
+        say_json(_json(optimum, into / BEST))
         return 0
-    for table in tables(found):
+    for table in tables(optimum):
         show(table)
-    say(found.words)
-    for note in found.notes:
+    say(optimum.words)
+    for note in optimum.notes:
         say(note)
     return 0
 
 
-def _json(found: "Optimum", best: Path) -> dict[str, Any]:
-    return {**found.as_json(), "design": str(best)}
+def _json(optimum: "Optimum", best: Path) -> dict[str, Any]:
+    return {**optimum.as_json(), "design": str(best)}
 
 
-def _page(found: "Optimum") -> str:
+def _page(optimum: "Optimum") -> str:
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.report.study import PageSection, study_page
 
-    values, figures, *rest = tables(found)
-    numbers = {"evaluations": str(found.evaluations), "keep all": str(len(found.feasible))}
-    numbers |= {key: f"{value:.5g}" for key, value in found.best_figures.items()}
+    values, figures, *rest = tables(optimum)
+    numbers = {"evaluations": str(optimum.evaluations), "keep all": str(len(optimum.feasible))}
+    numbers |= {key: f"{value:.5g}" for key, value in optimum.best_figures.items()}
     parts = [
         PageSection("The best design", tables=[values, figures]),
-        PageSection("The search", figures={SEARCHED: tradeoff_figure(found)}),
+        PageSection("The search", figures={SEARCHED: tradeoff_figure(optimum)}),
         *(PageSection(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
-        PageSection("What the numbers stand on", notes=found.notes),
+        PageSection("What the numbers stand on", notes=optimum.notes),
     ]
-    return study_page(f"cycloid_mj: {found.task.reducer.design.name} optimised", [found.words], numbers, parts)
+    return study_page(f"cycloid_mj: {optimum.task.reducer.design.name} optimised", [optimum.words], numbers, parts)

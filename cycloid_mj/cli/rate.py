@@ -79,8 +79,8 @@ def rate(
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     place = claimed(delivery, f"{design.name}-rating")
-    found = rated(design, cycle, life_h, read_ranges(stress, Reducer(design)) if stress else None, give=True)
-    return deliver(_outcome(found, place), place, delivery)
+    rating = rated(design, cycle, life_h, read_ranges(stress, Reducer(design)) if stress else None, give=True)
+    return deliver(_outcome(rating, place), place, delivery)
 
 
 def _outcome(found: "Rating", place: Destination) -> Outcome:

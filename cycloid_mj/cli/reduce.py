@@ -93,16 +93,19 @@ def reduce(
     into = folder(str(out), "the joint", FILES, force)
     reduced = measured(design, level, counted("reduce", quiet))
     inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
-    found, steps, bammed = against(Reducer(design), reduced), study(reduced), bam(reduced)
+    comparison, steps, bammed = against(Reducer(design), reduced), study(reduced), bam(reduced)
     step = None if timestep_ms is None else 1e-3 * timestep_ms
     asked = scene(reduced, inertia, step, *([] if integrator is None else [(integrator,)]))
-    warn(design.name, [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in found.missed)])
+    warn(
+        design.name,
+        [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in comparison.missed)],
+    )
     result = plain(
         {
             **reduced.as_json(),
             "scene": asked.as_json(),
-            "comparison": found.as_json(),
-            "te_holds_to_rpm": found.highest_speed_rpm,
+            "comparison": comparison.as_json(),
+            "te_holds_to_rpm": comparison.highest_speed_rpm,
             "recommended": recommended(steps),
             "steps": [one.as_json() for one in steps],
         }
@@ -112,7 +115,7 @@ def reduce(
         scene_xml(reduced, inertia, asked.timestep, asked.integrator),
         f"{json_text(result)}\n",
         f"{dumps(plain(bammed), indent=2)}\n",
-        joint_page(reduced, found, steps, asked, bammed),
+        joint_page(reduced, comparison, steps, asked, bammed),
     )
     files = {into / name: text.encode() for name, text in zip(FILES, texts, strict=True)}
     write_whole(files)
@@ -122,7 +125,7 @@ def reduce(
         say_json(result)
         return 0
     _print(reduced)
-    show(found.table())
+    show(comparison.table())
     show(recommended_table(steps))
     show(table(steps))
     say(f"scene: {asked.integrator}, {1e3 * asked.timestep:g} ms, {inertia:.4g} kg m2 on the output: {asked.sentence}")

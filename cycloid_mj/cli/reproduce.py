@@ -12,11 +12,11 @@ Papers are packages of their own, found by entry points of the group {GROUP}.
 
 def add(app: App, place: float) -> None:
     """Add the command to the table of contents at a place."""
-    found = papers()
-    if len(found) == 1:
-        app.command(found[0].command, name="reproduce", sort_key=place, help_epilogue=found[0].examples)
+    installed = papers()
+    if len(installed) == 1:
+        app.command(installed[0].command, name="reproduce", sort_key=place, help_epilogue=installed[0].examples)
         return
     group = App(name="reproduce", help=ABOUT, sort_key=place)
-    for paper in found:
+    for paper in installed:
         group.command(paper.command, name=paper.key, help_epilogue=paper.examples)
     app.command(group)

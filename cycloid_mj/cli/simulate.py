@@ -212,13 +212,13 @@ def run_into_log(
     plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
     groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
-    told = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
-    told |= warned(warnings(compiled, reducer))
-    progress.tell(f"time step {told['timestep']}, for {told['timestep_for']}")
+    entries = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
+    entries |= warned(warnings(compiled, reducer))
+    progress.tell(f"time step {entries['timestep']}, for {entries['timestep_for']}")
     start = time.perf_counter()
     scene = Scene(design, frame_rate(reducer))
     files = attachments(compiled, reducer)
-    with _first(names, lambda path: LogWriter(path, groups, told, files, force=force, viewer=scene)) as log:
+    with _first(names, lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)) as log:
         _record(blocks(compiled, reducer), log, progress)
         wall = time.perf_counter() - start
         log.flush()

@@ -240,15 +240,15 @@ def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
     from cycloid_mj.log import read
     from cycloid_mj.stress.turn import require_same
 
-    found: list[Logged] = []
+    logged: list[Logged] = []
     for number, name in enumerate(logs):
         run = read(Path(name))
         ran = design_of(run)
         warn(ran.name, run.warnings)
         if designs:
             require_same(Reducer(designed(designs[number], (), ())), Reducer(ran))
-        found.append((ran, run, Path(name)))
-    return found
+        logged.append((ran, run, Path(name)))
+    return logged
 
 
 def _studied(

@@ -26,7 +26,7 @@ def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
     judged = stress_claims(studies)
     drawn = _drawn(studies, into)
     files = [*drawn]
-    told: dict[str, Any] = with_warnings(
+    content: dict[str, Any] = with_warnings(
         {
             "designs": [each.as_json() for each in findings],
             "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
@@ -34,9 +34,9 @@ def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
         }
     )
     result = into / RESULT
-    write_whole({**drawn, result: (js.dumps(told, indent=1) + "\n").encode()})
+    write_whole({**drawn, result: (js.dumps(content, indent=1) + "\n").encode()})
     if json:
-        say_json(told)
+        say_json(content)
         return
     _say(studies, judged, [*files, result])
 
@@ -51,8 +51,8 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path) -> dict[Path, bytes]:
     vtu: dict[Path, bytes] = {}
     for study in studies:
         maps = {one.findings.part: one.map for one in study.parts}
-        for part, found in maps.items():
-            vtu[into / f"{study.design.name}_{part}.vtu"] = as_vtu(found)
+        for part, stress_map in maps.items():
+            vtu[into / f"{study.design.name}_{part}.vtu"] = as_vtu(stress_map)
         figures[f"fig10_grid_{study.design.name}"] = grid_figure(
             {one.findings.part: one.grid for one in study.parts}, study.design.name
         )
@@ -83,17 +83,17 @@ def _say(studies: "Sequence[StressStudy]", judged: "Mapping[str, Sequence[Claim]
     )
 
     for study in studies:
-        found = study.findings
-        title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
-        say_table(f"{title}, away from contacts", BULK_HEADER, bulk_table(found))
-        say_table(f"{title}, below contacts", CONTACT_HEADER, contact_table(found))
+        findings = study.findings
+        title = f"{findings.design}, {findings.load:g} N m: largest von Mises stress of a crank turn"
+        say_table(f"{title}, away from contacts", BULK_HEADER, bulk_table(findings))
+        say_table(f"{title}, below contacts", CONTACT_HEADER, contact_table(findings))
         say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
-        for part in found.parts:
+        for part in findings.parts:
             for line in told_beside(part):
                 say(line)
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in findings.parts)
         say(f"out of balance, of the largest force: {balance}")
-        if rough := [part.part for part in found.parts if not part.refinement.holds]:
+        if rough := [part.part for part in findings.parts if not part.refinement.holds]:
             say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
     for source, claims in judged.items():
         _say_claims(source, claims, any(study.findings.references for study in studies))

@@ -139,13 +139,13 @@ def sweep(
     if force:
         forget(into, SWEEP)
     try:
-        found = in_folder(task, wanted, into, engine, counted("sweep", quiet))
+        swept = in_folder(task, wanted, into, engine, counted("sweep", quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the rows so far are in {into}: the same command goes on from there"
         ) from stop
-    quantities = shown(found, tuple(name for name in show_.split(",") if name))
-    return _delivered(found, quantities, into, json, quiet)
+    quantities = shown(swept, tuple(name for name in show_.split(",") if name))
+    return _delivered(swept, quantities, into, json, quiet)
 
 
 def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
@@ -167,7 +167,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
     return chosen(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
 
 
-def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bool, quiet: bool) -> int:
+def _delivered(sweep: "Sweep", quantities: tuple[str, ...], into: Path, json: bool, quiet: bool) -> int:
     """Write figure and page, and tell what was found; give the exit code."""
     from cycloid_mj.base.whole import write_whole
     from cycloid_mj.explore.ranks import tables
@@ -177,8 +177,8 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
     from cycloid_mj.report.sweep import sweep_page
 
     parquet, page = into / PARQUET, into / PAGE
-    drawn = pictures({"sweep": sweep_figure(found, quantities)}, into, ("png", "svg"))
-    write_whole({**drawn, page: sweep_page(found, quantities, drawn[into / "sweep.svg"]).encode()})
+    drawn = pictures({"sweep": sweep_figure(sweep, quantities)}, into, ("png", "svg"))
+    write_whole({**drawn, page: sweep_page(sweep, quantities, drawn[into / "sweep.svg"]).encode()})
     files = [into / TABLE, *([parquet] if parquet.exists() else []), *drawn, page]
     if not quiet:
         if not parquet.exists():
@@ -187,23 +187,23 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
     if json:
         say_json(
             {
-                "points": len(found.points),
-                "failed": found.failed,
+                "points": len(sweep.points),
+                "failed": sweep.failed,
                 "table": str(files[0]),
                 "parquet": str(parquet) if parquet.exists() else None,
                 "page": str(page),
-                "quantities": {name: found.frame.units.get(name, "1") for name in found.quantities},
-                "assumptions": list(found.assumptions),
+                "quantities": {name: sweep.frame.units.get(name, "1") for name in sweep.quantities},
+                "assumptions": list(sweep.assumptions),
             }
         )
     else:
-        for one in tables(found, quantities):
+        for one in tables(sweep, quantities):
             show(one)
-        for sentence in found.assumptions:
+        for sentence in sweep.assumptions:
             say(f"assumed: {sentence}")
-        say(f"{len(found.points)} points, {found.failed} failed")
-    for error, count in list(found.errors.items())[:MOST_ERRORS]:
-        tell(f"{count} of {len(found.points)} failed: {error}")
-    if (more := len(found.errors) - MOST_ERRORS) > 0:
+        say(f"{len(sweep.points)} points, {sweep.failed} failed")
+    for error, count in list(sweep.errors.items())[:MOST_ERRORS]:
+        tell(f"{count} of {len(sweep.points)} failed: {error}")
+    if (more := len(sweep.errors) - MOST_ERRORS) > 0:
         tell(f"and {more} other errors: they are in {files[0]}")
-    return FAILURE if found.failed == len(found.points) else 0
+    return FAILURE if sweep.failed == len(sweep.points) else 0

@@ -133,10 +133,10 @@ def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
             _seen.reset(token)
 
 
-def with_warnings(found: dict[str, Any]) -> dict[str, Any]:
+def with_warnings(content: dict[str, Any]) -> dict[str, Any]:
     """Collect a command's JSON object with the warnings kept so far, ``warnings``, unless it has that key already."""
     seen = _seen.get(None)
-    return found if seen is None or "warnings" in found else found | {"warnings": list(seen)}
+    return content if seen is None or "warnings" in content else content | {"warnings": list(seen)}
 
 
 @contextmanager

@@ -91,54 +91,54 @@ def tolerance(
     limits = [read(text, Reducer(design)) for text in limit]
     into = folder(str(out), "the samples", [f"{design.name}-{rest}" for rest in FILES], force)
     try:
-        found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
+        tolerances = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
     except Unfinished as stop:
         _deliver(stop.found, into, json, quiet)
         raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {into}") from stop
     except AllJam as jam:
         _deliver(jam.found, into, json, quiet)
         raise RunError(f"{jam}; they are in {into}") from jam
-    _deliver(found, into, json, quiet)
+    _deliver(tolerances, into, json, quiet)
     return 0
 
 
-def _deliver(found: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
+def _deliver(tolerances: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
     """Write the files, and tell what was found."""
-    files = _files(found, into)
+    files = _files(tolerances, into)
     write_whole(files)
     if not quiet:
         tell(f"wrote {', '.join(map(str, files))}")
     if json:
-        say_json(found.as_json())
+        say_json(tolerances.as_json())
         return
-    for table in found.tables():
+    for table in tolerances.tables():
         show(table)
-    for note in found.notes:
+    for note in tolerances.notes:
         say(note)
-    say(found.words)
+    say(tolerances.words)
 
 
-def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
+def _files(tolerances: "Tolerances", into: Path) -> dict[Path, bytes]:
     """Collect what is written, by path: the worst designs first, the page last."""
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
     from cycloid_mj.plots.tolerance import tolerance_figures
     from cycloid_mj.report.study import PageSection, study_page
 
-    figures = tolerance_figures(found)
+    figures = tolerance_figures(tolerances)
     shared = {
         "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).": "budget"
     }
     ranked = {caption: figures[name] for caption, name in shared.items() if name in figures}
-    spread, *others = found.tables()
-    tighten, checked = (others[:1], others[1:]) if found.budget else ([], others)
-    low, high = found.yield_interval
+    spread, *others = tolerances.tables()
+    tighten, checked = (others[:1], others[1:]) if tolerances.budget else ([], others)
+    low, high = tolerances.yield_interval
     numbers = {
-        "yield": f"{found.good.mean():.2%}",
+        "yield": f"{tolerances.good.mean():.2%}",
         "95 % confidence": f"{low:.2%} to {high:.2%}",
-        "jam": f"{found.jams.mean():.2%}",
-        "samples": found.told_count,
-        **({"tighten first": found.budget[0].source} if found.budget else {}),
+        "jam": f"{tolerances.jams.mean():.2%}",
+        "samples": tolerances.told_count,
+        **({"tighten first": tolerances.budget[0].source} if tolerances.budget else {}),
     }
     parts = [
         *(PageSection("Tighten this first", figures=ranked, tables=[table]) for table in tighten),
@@ -146,13 +146,15 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
             "Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]
         ),
         *(PageSection("In full dynamics", tables=[table]) for table in checked),
-        PageSection("What the numbers stand on", notes=[found.condition, *found.notes]),
+        PageSection("What the numbers stand on", notes=[tolerances.condition, *tolerances.notes]),
     ]
-    page = study_page(f"cycloid_mj: tolerances of {found.design}", [found.words, found.condition], numbers, parts)
-    name = found.design
+    page = study_page(
+        f"cycloid_mj: tolerances of {tolerances.design}", [tolerances.words, tolerances.condition], numbers, parts
+    )
+    name = tolerances.design
     return {
-        **{into / f"{name}-worst-{i}.toml": dump(one).encode() for i, one in enumerate(found.worst, 1)},
-        into / f"{name}-samples.csv": csv_bytes(found.frame.columns),
-        into / f"{name}-tolerance.json": (text_of.dumps(finite(found.as_json()), indent=2) + "\n").encode(),
+        **{into / f"{name}-worst-{i}.toml": dump(one).encode() for i, one in enumerate(tolerances.worst, 1)},
+        into / f"{name}-samples.csv": csv_bytes(tolerances.frame.columns),
+        into / f"{name}-tolerance.json": (text_of.dumps(finite(tolerances.as_json()), indent=2) + "\n").encode(),
         into / f"{name}-tolerance.html": page.encode(),
     }

@@ -56,13 +56,13 @@ def _climbed(parts: "tuple[RungPart, ...]", quick: bool) -> "list[ValidationRow]
     from cycloid_mj.validate.ladder import climb, in_order
 
     start, whole = monotonic(), sum(part.cost[not quick] for part in parts)
-    done, found = 0.0, []
+    done, climbed = 0.0, []
     for number, rows in climb(parts, quick):
-        found.append((number, rows))
+        climbed.append((number, rows))
         done += parts[number].cost[not quick]
         left = seconds_left(start, done / whole)
-        tell(f"{len(found)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
-    return in_order(found)
+        tell(f"{len(climbed)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
+    return in_order(climbed)
 
 
 def _report(rows: "list[ValidationRow]", wall: float) -> None:

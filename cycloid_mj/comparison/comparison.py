@@ -132,21 +132,21 @@ def compare(
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
     """Return designs by name if runs of these cases, each a design under a load, can be compared; see `compare`."""
-    found: dict[str, Design] = {}
+    by_name: dict[str, Design] = {}
     for case in cases:
         require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
         # a name stands for one design, whatever its load and how long it runs under it
-        first = found.setdefault(case.name, case)
+        first = by_name.setdefault(case.name, case)
         if differing := [key for key in differences([first, case]) if key != HOLD]:
             raise UsageError(
                 f"two designs are called {case.name!r}, but differ in {', '.join(differing[:3])}: "
                 "give each a name of its own in its file"
             )
-    if len(found) < 2:
-        raise UsageError(f"a comparison needs two designs, got {', '.join(found) or 'none'}: name another one")
-    _require_every_case(cases, list(found))
+    if len(by_name) < 2:
+        raise UsageError(f"a comparison needs two designs, got {', '.join(by_name) or 'none'}: name another one")
+    _require_every_case(cases, list(by_name))
     _require_same_conditions(cases)
-    return found
+    return by_name
 
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
@@ -170,12 +170,12 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
 
 
 def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
-    wanted, own = conditions(first), conditions(case)
-    for key in wanted | own:
-        if own.get(key) != wanted.get(key) and key not in but:
+    wanted, shared = conditions(first), conditions(case)
+    for key in wanted | shared:
+        if shared.get(key) != wanted.get(key) and key not in but:
             raise UsageError(
                 f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.design.name} at "
-                f"{load_words(first.design.load.torque)}, but {own.get(key)} for {case.design.name} at "
+                f"{load_words(first.design.load.torque)}, but {shared.get(key)} for {case.design.name} at "
                 f"{load_words(case.design.load.torque)}; run them with the same"
             )
 

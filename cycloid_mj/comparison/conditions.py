@@ -29,8 +29,8 @@ def values(reducer: Reducer) -> dict[str, Any]:
 
 def conditions(reducer: Reducer) -> dict[str, Any]:
     """Collect the values of a design that its rivals must share."""
-    found = values(reducer).items()
-    return {key: value for key, value in found if key.split(".")[0] in TABLES and key not in NO_CONDITIONS}
+    entries = values(reducer).items()
+    return {key: value for key, value in entries if key.split(".")[0] in TABLES and key not in NO_CONDITIONS}
 
 
 def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
@@ -40,9 +40,9 @@ def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return what differs between designs, load torque apart: key -> the value of each, None where it has none."""
-    found = [values(Reducer(design)) for design in designs]
-    keys = dict.fromkeys(key for one in found for key in one if key != "load.torque_nm")
-    each = {key: tuple(one.get(key) for one in found) for key in keys}
+    all_values = [values(Reducer(design)) for design in designs]
+    keys = dict.fromkeys(key for one in all_values for key in one if key != "load.torque_nm")
+    each = {key: tuple(one.get(key) for one in all_values) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 

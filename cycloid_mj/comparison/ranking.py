@@ -105,8 +105,8 @@ class Ranking:
     def verdict(self) -> Verdict:
         """What becomes of the paper's finding."""
         if self.load_nm == 0.0:
-            found = order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
-            return ("not determined", "confirmed", "contradicted")[found]
+            ordering = order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
+            return ("not determined", "confirmed", "contradicted")[ordering]
         if min(len(self.pin_level.by_turn), len(self.nonpin_level.by_turn)) < FEWEST_TURNS:
             return "undecided"
         if 1 / ALIKE <= self.ratio <= ALIKE:
@@ -125,14 +125,14 @@ class Ranking:
     @property
     def sentence(self) -> str:
         """The verdict in words, with the numbers."""
-        found = {
+        phrase = {
             "confirmed": f"CONFIRMED, {self.pin} fluctuates more",
             "contradicted": f"NOT CONFIRMED, {self.nonpin} fluctuates more",
             "alike": "NOT CONFIRMED, both are alike",
             "undecided": "UNDECIDED, their turns do not tell them apart",
             "not determined": f"NOT DETERMINED, {self._open()}",
         }[self.verdict]
-        claim = f"{self.figure}): {found}" if self.figure else f"not in the paper): {found.split(', ', 1)[1]}"
+        claim = f"{self.figure}): {phrase}" if self.figure else f"not in the paper): {phrase.split(', ', 1)[1]}"
         return f"{load_words(self.load_nm)}, {self.quantity} ({claim}: {self._numbers()}"
 
     def _open(self) -> str:
@@ -160,9 +160,9 @@ def summary(ranked: Sequence[Ranking]) -> list[str]:
     for load, pin, nonpin in dict.fromkeys((ranking.load_nm, ranking.pin, ranking.nonpin) for ranking in ranked):
         claims = [r for r in ranked if r.figure and (r.load_nm, r.pin, r.nonpin) == (load, pin, nonpin)]
         parts = [
-            f"{words} for {', '.join(found)}"
+            f"{words} for {', '.join(quantities)}"
             for words, verdicts in OUTCOMES.items()
-            if (found := [f"{r.quantity} ({r.figure})" for r in claims if r.verdict in verdicts])
+            if (quantities := [f"{r.quantity} ({r.figure})" for r in claims if r.verdict in verdicts])
         ]
         lines.append(f"{load_words(load)}, {pin} fluctuates more than {nonpin}: {'; '.join(parts)}")
     return lines

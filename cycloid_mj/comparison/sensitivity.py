@@ -65,9 +65,9 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
             trial.load,
             figure,
             tuple(
-                SensitivityPoint(variation.parameter, variation.value, found)
+                SensitivityPoint(variation.parameter, variation.value, varied)
                 for variation, others in changed.items()
-                if (found := measured(others[place].measures)) is not None
+                if (varied := measured(others[place].measures)) is not None
             ),
         )
         for quantity, unit, measured in DYNAMIC
@@ -76,23 +76,23 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
     ]
 
 
-def sensitivity_table(found: Sequence[Sensitivity], condition: str) -> Table:
+def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> Table:
     """Tabulate the changes of each figure with each assumption, a column for each design, or "not determined"."""
     ends = " and ".join(each.words for each in ASSUMPTIONS)
-    designs = list(dict.fromkeys(each.design for each in found))
+    designs = list(dict.fromkeys(each.design for each in sensitivities))
     rows = []
-    for quantity in dict.fromkeys(each.quantity for each in found):
-        by_design = {each.design: each for each in found if each.quantity == quantity}
+    for quantity in dict.fromkeys(each.quantity for each in sensitivities):
+        by_design = {each.design: each for each in sensitivities if each.quantity == quantity}
         rows.append((quantity, *(_words(by_design[name]) if name in by_design else "" for name in designs)))
     return Table(f"{condition}: change with {ends}", ("quantity", *designs), tuple(rows))
 
 
-def _words(found: Sensitivity) -> str:
-    if not found.determined:
-        return "not determined: x " + ", ".join(f"{1.0 + change:.2g}" for change in found.changes)
-    if found.unit == "%":
-        return ", ".join(f"{each.figure - found.figure:+.2f} points" for each in found.responses)
-    return ", ".join(f"{100.0 * change:+.0f} %" for change in found.changes)
+def _words(sensitivity: Sensitivity) -> str:
+    if not sensitivity.determined:
+        return "not determined: x " + ", ".join(f"{1.0 + change:.2g}" for change in sensitivity.changes)
+    if sensitivity.unit == "%":
+        return ", ".join(f"{each.figure - sensitivity.figure:+.2f} points" for each in sensitivity.responses)
+    return ", ".join(f"{100.0 * change:+.0f} %" for change in sensitivity.changes)
 
 
 def _ratio(value: float, base: float) -> float:

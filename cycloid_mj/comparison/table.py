@@ -96,12 +96,12 @@ def table(trials: Sequence[Trial]) -> Table:
     of = ", gear and q of gear 1" if any(trial.measures.findings.discs for trial in trials) else ""
     rows = []
     for figure in ROWS:
-        found = [trial.over_starts(figure.of) for trial in trials]
-        if any(spread is not None for spread in found):
-            rows.append((figure.words, *("" if spread is None else _words(spread) for spread in found), figure.unit))
+        spreads = [trial.over_starts(figure.of) for trial in trials]
+        if any(spread is not None for spread in spreads):
+            rows.append((figure.words, *("" if spread is None else _words(spread) for spread in spreads), figure.unit))
     header = ("quantity", *(trial.name for trial in trials), "unit")
     return Table(f"{findings.condition}: {span}{over}{of}", header, tuple(rows))
 
 
-def _words(found: StartSpread) -> str:
-    return f"{found.mean:.4g}" if len(found.values) == 1 else f"{found.words} ({found.mean:.3g})"
+def _words(spread: StartSpread) -> str:
+    return f"{spread.mean:.4g}" if len(spread.values) == 1 else f"{spread.words} ({spread.mean:.3g})"

@@ -86,19 +86,19 @@ def spectrum(motion: Series) -> Spectrum:
     """
     parts = turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    found, step = acceleration(motion), _sampling(motion)
-    segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(found.output[rows]))
-    frequency, power = density(np.column_stack([found.centre, found.output])[rows], 1.0 / step, segment)
+    accelerations, step = acceleration(motion), _sampling(motion)
+    segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(accelerations.output[rows]))
+    frequency, power = density(np.column_stack([accelerations.centre, accelerations.output])[rows], 1.0 / step, segment)
     power /= np.sinc(frequency * step)[:, np.newaxis] ** 2
     return Spectrum(frequency, power[:, :2].sum(axis=1), power[:, 2])
 
 
 def vibration(motion: Series) -> VibrationLevels:
     """Measure the vibration of a run."""
-    found, parts = acceleration(motion), turns(motion)
+    accelerations, parts = acceleration(motion), turns(motion)
     return VibrationLevels(
-        gear_centre_m_s2=level(found.centre, parts),
-        output_rad_s2=level(found.output, parts),
+        gear_centre_m_s2=level(accelerations.centre, parts),
+        output_rad_s2=level(accelerations.output, parts),
         band_hz=0.5 / _sampling(motion),
         octaves=_octaves(spectrum(motion)),
     )
@@ -108,14 +108,14 @@ def _sampling(motion: Series) -> float:
     return float(np.mean(np.diff(motion.time)))
 
 
-def _octaves(found: Spectrum) -> tuple[OctaveBand, ...]:
+def _octaves(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
     """List the bands that lie whole within the spectrum."""
-    width = found.frequency[1] - found.frequency[0]
+    width = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
     for middle in OCTAVES:
         low, high = middle / np.sqrt(2.0), middle * np.sqrt(2.0)
-        if low >= width and high <= found.frequency[-1]:
-            inside = (found.frequency >= low) & (found.frequency < high)
-            centre, output = (np.sqrt(width * part[inside].sum()) for part in (found.centre, found.output))
+        if low >= width and high <= spectrum.frequency[-1]:
+            inside = (spectrum.frequency >= low) & (spectrum.frequency < high)
+            centre, output = (np.sqrt(width * part[inside].sum()) for part in (spectrum.centre, spectrum.output))
             bands.append(OctaveBand(float(middle), float(centre), float(output)))
     return tuple(bands)

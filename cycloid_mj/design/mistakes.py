@@ -16,9 +16,9 @@ def refusal(error: ValidationError, root: type[BaseModel], where: str) -> Design
 
     `root` is the model that was validated; `where` tells where the values came from.
     """
-    told = [_told(details, root, where) for details in error.errors()[:MOST_ERRORS]]
-    rest = error.error_count() - len(told)
-    return DesignError("; ".join([*told, f"and {rest:,} more"] if rest else told))
+    sentences = [_told(details, root, where) for details in error.errors()[:MOST_ERRORS]]
+    rest = error.error_count() - len(sentences)
+    return DesignError("; ".join([*sentences, f"and {rest:,} more"] if rest else sentences))
 
 
 def _told(details: ErrorDetails, root: type[BaseModel], where: str) -> str:

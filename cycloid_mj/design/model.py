@@ -531,14 +531,14 @@ class Material(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _named(cls, given: Any) -> Any:
+    def _named(cls, value: Any) -> Any:
         """Take what is not given from the library."""
-        if not isinstance(given, Mapping):
-            return given
+        if not isinstance(value, Mapping):
+            return value
         numbers = [key for key in cls.model_fields if key != "name"]
-        name = given.get("name", "" if any(key in given for key in numbers) else DEFAULT)
+        name = value.get("name", "" if any(key in value for key in numbers) else DEFAULT)
         entry = MATERIALS.get(name or DEFAULT) if isinstance(name, str) else None
-        return {"name": name, **{key: getattr(entry, key) for key in numbers if entry}, **given}
+        return {"name": name, **{key: getattr(entry, key) for key in numbers if entry}, **value}
 
     @field_validator("name")
     @classmethod
@@ -739,20 +739,20 @@ class Design(Section):
         changes
             Table -> values; the crank's speed must not be 0.
         """
-        found = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
-        time = turns * 2.0 * math.pi / abs(found.drive.speed) + samples / found.settings.log_rate
-        return found.but(drive={"hold": settled + time})
+        design = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
+        time = turns * 2.0 * math.pi / abs(design.drive.speed) + samples / design.settings.log_rate
+        return design.but(drive={"hold": settled + time})
 
     @model_validator(mode="before")
     @classmethod
-    def _parts_as_the_rest(cls, given: Any) -> Any:
+    def _parts_as_the_rest(cls, value: Any) -> Any:
         """Let a part's table without a name of its own start from what all parts are made of."""
         unnamed = [f"{part}_material" for part in PARTS]
-        tables = {key: given[key] for key in unnamed if isinstance(given.get(key), Mapping)}
-        base = given.get("material", {})
+        tables = {key: value[key] for key in unnamed if isinstance(value.get(key), Mapping)}
+        base = value.get("material", {})
         if not tables or not isinstance(base, Mapping):
-            return given
-        return {**given, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
+            return value
+        return {**value, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
 
     def material_of(self, part: str) -> Material:
         """Return what a part is made of: one of `PARTS`."""
@@ -870,13 +870,13 @@ class Design(Section):
         """Refuse, beside the contact law IMPACT, another stiffness or damping of contacts, and parts that bend."""
         if self.contact.law != "impact":
             return self
-        given = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]
-        given += [f"damping.{kind}" for kind, value in self.damping if value]
-        given += ["contact.stiffness_n_m"] * bool(self.contact.stiffness)
-        given += ['structure = "springs"'] * (self.structure == "springs")
-        if given:
+        set_keys = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]
+        set_keys += [f"damping.{kind}" for kind, value in self.damping if value]
+        set_keys += ["contact.stiffness_n_m"] * bool(self.contact.stiffness)
+        set_keys += ['structure = "springs"'] * (self.structure == "springs")
+        if set_keys:
             raise ValueError(
-                f'contact.law = "impact" has its own stiffness and damping, and {", ".join(given)} is set: leave it '
+                f'contact.law = "impact" has its own stiffness and damping, and {", ".join(set_keys)} is set: leave it '
                 "out, or set contact.impact_stiffness_n_mm and contact.impact_damping_n_s_mm"
             )
         return self

@@ -133,13 +133,13 @@ def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float
 
 def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     """Tell of friction that turns round before the sliding does."""
-    found = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
-    kind = max(found, key=lambda one: found[one], default="")
-    if kind and found[kind] > MOST_LEAD:
+    lead = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
+    kind = max(lead, key=lambda one: lead[one], default="")
+    if kind and lead[kind] > MOST_LEAD:
         yield (
-            f"{kind}: friction leads its sliding by {math.degrees(math.atan(found[kind])):.3g} deg of the crank's turn "
+            f"{kind}: friction leads its sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of the crank's turn "
             f"at this speed and working force: losses read too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / found[kind])}"
+            f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / lead[kind])}"
         )
 
 
@@ -201,10 +201,10 @@ def _unused(reducer: Reducer) -> Iterator[str]:
     rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
     rolling |= {"output": ("output.rollers = false", design.output.rollers)}
     for kind, (change, rolls) in rolling.items():
-        given = getattr(design.friction, kind)
-        if rolls and given not in (0.0, getattr(Friction(), kind)):
+        value = getattr(design.friction, kind)
+        if rolls and value not in (0.0, getattr(Friction(), kind)):
             yield (
-                f"friction.{kind} = {given:g} has no effect where rollers run: set friction.{kind}_rolling, or {change}"
+                f"friction.{kind} = {value:g} has no effect where rollers run: set friction.{kind}_rolling, or {change}"
             )
 
 

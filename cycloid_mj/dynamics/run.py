@@ -257,18 +257,20 @@ def provenance(
     """
     from cycloid_mj import __version__
 
-    made = for_slices(reducer) if contact == "mesh" else reducer
+    stiffened = for_slices(reducer) if contact == "mesh" else reducer
     steps = STEPS[solver]
-    own = steps.chosen(made)
-    step = step or own.seconds
+    chosen = steps.chosen(stiffened)
+    step = step or chosen.seconds
     return {
         "design": reducer.design.name,
         "solver": solver,
         "contact": contact,
         "timestep_s": repr(step),
-        "timestep": str(own if own.seconds == step else Step(step, "the model's")),
-        "timestep_for": steps.held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
-        "working_forces": working_forces_told(made, reducer.mechanism.kinds),
+        "timestep": str(chosen if chosen.seconds == step else Step(step, "the model's")),
+        "timestep_for": steps.held_figures(
+            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step})
+        ),
+        "working_forces": working_forces_told(stiffened, reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
@@ -294,8 +296,8 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     def model() -> bytes:
         return xml((build(reducer.design) if isinstance(compiled, PlanarModel) else compiled).spec).encode()
 
-    own = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": model}
-    return Deferred(own | {name: partial(bytes, content) for name, content in assets.items()})
+    files = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": model}
+    return Deferred(files | {name: partial(bytes, content) for name, content in assets.items()})
 
 
 def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> Generator[SampleBlock, None, None]:
@@ -414,7 +416,7 @@ class _Recorder:
         if not wrong.any():
             return rows, ""
         first = int(np.argmax(wrong))
-        return rows[: first + 1], next(told(first) for failed, told in checks if failed[first])
+        return rows[: first + 1], next(describe(first) for failed, describe in checks if failed[first])
 
     def tables(self, rows: Array) -> dict[str, Array]:
         """Compute the values of samples by topic, one row for each."""

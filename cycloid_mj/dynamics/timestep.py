@@ -75,9 +75,9 @@ def chosen(reducer: Reducer) -> Step:
 
     A chosen step is at most `LONGEST`, and a whole number of them lies between two samples of the log.
     """
-    given, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
-    if given:
-        return Step(given, "given")
+    timestep, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
+    if timestep:
+        return Step(timestep, "given")
     allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate}
     return whole_in_samples(rate, allowed | limits(reducer))
 
@@ -108,14 +108,14 @@ def held_figures(reducer: Reducer) -> str:
 
 def limits(reducer: Reducer) -> dict[str, float]:
     """Map what limits the step of a design to the longest step [s] that it allows."""
-    found = {
+    bounds = {
         f"stiffness of {kind}": math.sqrt(resolved(reducer, kind) * mass / stiffest(reducer, kind))
         for kind, mass in effective_masses(reducer).items()
     }
-    found |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
+    bounds |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
     if reducer.design.drive.speed:
-        found["the passing of teeth"] = passing_limit(reducer)
-    return found
+        bounds["the passing of teeth"] = passing_limit(reducer)
+    return bounds
 
 
 def resolved(reducer: Reducer, kind: str) -> float:
@@ -130,10 +130,10 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     """Map what rolls in its play under its working force to the longest step [s] that follows it."""
     design = reducer.design
     gear, _, pin = _masses(reducer)
-    found = {"the gear on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
+    bounds = {"the gear on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
     if design.ring.has_pin_bodies:
-        found["pins in their play"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
-    return found
+        bounds["pins in their play"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
+    return bounds
 
 
 def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> float:

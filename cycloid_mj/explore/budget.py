@@ -113,14 +113,14 @@ class _Linear(NamedTuple):
 
 def _scaled(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
     """Compute departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
-    found = []
+    scaled = []
     for key, one in zones.items():
         values = departures[key][rows].reshape(rows.size, -1)
         if key.startswith(WAVE):  # a wave begins anywhere: its cosine and sine have half of its mean square each
-            found.append(values / math.sqrt(0.5 * (one.middle**2 + one.deviation**2)))
+            scaled.append(values / math.sqrt(0.5 * (one.middle**2 + one.deviation**2)))
         else:
-            found.append((values - one.middle) / (one.deviation or 1.0))
-    return found
+            scaled.append((values - one.middle) / (one.deviation or 1.0))
+    return scaled
 
 
 def _linear_part(departures: Sequence[list[Array]], f: _Sets) -> _Linear:

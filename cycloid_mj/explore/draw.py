@@ -51,7 +51,7 @@ def tolerances(reducer: Reducer) -> dict[str, Zone]:
         A tolerance is not of a known form.
     """
     design = reducer.design
-    given, clearance, ring = design.tolerance, design.clearance, design.ring
+    tolerance, clearance, ring = design.tolerance, design.clearance, design.ring
     circle = 2.0 * ring.pin_circle_radius
     fits = {
         "mesh": (circle, getattr(clearance, design.tooth_pair)),
@@ -68,13 +68,13 @@ def tolerances(reducer: Reducer) -> dict[str, Zone]:
         "disc_size": circle,
         "cam_position": 2.0 * design.gear.eccentricity,
     }
-    found = {key: zone(getattr(given, key), key, size, own) for key, (size, own) in fits.items()}
-    found |= {key: zone(getattr(given, key), key, size) for key, size in sizes.items()}
+    zones = {key: zone(getattr(tolerance, key), key, size, own) for key, (size, own) in fits.items()}
+    zones |= {key: zone(getattr(tolerance, key), key, size) for key, size in sizes.items()}
     if not design.pin_play:
-        found["seat"] = None
-    waves = wave_zones(given.profile, ring.teeth, circle)
-    found |= {f"{WAVE}{order}": one for order, one in waves.items()}
-    return {key: one for key, one in found.items() if one is not None and (one.width or one.middle)}
+        zones["seat"] = None
+    waves = wave_zones(tolerance.profile, ring.teeth, circle)
+    zones |= {f"{WAVE}{order}": one for order, one in waves.items()}
+    return {key: one for key, one in zones.items() if one is not None and (one.width or one.middle)}
 
 
 @dataclass(frozen=True)
@@ -122,11 +122,11 @@ def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Ba
     A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
     """
     shares = _shares(reducer, zones, seed, block)
-    found = {key: one.quantiles(shares[key]) for key, one in zones.items()}
+    drawn = {key: one.quantiles(shares[key]) for key, one in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
         amplitude, begin = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
-        found[key] = np.stack([amplitude * np.cos(begin), -amplitude * np.sin(begin)], axis=1)
-    return found
+        drawn[key] = np.stack([amplitude * np.cos(begin), -amplitude * np.sin(begin)], axis=1)
+    return drawn
 
 
 def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
@@ -144,13 +144,13 @@ def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch
 
     axes = int(sum(np.prod(shape, dtype=int) for shape in shapes.values()))
     points = _inside(Sobol(2 * axes, rng=np.random.default_rng([seed, len(SOURCES)])).random(block.count))
-    found, first = {}, 0
+    shares, first = {}, 0
     for key, shape in shapes.items():
         start = first + (axes if key in block.second else 0)
         wide = int(np.prod(shape, dtype=int))
-        found[key] = points[:, start : start + wide].reshape(block.count, *shape)
+        shares[key] = points[:, start : start + wide].reshape(block.count, *shape)
         first += wide
-    return found
+    return shares
 
 
 def _stream(key: str) -> int:
@@ -204,7 +204,7 @@ def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
 
     Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: the seventh of the second) are counted from 1.
     """
-    found = {}
+    columns = {}
     for key, values in departures.items():
         axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
         for place in np.ndindex(values.shape[1:]):
@@ -213,14 +213,14 @@ def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
             else:
                 parts = [str(number + 1) for number in (place[:-1] if axes else place)]
                 parts += [axes[place[-1]]] if axes else []
-            found["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *place)]
-    return found
+            columns["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *place)]
+    return columns
 
 
-def filed(reducer: Reducer, made: Samples) -> Mask:
+def filed(reducer: Reducer, samples: Samples) -> Mask:
     """Tell of which samples there can be a design file, shape (samples,): clearances there are above 0."""
-    given = [made.mesh, made.cam, made.output, *([made.seat] if reducer.design.seat_pair else [])]
-    return np.asarray(np.min(given, axis=0) > 0.0)
+    listed = [samples.mesh, samples.cam, samples.output, *([samples.seat] if reducer.design.seat_pair else [])]
+    return np.asarray(np.min(listed, axis=0) > 0.0)
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
@@ -258,9 +258,9 @@ def left_out(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple
     return (*([lacking] if lobes else []), *([others] if unfiled else []))
 
 
-def as_design(reducer: Reducer, made: Samples, row: int, name: str) -> Design:
+def as_design(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
     """Return one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
-    clearance, errors = _parts(reducer, made, row)
+    clearance, errors = _parts(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
     return reducer.but(
@@ -271,10 +271,10 @@ def as_design(reducer: Reducer, made: Samples, row: int, name: str) -> Design:
     ).design
 
 
-def unchecked_design(reducer: Reducer, made: Samples, row: int) -> Design:
+def unchecked_design(reducer: Reducer, samples: Samples, row: int) -> Design:
     """Return the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
     design = reducer.design
-    clearance, errors = _parts(reducer, made, row)
+    clearance, errors = _parts(reducer, samples, row)
     return design.model_copy(
         update={
             "clearance": design.clearance.model_copy(update=clearance),
@@ -283,21 +283,21 @@ def unchecked_design(reducer: Reducer, made: Samples, row: int) -> Design:
     )
 
 
-def _parts(reducer: Reducer, made: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
+def _parts(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
     """Return the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
     design = reducer.design
-    place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
-    cams, waves = made.cam_place[row], made.waves[row]
-    clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
+    place, holes = samples.pin_place[row], samples.hole_place[row].reshape(-1, 2)
+    cams, waves = samples.cam_place[row], samples.waves[row]
+    clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}
     if design.seat_pair:
-        clearance[design.seat_pair] = made.seat[row]
+        clearance[design.seat_pair] = samples.seat[row]
     errors = {
         "pin_x": place[:, 0],
         "pin_y": place[:, 1],
-        "pin_dr": made.pin_radius[row],
+        "pin_dr": samples.pin_radius[row],
         "hole_x": holes[:, 0],
         "hole_y": holes[:, 1],
-        "disc_dr": made.disc_radius[row],
+        "disc_dr": samples.disc_radius[row],
         "cam_x": cams[:, 0],
         "cam_y": cams[:, 1],
         "profile_cos": waves[:, 0],
@@ -306,5 +306,5 @@ def _parts(reducer: Reducer, made: Samples, row: int) -> tuple[dict[str, float],
     listed: dict[str, Any] = {key: tuple(map(float, of)) if np.any(of) else () for key, of in errors.items()}
     return (
         {key: float(value) for key, value in clearance.items()},
-        {**listed, "eccentricity": float(made.eccentricity[row])},
+        {**listed, "eccentricity": float(samples.eccentricity[row])},
     )

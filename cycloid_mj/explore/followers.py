@@ -94,14 +94,14 @@ class Follower:
         return override(reducer.design, {self.key: int(value) if whole else value})
 
 
-def following(reducer: Reducer, given: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
+def following(reducer: Reducer, requested: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
     """Read which keys follow: ``KEY=FORMULA``, or ``KEY`` for one that knows how.
 
     Parameters
     ----------
     design
         What all points change.
-    given
+    requested
         In the order in which they are set; a later one may be of an earlier one.
     varied
         Keys that the points have values of.
@@ -111,31 +111,31 @@ def following(reducer: Reducer, given: str | Sequence[str], varied: Iterable[str
     UsageError
         There is no such key, it varies itself or holds no number, or its formula is none.
     """
-    found: dict[str, Follower] = {}
+    followers: dict[str, Follower] = {}
     varied = set(varied)
-    for text in (given,) if isinstance(given, str) else given:
+    for text in (requested,) if isinstance(requested, str) else requested:
         key, equals, formula = (part.strip() for part in text.partition("="))
-        told = f"--follow {text!r:.80}"
+        option = f"--follow {text!r:.80}"
         if not key or (equals and not formula):
-            raise UsageError(f"{told}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
+            raise UsageError(f"{option}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
         if declared(key).annotation not in (int, float):
-            raise UsageError(f"{told}: {key} holds no single number; only such keys can follow")
-        if key in varied or key in found:
-            raise UsageError(f"{told}: {key} {'varies itself' if key in varied else 'is there twice'}; leave one out")
+            raise UsageError(f"{option}: {key} holds no single number; only such keys can follow")
+        if key in varied or key in followers:
+            raise UsageError(f"{option}: {key} {'varies itself' if key in varied else 'is there twice'}; leave one out")
         if not formula and key not in RULES:
             raise UsageError(
-                f"{told}: say how, --follow '{key}=FORMULA'; {' and '.join(RULES)} alone know it themselves"
+                f"{option}: say how, --follow '{key}=FORMULA'; {' and '.join(RULES)} alone know it themselves"
             )
         if formula:
-            _require_numbers(told, key, formula, reducer)
-        found[key] = Follower(key, formula)
-    return tuple(found.values())
+            _require_numbers(option, key, formula, reducer)
+        followers[key] = Follower(key, formula)
+    return tuple(followers.values())
 
 
-def by_themselves(given: Iterable[Follower], varied: Iterable[str]) -> tuple[Follower, ...]:
+def by_themselves(requested: Iterable[Follower], varied: Iterable[str]) -> tuple[Follower, ...]:
     """List the keys that follow in an optimisation unless they vary or follow otherwise: of a leader that varies."""
     varied = set(varied)
-    taken = varied | {one.key for one in given}
+    taken = varied | {one.key for one in requested}
     return tuple(Follower(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
 
 
@@ -156,20 +156,20 @@ def _parsed(formula: str) -> ast.expr:
     return ast.parse(formula, mode="eval").body
 
 
-def _require_numbers(told: str, key: str, formula: str, reducer: Reducer) -> None:
+def _require_numbers(text: str, key: str, formula: str, reducer: Reducer) -> None:
     """Raise UsageError where a formula is not of numbers and of keys that hold one."""
     try:
         keys = list(_keys(_parsed(formula)))
     except (SyntaxError, ValueError) as error:
         raise UsageError(
-            f"{told}: expected sums, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
+            f"{text}: expected sums, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
         ) from error
     if key in keys:
-        raise UsageError(f"{told}: {key} cannot follow itself")
+        raise UsageError(f"{text}: {key} cannot follow itself")
     for one in keys:
         value = value_of(reducer.design, one)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UsageError(f"{told}: {one} holds no single number")
+            raise UsageError(f"{text}: {one} holds no single number")
 
 
 def _keys(node: ast.expr) -> Iterator[str]:

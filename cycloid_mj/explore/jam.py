@@ -49,15 +49,15 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
     Parts are rigid there, and lie where the least is pressed. Each tolerance is taken away alone, to see whether all of
     these samples then go together.
     """
-    found = departures(reducer, zones, seed, Batch(0, SEEN))
-    depths, shares = _interference(reducer, found)
+    drawn = departures(reducer, zones, seed, Batch(0, SEEN))
+    depths, shares = _interference(reducer, drawn)
     if max(depths) <= 0.0:
         return "rigid parts go together in the first of them: contacts press without a load, or find no balance"
     pairs = sorted((pair for pair, share in shares.items() if share > ACTIVE), key=lambda pair: -shares[pair])
     alone = [
         f"tolerance.{key}"
         for key in zones
-        if max(_interference(reducer, {other: found[other] for other in zones if other != key})[0]) <= 0.0
+        if max(_interference(reducer, {other: drawn[other] for other in zones if other != key})[0]) <= 0.0
     ]
     cured = f"without {' or '.join(alone)} alone they go together" if alone else "no one tolerance is the cause alone"
     return (
@@ -67,12 +67,12 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
     )
 
 
-def _interference(reducer: Reducer, given: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
+def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
     """Return how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
-    made = put(reducer, alike(reducer, SEEN), given)
+    samples = put(reducer, alike(reducer, SEEN), drawn)
     depths, shares = [], dict[str, float]()
     for row in range(SEEN):
-        drive = unchecked_design(reducer, made, row)
+        drive = unchecked_design(reducer, samples, row)
         turn = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False).tolist()
         room, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda one: one[0])
         depths.append(-room)

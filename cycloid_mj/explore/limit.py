@@ -44,15 +44,15 @@ def limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = C
     UsageError
         It has not that form, or there is no such figure.
     """
-    found = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
+    match = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
     try:
-        bound = float(found[3]) if found else np.nan
+        bound = float(match[3]) if match else np.nan
     except ValueError:
         bound = np.nan
-    if not found or not np.isfinite(bound):
+    if not match or not np.isfinite(bound):
         raise UsageError(f"--limit {text!r}: expected KEY<=NUMBER or KEY>=NUMBER, e.g. 'backlash_arcmin<=1'")
     try:
-        figure(found[1], needs, reducer)
+        figure(match[1], needs, reducer)
     except UsageError as error:
         raise UsageError(f"--limit {text!r}: {error}") from error
-    return FigureLimit(found[1], found[2] == "<=", bound)
+    return FigureLimit(match[1], match[2] == "<=", bound)

@@ -57,15 +57,15 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
     """Compute the sheet: its quantities under the columns that they always had, and under the catalogue's keys."""
     from cycloid_mj.statics.sheet import sheet
 
-    found = sheet(reducer)
-    named = (replace(one, key=figure(one.key).key) for one in found.quantities.values())
-    return _of_quantities((*found.quantities.values(), *named), assumptions=found.assumptions)
+    figures = sheet(reducer)
+    named = (replace(one, key=figure(one.key).key) for one in figures.quantities.values())
+    return _of_quantities((*figures.quantities.values(), *named), assumptions=figures.assumptions)
 
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
-    found = MEASURES[name](reducer.design, quick=options.quick)
-    warned = {text: None for run in found.runs.values() for text in run.warnings}
-    return _of_quantities(found.quantities.values(), assumptions=found.assumptions, warnings=tuple(warned))
+    measurement = MEASURES[name](reducer.design, quick=options.quick)
+    warned = {text: None for run in measurement.runs.values() for text in run.warnings}
+    return _of_quantities(measurement.quantities.values(), assumptions=measurement.assumptions, warnings=tuple(warned))
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
@@ -79,15 +79,20 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
     ran = massless(reducer) if light else reducer
     if (steps := schedule(ran).steps) > MOST_STEPS:
         raise RunError(f"the run would take {steps:.3g} steps, more than {MOST_STEPS:.0e}: shorten drive.hold_s")
-    found = analyze(simulate(ran.design))
-    values = {"pins": ran.design.ring.pins if ran.design.ring.kind == "pin" else "none", **dict(_flat(found.as_json()))}
-    told = massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
-    return Measured(values, assumptions=told, warnings=found.warnings)
+    findings = analyze(simulate(ran.design))
+    values = {
+        "pins": ran.design.ring.pins if ran.design.ring.kind == "pin" else "none",
+        **dict(_flat(findings.as_json())),
+    }
+    assumptions = (
+        massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
+    )
+    return Measured(values, assumptions=assumptions, warnings=findings.warnings)
 
 
-def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
+def _flat(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
     """Yield the numbers and switches of nested findings by their whole keys, whose last part has the unit."""
-    for key, value in found.items():
+    for key, value in findings.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}_")
         elif isinstance(value, (bool, int, float)):
@@ -110,15 +115,15 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
     """Return the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
     from cycloid_mj.checks import check
 
-    found = check(reducer.design)
-    failed = [one for one in found if not one.passed]
+    results = check(reducer.design)
+    failed = [one for one in results if not one.passed]
     values: dict[str, Cell] = {
         "failed_errors": sum(one.severity == "error" for one in failed),
         "failed_warnings": sum(one.severity == "warning" for one in failed),
         "failed_checks": "; ".join(one.name for one in failed),
     }
     units: dict[str, str] = {}
-    for one in found:
+    for one in results:
         if one.value is not None:
             column = with_unit("_".join(one.name.split()).replace("-", "_"), one.unit)
             values[column] = one.value
@@ -132,19 +137,19 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
 def _summed_up(reducer: Reducer) -> Measured:
     from cycloid_mj.checks import summary
 
-    found = summary(reducer)
+    figures = summary(reducer)
     numbers = (
-        Quantity("ratio", "", found.ratio, "1"),
-        Quantity("outer_diameter", "", MILLIMETRES * found.outer_diameter, "mm"),
-        Quantity("mass", "", found.mass, "kg"),
-        Quantity("rated_torque", "", found.rated_torque, "N m"),
-        Quantity("loaded_teeth", "", found.loaded_teeth, "1"),
-        Quantity("pressure_angle", "", math.degrees(found.pressure_angle), "deg"),
-        Quantity("backlash", "", found.backlash / ARCMINUTE, "arcmin"),
-        Quantity("capacity", "", found.capacity, "N m"),
+        Quantity("ratio", "", figures.ratio, "1"),
+        Quantity("outer_diameter", "", MILLIMETRES * figures.outer_diameter, "mm"),
+        Quantity("mass", "", figures.mass, "kg"),
+        Quantity("rated_torque", "", figures.rated_torque, "N m"),
+        Quantity("loaded_teeth", "", figures.loaded_teeth, "1"),
+        Quantity("pressure_angle", "", math.degrees(figures.pressure_angle), "deg"),
+        Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
+        Quantity("capacity", "", figures.capacity, "N m"),
     )
     measured = _of_quantities(numbers)
-    return Measured({**measured.values, "weakest": found.weakest}, measured.units)
+    return Measured({**measured.values, "weakest": figures.weakest}, measured.units)
 
 
 def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:

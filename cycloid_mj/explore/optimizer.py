@@ -108,14 +108,14 @@ def optimize(
     """
     reducer = Reducer(design)
     task = problem(reducer, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
-    found = explored(task, evaluations, starts, seed, out, engine, progress)
-    if found.best is None:
-        raise DesignError(found.hopeless)
+    optimum = explored(task, evaluations, starts, seed, out, engine, progress)
+    if optimum.best is None:
+        raise DesignError(optimum.hopeless)
     if verify:
-        found = checked(found)
+        optimum = checked(optimum)
     if out is not None:
-        write_whole({Path(out) / BEST: dump(found.design()).encode()})
-    return found
+        write_whole({Path(out) / BEST: dump(optimum.design()).encode()})
+    return optimum
 
 
 def _several(words: str | Sequence[str]) -> tuple[str, ...]:
@@ -132,21 +132,21 @@ def explored(
             work.rows_of([task.start])
             _search(task, work, evaluations, starts, seed)
         finally:
-            found = Optimum(task, work.in_order, seed)
+            optimum = Optimum(task, work.in_order, seed)
             if out is not None:
-                _write_history(found, Path(out))
-    return found
+                _write_history(optimum, Path(out))
+    return optimum
 
 
-def checked(found: Optimum, progress: Progress = silent) -> Optimum:
+def checked(optimum: Optimum, progress: Progress = silent) -> Optimum:
     """Check the best design of an optimisation: full statics, dynamics, and tolerances where it has some."""
-    best = found.design()
-    ranges = tolerance(best, SAMPLES, found.seed, progress=progress) if tolerances(Reducer(best)) else None
+    best = optimum.design()
+    ranges = tolerance(best, SAMPLES, optimum.seed, progress=progress) if tolerances(Reducer(best)) else None
     return Optimum(
-        found.task,
-        found.rows,
-        found.seed,
-        Checked(_sheet(Reducer(best)), _sheet(found.task.reducer), verified(Reducer(best)), ranges),
+        optimum.task,
+        optimum.rows,
+        optimum.seed,
+        Checked(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verified(Reducer(best)), ranges),
     )
 
 
@@ -244,8 +244,8 @@ def _lost(_: int, why: str) -> PointResult:
 class _Rows:
     """Rows by place, in memory alone or in a file as well."""
 
-    def __init__(self, found: dict[int, PointResult], add: Callable[[int, PointResult], None]) -> None:
-        self.found, self.add = found, add
+    def __init__(self, rows: dict[int, PointResult], add: Callable[[int, PointResult], None]) -> None:
+        self.found, self.add = rows, add
 
 
 @contextmanager
@@ -276,9 +276,9 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
         yield _Rows(kept.rows, kept.add)
 
 
-def _write_history(found: Optimum, into: Path) -> None:
-    if not found.rows:
+def _write_history(optimum: Optimum, into: Path) -> None:
+    if not optimum.rows:
         return
-    write_csv(found.frame, into / HISTORY)
+    write_csv(optimum.frame, into / HISTORY)
     if find_spec("duckdb"):
-        write_parquet(found.frame, into / PARQUET, {"seed": found.seed})
+        write_parquet(optimum.frame, into / PARQUET, {"seed": optimum.seed})

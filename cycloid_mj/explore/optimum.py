@@ -79,11 +79,11 @@ class Optimum(Tabular):
     def front(self) -> tuple[int, ...]:
         """Places of the points that no other one betters in all objectives, in the order of the first objective."""
         costs = {place: self._costs(self.rows[place]) for place in self.feasible}
-        found: list[int] = []
+        front: list[int] = []
         for place in sorted(costs, key=lambda one: costs[one]):
-            if not found or costs[place][-1] < costs[found[-1]][-1]:
-                found.append(place)
-        return tuple(found) if len(self.task.objectives) > 1 else tuple(found[:1])
+            if not front or costs[place][-1] < costs[front[-1]][-1]:
+                front.append(place)
+        return tuple(front) if len(self.task.objectives) > 1 else tuple(front[:1])
 
     @property
     def best(self) -> int | None:
@@ -122,18 +122,18 @@ class Optimum(Tabular):
         place = self.best if place is None else place
         if place is None:
             raise DesignError(self.hopeless)
-        made = self.task.at(tuple(self.values(place).values()))
-        return made.but(name=(name or f"{self.task.reducer.design.name}-best")[:64])
+        design = self.task.at(tuple(self.values(place).values()))
+        return design.but(name=(name or f"{self.task.reducer.design.name}-best")[:64])
 
     @property
     def hopeless(self) -> str:
         """Why there is no best point, and what to do."""
         whole = max(self.evaluations, 1)
-        told = "; ".join(f"{name}: {count} ({count / whole:.0%})" for name, count in self.refused.items())
+        reasons = "; ".join(f"{name}: {count} ({count / whole:.0%})" for name, count in self.refused.items())
         nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
         at = ", ".join(f"{key} = {_short(nearest.values[key])}" for key in self.task.keys)
         return (
-            f"none of {self.evaluations} points keeps every check and limit. Refused by: {told}; the nearest, {at}, "
+            f"none of {self.evaluations} points keeps every check and limit. Refused by: {reasons}; the nearest, {at}, "
             f"fails {nearest.error or nearest.values[REFUSED]}. Widen the ranges, let more keys vary, or loosen the "
             "limits that refuse most"
         )
@@ -152,10 +152,10 @@ class Optimum(Tabular):
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values, but the history."""
         place, objectives = self.best, self.task.objectives
-        found = None if place is None else [self.figures(place)[one.key] for one in objectives]
+        reached = None if place is None else [self.figures(place)[one.key] for one in objectives]
         return {
             "best": {} if place is None else self.values(place),
-            "objective": found[0] if found and len(objectives) == 1 else found,
+            "objective": reached[0] if reached and len(objectives) == 1 else reached,
             "objectives": [{"key": one.key, "sense": "least" if one.sign > 0 else "largest"} for one in objectives],
             "evaluations": self.evaluations,
             "design": "" if place is None else f"{self.task.reducer.design.name}-best",
@@ -224,49 +224,49 @@ def _short(value: Cell) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def tables(found: Optimum) -> tuple[Table, ...]:
+def tables(optimum: Optimum) -> tuple[Table, ...]:
     """List the best point and its figures beside the start's, what refused points, the front, and what was checked."""
-    assert found.best is not None
-    start, best = found.values(0), found.values(found.best)
-    keys = tuple((key, _short(start[key]), _short(best[key])) for key in found.task.keys)
+    assert optimum.best is not None
+    start, best = optimum.values(0), optimum.values(optimum.best)
+    keys = tuple((key, _short(start[key]), _short(best[key])) for key in optimum.task.keys)
     figures = tuple(
         (
             figure(key).name,
-            _number(found.start_figures.get(key)),
+            _number(optimum.start_figures.get(key)),
             _number(value),
-            _percent(found.change(key)),
+            _percent(optimum.change(key)),
             figure(key).unit,
         )
-        for key, value in found.best_figures.items()
+        for key, value in optimum.best_figures.items()
     )
-    whole = found.evaluations
-    refused = tuple((name, str(count), f"{count / whole:.1%}") for name, count in found.refused.items())
-    made = [
+    whole = optimum.evaluations
+    refused = tuple((name, str(count), f"{count / whole:.1%}") for name, count in optimum.refused.items())
+    tables = [
         Table("best design", ("key", "start", "best"), keys),
         Table("figures", ("figure", "start", "best", "change", "unit"), figures),
     ]
     if refused:
-        made.append(Table(f"what refused points, of {whole}", ("check or limit", "points", "share"), refused))
-    if len(found.task.objectives) > 1:
-        header = (*found.task.keys, *found.task.wanted)
-        front = ({**found.values(place), **found.figures(place)} for place in found.front)
-        made.append(Table("front", header, tuple(tuple(_short(one[key]) for key in header) for one in front)))
-    if found.checked is not None:
-        made += _checked_tables(found.checked)
-    return tuple(made)
+        tables.append(Table(f"what refused points, of {whole}", ("check or limit", "points", "share"), refused))
+    if len(optimum.task.objectives) > 1:
+        header = (*optimum.task.keys, *optimum.task.wanted)
+        front = ({**optimum.values(place), **optimum.figures(place)} for place in optimum.front)
+        tables.append(Table("front", header, tuple(tuple(_short(one[key]) for key in header) for one in front)))
+    if optimum.checked is not None:
+        tables += _checked_tables(optimum.checked)
+    return tuple(tables)
 
 
 def _checked_tables(checked: Checked) -> list[Table]:
     """Tabulate the full statics of best and start, the dynamics of the best, and its yield."""
-    made = []
+    tables = []
     if checked.sheet is not None:
         before = checked.start.quantities if checked.start else {}
         rows = tuple(_compared(one, before.get(one.key)) for one in checked.sheet.quantities.values())
         header = ("quantity", "start", "best", "change", "unit")
-        made.append(Table(f"statics: {checked.sheet.condition}", header, rows))
+        tables.append(Table(f"statics: {checked.sheet.condition}", header, rows))
     if checked.dynamics.dynamics:
-        made.append(Table("the best design in full dynamics", VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
-    return [*made, *(checked.tolerances.tables()[:2] if checked.tolerances else ())]
+        tables.append(Table("the best design in full dynamics", VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
+    return [*tables, *(checked.tolerances.tables()[:2] if checked.tolerances else ())]
 
 
 def _compared(best: Quantity, start: Quantity | None) -> tuple[str, ...]:

@@ -112,12 +112,12 @@ def tabled(rows: Iterable[Mapping[str, Any]]) -> Points:
         raise UsageError("a table of points needs rows: the keys of the design file as header, and a line a point")
     _require_few(len(rows))
     fields = {key: _field(key) for key in rows[0]}
-    made = []
+    points = []
     for number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
             raise UsageError(f"row {number} of the table has not a value for each of {', '.join(fields)}")
-        made.append(tuple(_value(key, fields[key], row[key]) for key in fields))
-    return Points(tuple(fields), tuple(made))
+        points.append(tuple(_value(key, fields[key], row[key]) for key in fields))
+    return Points(tuple(fields), tuple(points))
 
 
 def read_table(path: Path) -> Points:
@@ -167,10 +167,10 @@ def axis_of(key: str, wanted: Wanted) -> Axis:
     """
     field = _field(key)
     if not isinstance(wanted, str):
-        given = np.asarray(wanted, dtype=object).ravel().tolist()
-        if not given:
+        values = np.asarray(wanted, dtype=object).ravel().tolist()
+        if not values:
             raise UsageError(f"{key}: there are no values to take")
-        return Axis(key, field, tuple(_value(key, field, value) for value in given))
+        return Axis(key, field, tuple(_value(key, field, value) for value in values))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
         return _range(key, field, wanted, parts)
@@ -178,16 +178,16 @@ def axis_of(key: str, wanted: Wanted) -> Axis:
 
 
 def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
-    told = f"--vary {key}={wanted}"
+    option = f"--vary {key}={wanted}"
     try:
         low, high, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) == 3 else 0
     except ValueError:
-        raise UsageError(f"{told}: expected LO:HI:N, such as 0.5:2:4, or LO:HI to sample") from None
+        raise UsageError(f"{option}: expected LO:HI:N, such as 0.5:2:4, or LO:HI to sample") from None
     if not (math.isfinite(low) and math.isfinite(high)) or low >= high:
-        raise UsageError(f"{told}: the range must go from a lower to a higher number")
+        raise UsageError(f"{option}: the range must go from a lower to a higher number")
     if len(parts) == 3:
         if count < 2:
-            raise UsageError(f"{told}: give 2 values or more")
+            raise UsageError(f"{option}: give 2 values or more")
         _require_few(count)
     axis = Axis(key, field, low=low, high=high, count=count)
     all_values(axis)
@@ -208,10 +208,10 @@ def all_values(axis: Axis) -> tuple[Value, ...]:
     return tuple(map(int, values))
 
 
-def _value(key: str, field: FieldInfo, given: Any) -> Value:
+def _value(key: str, field: FieldInfo, value: Any) -> Value:
     """Convert to a value of a key's kind; whether it is allowed is the design's to say, point by point."""
     kind, words = field.annotation, _words(field)
-    text = str(given).strip().strip("\"'")
+    text = str(value).strip().strip("\"'")
     try:
         if kind is float:
             return float(text)
@@ -225,7 +225,7 @@ def _value(key: str, field: FieldInfo, given: Any) -> Value:
         pass
     kinds: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false"}
     allowed = kinds.get(kind, ", ".join(words))
-    raise UsageError(f"{key}: {str(given)!r:.60} is not allowed; give {allowed}")
+    raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; give {allowed}")
 
 
 def _shares(method: Method, count: int, dimensions: int, seed: int) -> Array:

@@ -119,10 +119,10 @@ class Problem:
 
     def allows(self, values: Sequence[Value]) -> bool:
         """Tell whether values lie in their ranges, as those of the start need not."""
-        held = zip(self.variables, values, strict=True)
+        pairs = zip(self.variables, values, strict=True)
         return all(
             one.low <= float(value) <= one.high if isinstance(one, SearchRange) else value in one.values
-            for one, value in held
+            for one, value in pairs
         )
 
     @property
@@ -149,9 +149,9 @@ def problem(
     """
     if not vary:
         raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
-    made = [_variable(key, wanted) for key, wanted in vary.items()]
-    ranges = tuple(one for one in made if isinstance(one, SearchRange))
-    choices = tuple(one for one in made if isinstance(one, Choice))
+    variables = [_variable(key, wanted) for key, wanted in vary.items()]
+    ranges = tuple(one for one in variables if isinstance(one, SearchRange))
+    choices = tuple(one for one in variables if isinstance(one, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
     if not 1 <= len(objectives) <= MOST_OBJECTIVES:
         raise UsageError(
@@ -161,15 +161,15 @@ def problem(
     for one in objectives:
         figure(one.key, COMPUTED, reducer)
     asked = tuple(limit(text, reducer) for text in limits)
-    told = following(reducer, follow, vary)
-    followers = (*told, *by_themselves(told, vary))
-    found = Problem(reducer, ranges, choices, objectives, asked, strict, followers)
-    if found.combinations > MOST_COMBINATIONS:
+    following_keys = following(reducer, follow, vary)
+    followers = (*following_keys, *by_themselves(following_keys, vary))
+    task = Problem(reducer, ranges, choices, objectives, asked, strict, followers)
+    if task.combinations > MOST_COMBINATIONS:
         raise UsageError(
-            f"{found.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
+            f"{task.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
             "narrow their ranges"
         )
-    return found
+    return task
 
 
 def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
@@ -189,10 +189,10 @@ def evaluated(task: Problem, values: Sequence[Value]) -> PointResult:
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        found, broken, level, error = _judged(task, values)
+        figures, broken, level, error = _judged(task, values)
     violation = level + sum(broken.values()) if broken else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
-    cells = {**inputs, **found, FEASIBLE: not broken, VIOLATION: violation, REFUSED: "; ".join(broken)}
+    cells = {**inputs, **figures, FEASIBLE: not broken, VIOLATION: violation, REFUSED: "; ".join(broken)}
     return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
@@ -205,12 +205,12 @@ def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], d
     try:
         if broken := refusals(Reducer(design), task.strict):
             return {}, broken, UNBUILT, ""
-        found = compute(Reducer(design), task.wanted)
+        wanted = compute(Reducer(design), task.wanted)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
-    broken = {str(one): one.excess(found[one.key]) for one in task.limits if one.excess(found[one.key]) > 0.0}
+    broken = {str(one): one.excess(wanted[one.key]) for one in task.limits if one.excess(wanted[one.key]) > 0.0}
     if not task.allows(values):
         broken[RANGES] = 1.0
-    if lacking := [one.key for one in task.objectives if not math.isfinite(found[one.key])]:
-        return found, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
-    return found, broken, BROKEN, ""
+    if lacking := [one.key for one in task.objectives if not math.isfinite(wanted[one.key])]:
+        return wanted, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
+    return wanted, broken, BROKEN, ""

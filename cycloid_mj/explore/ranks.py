@@ -50,13 +50,13 @@ class Ranks:
     rho: Array
 
 
-def number_inputs(found: Sweep) -> tuple[str, ...]:
+def number_inputs(sweep: Sweep) -> tuple[str, ...]:
     """List the inputs that are numbers."""
-    numbers = found.frame.numbers
-    return tuple(key for key in found.task.keys if key in numbers)
+    numbers = sweep.frame.numbers
+    return tuple(key for key in sweep.task.keys if key in numbers)
 
 
-def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
+def shown(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
     """List the quantities to show: those wanted, else some that change, the headlines first.
 
     Raises
@@ -64,8 +64,8 @@ def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
     UsageError
         There is no such quantity, or it is no number.
     """
-    numbers = found.frame.numbers
-    there = [name for name in found.quantities if name in numbers]
+    numbers = sweep.frame.numbers
+    there = [name for name in sweep.quantities if name in numbers]
     if unknown := [name for name in wanted if name not in there]:
         raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
     if wanted:
@@ -76,28 +76,28 @@ def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
     return tuple(ranked[:MOST_SHOWN])
 
 
-def ranks(found: Sweep, quantities: tuple[str, ...]) -> Ranks:
+def ranks(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
     """Correlate the ranks of quantities with those of the inputs that are numbers, over the points that have both."""
-    numbers, inputs = found.frame.numbers, number_inputs(found)
+    numbers, inputs = sweep.frame.numbers, number_inputs(sweep)
     rho = np.array([[_rho(numbers[key], numbers[name]) for key in inputs] for name in quantities])
     return Ranks(inputs, quantities, rho.reshape(len(quantities), len(inputs)))
 
 
-def tables(found: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
+def tables(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
     """Tabulate the ranges of quantities, and their rank correlations where there are several inputs."""
-    numbers = found.frame.numbers
+    numbers = sweep.frame.numbers
     rows = []
     for name in quantities:
         values = _finite(numbers[name])
         low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, middle, high, str(values.size)))
-    made = [Table("quantities", ("quantity", "least", "median", "largest", "points"), tuple(rows))]
-    one = ranks(found, quantities)
+    tables = [Table("quantities", ("quantity", "least", "median", "largest", "points"), tuple(rows))]
+    one = ranks(sweep, quantities)
     if len(one.inputs) > 1 and quantities:
         cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in one.rho.tolist())
         lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
-        made.append(Table("rank correlations (Spearman)", ("quantity", *one.inputs), lines))
-    return tuple(made)
+        tables.append(Table("rank correlations (Spearman)", ("quantity", *one.inputs), lines))
+    return tuple(tables)
 
 
 def _finite(values: Array) -> Array:

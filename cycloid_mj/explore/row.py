@@ -78,20 +78,20 @@ def measured_row(task: Task, values: Sequence[Value]) -> PointResult:
         design = followed(task.reducer, Reducer(changed), task.followers)
     except CycloidError as error:
         return PointResult(error=one_line(error), cpu=time.thread_time() - start)
-    found: dict[str, Measured] = {}
+    measured: dict[str, Measured] = {}
     errors = []
     for name in task.measures:
         try:
-            found[name] = _measured(name, Reducer(design), task.options)
+            measured[name] = _measured(name, Reducer(design), task.options)
         except Exception as error:
             words = one_line(error) if isinstance(error, CycloidError) else f"{type(error).__name__}: {one_line(error)}"
             errors.append(words if len(task.measures) == 1 else f"{name}: {words}")
     return PointResult(
-        values={task.column(name, key): cell for name, one in found.items() for key, cell in one.values.items()},
-        units={task.column(name, key): unit for name, one in found.items() for key, unit in one.units.items()},
+        values={task.column(name, key): cell for name, one in measured.items() for key, cell in one.values.items()},
+        units={task.column(name, key): unit for name, one in measured.items() for key, unit in one.units.items()},
         error="; ".join(errors),
-        warnings=tuple(dict.fromkeys(text for one in found.values() for text in one.warnings)),
-        assumptions=tuple(dict.fromkeys(text for one in found.values() for text in one.assumptions)),
+        warnings=tuple(dict.fromkeys(text for one in measured.values() for text in one.warnings)),
+        assumptions=tuple(dict.fromkeys(text for one in measured.values() for text in one.assumptions)),
         cpu=time.thread_time() - start,
         followed=dict(values_of(Reducer(design), task.followers)),
     )

@@ -150,12 +150,12 @@ def searched(
         scores = [score(row, figure) for row in rows]
         place = 0
         for one, points in zip(searches, asked, strict=True):
-            own = scores[place : place + len(points)]
+            batch = scores[place : place + len(points)]
             place += len(points)
-            one.tell(own)
-            least = min(range(len(own)), key=own.__getitem__)
-            if best is None or own[least] < best[0]:
-                best = own[least], points[least]
+            one.tell(batch)
+            least = min(range(len(batch)), key=batch.__getitem__)
+            if best is None or batch[least] < best[0]:
+                best = batch[least], points[least]
 
     def run(searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
         begun = {id(one): one.used for one in searches}

@@ -151,12 +151,12 @@ def _shaped(
     name: str, ratio: int, diameter: float, torque: float, process: Process, discs: int, short_width: float
 ) -> Design | None:
     """Return the proportions at one K1; nothing where the design's own bounds refuse them."""
-    made, teeth, outer = PROCESSES[process], ratio + 1, diameter / 2.0
+    limits, teeth, outer = PROCESSES[process], ratio + 1, diameter / 2.0
     room = PIN_SHARE * (math.sin(math.pi / teeth) - 0.005)
     circle = _rounded((1.0 - WALL) * outer / (1.0 + room))
     pin = _rounded(min(room, THICKEST) * circle)
     eccentricity = _rounded(short_width * circle / teeth)
-    root = circle - eccentricity - pin - made.clearance
+    root = circle - eccentricity - pin - limits.clearance
     bore = _rounded(BORE_SHARE * root)
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
     counts = (8, 6) if root > 8.0 * eccentricity else (6, 8)
@@ -191,12 +191,14 @@ def _shaped(
                 "mounting": "overhang" if discs == 1 else "straddle",
             },
             housing={"outer_radius": outer},
-            clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output"), made.clearance),
+            clearance=dict.fromkeys(
+                ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output"), limits.clearance
+            ),
             drive={"torque": torque / ratio, "speed": SPEED, "power": MARGIN * SPEED * torque / ratio},
         )
         ring = {"teeth": teeth, "pin_circle_radius": circle, "pin_radius": pin}
         changed = changed.but(ring=ring)
-        return changed.but(**{table: dict(values) for table, values in made.changes.items()})
+        return changed.but(**{table: dict(values) for table, values in limits.changes.items()})
     except DesignError:
         return None
 
@@ -212,10 +214,10 @@ def _carrying(reducer: Reducer, process: Process, short_width: float) -> Sized:
     pressed = ("tooth_yield", "output_yield", "cam_yield", "bore_to_hole", "hole_to_root", "housing_ligament")
     for _ in range(WIDENINGS):
         reducer = Reducer(_balanced(reducer))
-        found = {item.name: item for item in check(reducer.design)}
-        worst = max((_overload(found[name]) for name in pressed if name in found), default=math.inf)
+        by_name = {item.name: item for item in check(reducer.design)}
+        worst = max((_overload(by_name[name]) for name in pressed if name in by_name), default=math.inf)
         if worst <= 1.0:
-            return Sized(reducer.design, dict(_reasons(reducer, process, short_width)), tuple(found.values()))
+            return Sized(reducer.design, dict(_reasons(reducer, process, short_width)), tuple(by_name.values()))
         width = reducer.design.gear.face_width * min(max(worst, 1.02) ** 1.5, 2.0)
         if reducer.design.gear.discs * width > WIDEST * reducer.design.ring.pin_circle_radius:
             break

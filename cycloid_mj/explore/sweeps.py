@@ -77,11 +77,11 @@ class Sweep(Tabular):
     @property
     def quantities(self) -> tuple[str, ...]:
         """Columns of what was measured, in the order of the measures."""
-        found: dict[str, None] = {}
+        quantities: dict[str, None] = {}
         for place in sorted(self.rows):
-            found.update(dict.fromkeys(self.rows[place].values))
+            quantities.update(dict.fromkeys(self.rows[place].values))
         of_measure = {name: place for place, name in enumerate(self.task.measures)}
-        return tuple(sorted(found, key=lambda column: of_measure.get(column.partition(".")[0], 0)))
+        return tuple(sorted(quantities, key=lambda column: of_measure.get(column.partition(".")[0], 0)))
 
     @cached_property
     def frame(self) -> Frame:
@@ -92,9 +92,14 @@ class Sweep(Tabular):
         rows: list[dict[str, Cell]] = []
         for place, row in sorted(self.rows.items()):
             units |= row.units
-            own: dict[str, Cell] = {WARNINGS: " ".join(row.warnings), ERROR: row.error, CPU: row.cpu, VERSIONS: made_by}
+            columns: dict[str, Cell] = {
+                WARNINGS: " ".join(row.warnings),
+                ERROR: row.error,
+                CPU: row.cpu,
+                VERSIONS: made_by,
+            }
             inputs = dict(zip(self.task.keys, self.points.rows[place], strict=True))
-            rows.append({POINT: place + 1, **inputs, **row.followed, **row.values, **own})
+            rows.append({POINT: place + 1, **inputs, **row.followed, **row.values, **columns})
         names = (POINT, *self.task.keys, *follows, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
         return framed(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
@@ -216,9 +221,9 @@ def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: 
             with suppress(CycloidError):
                 write_tables(Sweep(task, points, kept.rows), into)
             raise
-        found = Sweep(task, points, kept.rows)
-        write_tables(found, into)
-    return found
+        swept = Sweep(task, points, kept.rows)
+        write_tables(swept, into)
+    return swept
 
 
 def _fill(
@@ -232,17 +237,17 @@ def _fill(
     """Measure the points that have no row yet."""
     missing = [place for place in range(len(points)) if place not in rows]
     work = partial(measured_row, task)
-    found = engine.stream(work, [points.rows[place] for place in missing], lambda _, why: PointResult(error=why))
-    for done, (item, row) in enumerate(found, 1):
+    stream = engine.stream(work, [points.rows[place] for place in missing], lambda _, why: PointResult(error=why))
+    for done, (item, row) in enumerate(stream, 1):
         keep(missing[item], row)
         progress(done, len(missing))
 
 
-def write_tables(found: Sweep, into: Path) -> None:
+def write_tables(sweep: Sweep, into: Path) -> None:
     """Write the table of a sweep as CSV, and as Parquet where DuckDB is installed; raise CycloidError if that fails."""
-    write_csv(found.frame, into / TABLE)
+    write_csv(sweep.frame, into / TABLE)
     if find_spec("duckdb"):
-        write_parquet(found.frame, into / PARQUET, {"assumptions": list(found.assumptions)})
+        write_parquet(sweep.frame, into / PARQUET, {"assumptions": list(sweep.assumptions)})
 
 
 def _plan(task: Task, points: Points) -> dict[str, Any]:

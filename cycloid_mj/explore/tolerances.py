@@ -186,14 +186,14 @@ class Tolerances(Tabular):
             (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
             for one in self.budget
         )
-        found = [Table(f"{self.design}: {self.told_samples}", header, rows)]
+        tables = [Table(f"{self.design}: {self.told_samples}", header, rows)]
         if shares:
-            found.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
+            tables.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
         if compared := tuple(row for one in self.verified for row in table_rows(one)):
-            found.append(
+            tables.append(
                 Table("the worst samples in full dynamics, at speed, with friction", VERIFIED_HEADER, compared)
             )
-        return tuple(found)
+        return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
@@ -219,17 +219,17 @@ class Tolerances(Tabular):
 class Unfinished(KeyboardInterrupt):
     """Ctrl-C, or a signal of the same effect, came when some samples were done: `found` is what came of them."""
 
-    def __init__(self, stop: KeyboardInterrupt, found: Tolerances) -> None:
+    def __init__(self, stop: KeyboardInterrupt, tolerances: Tolerances) -> None:
         super().__init__(*stop.args)
-        self.found = found
+        self.found = tolerances
 
 
 class AllJam(RunError):
     """No sample of the beginning of a study goes together: `found` is what came of them."""
 
-    def __init__(self, found: Tolerances) -> None:
-        super().__init__(f"all of the first {found.samples} samples jam: {found.jammed_by}")
-        self.found = found
+    def __init__(self, tolerances: Tolerances) -> None:
+        super().__init__(f"all of the first {tolerances.samples} samples jam: {tolerances.jammed_by}")
+        self.found = tolerances
 
 
 def tolerance(
@@ -288,13 +288,13 @@ def tolerance(
     try:
         if not _balance(study, done, progress, engine):
             raise AllJam(study.found({0: done[0]}))
-        found = study.found(done)
-        checked.update(engine.stream(verified, [Reducer(one) for one in found.worst[:verify]]))
+        result = study.found(done)
+        checked.update(engine.stream(verified, [Reducer(one) for one in result.worst[:verify]]))
     except KeyboardInterrupt as stop:
         if 0 not in done:
             raise
         raise Unfinished(stop, _with_dynamics(study.found(done), checked)) from stop
-    return _with_dynamics(found, checked)
+    return _with_dynamics(result, checked)
 
 
 def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> bool:
@@ -315,8 +315,8 @@ def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progr
     return True
 
 
-def _with_dynamics(found: Tolerances, checked: Mapping[int, Verified]) -> Tolerances:
-    return replace(found, verified=tuple(one for _, one in sorted(checked.items())))
+def _with_dynamics(tolerances: Tolerances, checked: Mapping[int, Verified]) -> Tolerances:
+    return replace(tolerances, verified=tuple(one for _, one in sorted(checked.items())))
 
 
 @dataclass(frozen=True)

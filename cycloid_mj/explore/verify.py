@@ -59,24 +59,24 @@ def _dynamics(reducer: Reducer) -> dict[str, float]:
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = steady(loaded, SETTLED, design.ring.teeth)
     error = run["output_angle"] - output_angle(design, run["crank_angle"])
-    found = pressed(run, loaded)
+    contacts = pressed(run, loaded)
     kinds = {"tooth_force_n": design.tooth_pair, **KINDS}
     return {
         "te_loaded_arcsec": ARCSECONDS * float(np.ptp(error)),
-        **{key: found[kind].peak_force for key, kind in kinds.items()},
+        **{key: contacts[kind].peak_force for key, kind in kinds.items()},
     }
 
 
-def table_rows(found: Verified) -> list[tuple[str, ...]]:
+def table_rows(verified: Verified) -> list[tuple[str, ...]]:
     """List statics, dynamics and their difference as rows of text, a figure each."""
     return [
         (
-            found.design,
+            verified.design,
             key,
-            f"{found.statics[key]:.5g}",
+            f"{verified.statics[key]:.5g}",
             f"{value:.5g}",
-            f"{100.0 * found.differences[key]:+.2f} %",
+            f"{100.0 * verified.differences[key]:+.2f} %",
             figure(key).unit,
         )
-        for key, value in found.dynamics.items()
+        for key, value in verified.dynamics.items()
     ]

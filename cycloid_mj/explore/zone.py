@@ -66,8 +66,8 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
                 return Zone("uniform", 0.0, 1e-6 * float(half))
             case ["between", low, high] if float(low) <= float(high):
                 return Zone("uniform", 0.5e-6 * (float(low) + float(high)), 0.5e-6 * (float(high) - float(low)))
-        if found := re.fullmatch(r"IT(\d+)", text.strip()):
-            return Zone("normal", 0.0, 0.5 * _grade(int(found[1]), size) / ZONE_SIGMAS)
+        if match := re.fullmatch(r"IT(\d+)", text.strip()):
+            return Zone("normal", 0.0, 0.5 * _grade(int(match[1]), size) / ZONE_SIGMAS)
         if clearance is not None and "/" in text:
             return _fit(text, size, clearance)
     except ValueError as error:
@@ -83,18 +83,18 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
     DesignError
         An order is none, or stands there twice, or its zone is not of one of `FORMS`.
     """
-    found: dict[int, Zone] = {}
+    zones: dict[int, Zone] = {}
     for part in filter(str.strip, text.split(",")):
         order, colon, words = part.partition(":")
         number = int(order) if order.strip().isdecimal() else 0
-        if not colon or not 1 <= number <= highest or number in found:
+        if not colon or not 1 <= number <= highest or number in zones:
             raise DesignError(
                 f"tolerance.profile = {text!r}: {part.strip()!r} is no order with its tolerance; write orders from "
                 f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
         if one := zone(words, "profile", size):
-            found[number] = one
-    return found
+            zones[number] = one
+    return zones
 
 
 def _grade(grade: int, size: float) -> float:

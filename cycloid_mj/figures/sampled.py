@@ -43,14 +43,14 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 
 
 def solved(
-    reducer: Reducer, made: Samples, states: Collection[State], angles: int = ANGLES
+    reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
     """Balance samples in some of `STATES`: without friction, weight and inertia."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
     ordered = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
-    return dict(zip(ordered, solve_samples(bare, made, torques, angles), strict=True))
+    return dict(zip(ordered, solve_samples(bare, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:

@@ -236,7 +236,7 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     """
     require_envelope(gear)
     zeta = profile.pin_angles(gear)
-    found = []
+    contacts = []
     for low, high in _monotone_stretches(gear):
         ends = sigma_crank_angle_cw(gear, [low, high])
         wanted = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
@@ -244,8 +244,8 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
         B = profile.solve_monotone(
             lambda B: sigma_crank_angle_cw(gear, B), lambda B: _sigma_crank_rate(gear, B), wanted[lobe], low, high
         )
-        found.append((lobe, B))
-    lobe, B = (np.concatenate(column) for column in zip(*found, strict=True))
+        contacts.append((lobe, B))
+    lobe, B = (np.concatenate(column) for column in zip(*contacts, strict=True))
     order = np.lexsort((B, lobe))
     lobe, B = lobe[order], B[order]
     points = _turned(sigma_points(gear, B), zeta[lobe])

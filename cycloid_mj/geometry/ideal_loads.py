@@ -128,8 +128,8 @@ def cam_force(
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
     radial = ring.eccentric_radial + np.sum(output_forces, axis=-1)
     outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
-    held = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
-    return held - np.asarray(body_force, float)
+    resultant = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
+    return resultant - np.asarray(body_force, float)
 
 
 def contact_modulus(
@@ -227,11 +227,11 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
     """Share the torque and balance the gear: the eccentric holds the pushes along minus the gear's normals."""
     forces = share_load(arms, torque)
-    held = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)
+    resultant = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
     return LoadSharing(
         arms=arms,
         forces=forces,
-        eccentric_tangential=-held[..., 0] * cos - held[..., 1] * sin,
-        eccentric_radial=held[..., 1] * cos - held[..., 0] * sin,
+        eccentric_tangential=-resultant[..., 0] * cos - resultant[..., 1] * sin,
+        eccentric_radial=resultant[..., 1] * cos - resultant[..., 0] * sin,
     )

@@ -58,23 +58,23 @@ class Seat:
     where: str
 
 
-def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
+def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
     """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
     design = reducer.design
-    crank = np.array([abs(one.point.speed) * one.point.share for one in found])
-    relative = np.array([relative_speed(reducer, one.point.speed) * one.point.share for one in found])
+    crank = np.array([abs(one.point.speed) * one.point.share for one in loadings])
+    relative = np.array([relative_speed(reducer, one.point.speed) * one.point.share for one in loadings])
     if design.gear.bearing == "rolling":
-        yield from _rated(reducer, cam_seat(reducer), [one.cam for one in found], relative, found, peak)
+        yield from _rated(reducer, cam_seat(reducer), [one.cam for one in loadings], relative, loadings, peak)
     for place, name in enumerate(("far", "near"), start=-2):
-        force = [rolling.magnitudes(one.shaft[:, place]) for one in found]
-        yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, found, peak)
+        force = [rolling.magnitudes(one.shaft[:, place]) for one in loadings]
+        yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, loadings, peak)
     if design.output.rollers:
         # a roller turns on its pin as often as it rolls round its hole
         rolls = (
             reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
         )
-        loads = [one.output.reshape(len(one.crank), -1) for one in found]
-        yield from _rated(reducer, _output_seat(reducer), loads, rolls, found, peak)
+        loads = [one.output.reshape(len(one.crank), -1) for one in loadings]
+        yield from _rated(reducer, _output_seat(reducer), loads, rolls, loadings, peak)
 
 
 def cam_seat(reducer: Reducer) -> Seat:
@@ -112,7 +112,7 @@ def _output_seat(reducer: Reducer) -> Seat:
 
 
 def _rated(
-    reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, found: Sequence[Loading], peak: float
+    reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
 ) -> Iterator[RatedItem]:
     """Rate one bearing, the most loaded of those alike.
 
@@ -133,9 +133,9 @@ def _rated(
             f"(b_m 1 leaves C {plain:.0f} N and {hours(less)}), service factor {bearing.service_factor:g}"
         )
     yield RatedItem(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
-    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(found), strict=True))
+    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(loadings), strict=True))
     standing = seat.static or seat.row.static
-    given = "C0 of the design file" if seat.static else f"assumed: {seat.row} {seat.where}"
+    source = "C0 of the design file" if seat.static else f"assumed: {seat.row} {seat.where}"
     yield RatedItem(
         f"{seat.key}_static",
         f"{seat.name}, static factor",
@@ -145,7 +145,7 @@ def _rated(
         standing / worst if worst else math.inf,
         None,
         "s0 = C0/P0, C0 = 44 (1 - D/D_pw) Z L D, ISO 76",
-        f"{given}; at the peak torque, {peak:.4g} N m, forces in proportion",
+        f"{source}; at the peak torque, {peak:.4g} N m, forces in proportion",
     )
 
 
@@ -158,5 +158,5 @@ def bearing_load(reducer: Reducer, force: Sequence[Array], turns: Array) -> floa
     return reducer.design.bearing.service_factor * rolling.mean_load(means, turns)
 
 
-def _torques(found: Sequence[Loading]) -> list[float]:
-    return [abs(one.point.torque) for one in found]
+def _torques(loadings: Sequence[Loading]) -> list[float]:
+    return [abs(one.point.torque) for one in loadings]

@@ -35,16 +35,16 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
         life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
         return Give(name, stiffness, load, life)
 
-    own, rows = pair_stiffness(at_rated_load(reducer.seen_from_ring), "cam"), []
+    linear, rows = pair_stiffness(at_rated_load(reducer.seen_from_ring), "cam"), []
     for factor in GIVES:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
         if factor == 1.0 and design.stiffness.cam:
             name = "of the design file"
-        varied = reducer.but(stiffness={"cam": factor * own})
+        varied = reducer.but(stiffness={"cam": factor * linear})
         try:
-            rows.append(row(name, factor * own, [loading(varied, point).cam for point in points]))
+            rows.append(row(name, factor * linear, [loading(varied, point).cam for point in points]))
         except CycloidError:
-            rows.append(Give(name, factor * own, None, None))
+            rows.append(Give(name, factor * linear, None, None))
     crank = design.lobes * turn_evenly(reducer, POSES)
     ideal = []
     for point in points:

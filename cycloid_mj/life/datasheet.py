@@ -55,13 +55,13 @@ class Datasheet:
 
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
-        found = [one for group in self.groups.values() for one in group]
+        items = [one for group in self.groups.values() for one in group]
         return {
             "design": self.design.name,
             "life_h": self.life,
             "quantities": {
                 one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
-                for one in found
+                for one in items
             },
             "curves": [curve.as_json() for curve in self.curves],
             "notes": list(self.notes),
@@ -141,31 +141,31 @@ def _ratings(
 
 
 def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    found, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
-    error = found["output_peak_to_peak_loaded_forward_speed"]
+    quantities, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
-        _told(found["backlash"], "Backlash", "without load, mean of a turn"),
-        _told(found["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
-        _told(found["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
+        _told(quantities["backlash"], "Backlash", "without load, mean of a turn"),
+        _told(quantities["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
+        _told(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
         _told(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
     )
 
 
 def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     design = reducer.design
-    found = static.quantities
+    quantities = static.quantities
     at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
     hot = rate(design).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
-        _told(found["efficiency"], "Efficiency", at),
-        _told(found["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        _told(quantities["efficiency"], "Efficiency", at),
+        _told(quantities["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
         Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
     )
 
 
-def _told(found: Quantity, name: str, condition: str) -> Quantity:
-    return Quantity(found.key, name, found.value, found.unit, note=found.note or condition)
+def _told(quantity: Quantity, name: str, condition: str) -> Quantity:
+    return Quantity(quantity.key, name, quantity.value, quantity.unit, note=quantity.note or condition)
 
 
 def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
@@ -193,20 +193,22 @@ def input_inertia(reducer: Reducer) -> float:
     Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
     """
     design = reducer.design
-    found, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
+    inertia, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
     for name, solid in body_solids(reducer).items():
-        own = mass_properties(solid)
-        about_axis = own.inertia[2, 2] + own.mass * float(np.sum(own.centroid[:2] ** 2))
+        properties = mass_properties(solid)
+        about_axis = properties.inertia[2, 2] + properties.mass * float(np.sum(properties.centroid[:2] ** 2))
         kind = family(name)
         if kind == SHAFT:
-            found += about_axis
+            inertia += about_axis
         elif kind == GEAR:
-            found += own.mass * design.gear.eccentricity**2 + (0.0 if ring_turns else own.inertia[2, 2] / slow)
+            inertia += properties.mass * design.gear.eccentricity**2 + (
+                0.0 if ring_turns else properties.inertia[2, 2] / slow
+            )
         elif kind == (HOUSING if ring_turns else OUTPUT):
-            found += about_axis / slow
+            inertia += about_axis / slow
         elif kind == PIN and ring_turns:
-            found += design.ring.teeth * own.mass * design.ring.pin_circle_radius**2 / slow
-    return found
+            inertia += design.ring.teeth * properties.mass * design.ring.pin_circle_radius**2 / slow
+    return inertia
 
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:

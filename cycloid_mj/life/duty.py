@@ -75,8 +75,8 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         ) from error
     header = lines[0][1] if lines else []
     if any(column not in header for column in COLUMNS):
-        found = ", ".join(header) if header else "an empty file"
-        raise UsageError(f"{path}: a duty cycle has the columns {','.join(COLUMNS)}; found {found}")
+        columns = ", ".join(header) if header else "an empty file"
+        raise UsageError(f"{path}: a duty cycle has the columns {','.join(COLUMNS)}; found {columns}")
     if len(lines) == 1:
         raise UsageError(f"{path}: the duty cycle has no points: give a line of {','.join(COLUMNS)} for each")
     points = [_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
@@ -99,13 +99,13 @@ def _cells(line: str) -> list[str]:
 def _point(where: str, row: dict[str, str]) -> DutyPoint:
     values = {}
     for column in COLUMNS:
-        given = row.get(column, "")
+        text = row.get(column, "")
         try:
-            values[column] = float(given)
+            values[column] = float(text)
         except ValueError as error:
-            raise UsageError(f"{where}: {column} is {given!r}; give a number") from error
+            raise UsageError(f"{where}: {column} is {text!r}; give a number") from error
         if not math.isfinite(values[column]):
-            raise UsageError(f"{where}: {column} is {given!r}; give a finite number")
+            raise UsageError(f"{where}: {column} is {text!r}; give a finite number")
     torque, speed, share = values.values()
     if not abs(speed) < FASTEST:
         raise UsageError(f"{where}: speed_rpm is {speed:g}; give one of less than {FASTEST:g}")

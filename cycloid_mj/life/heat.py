@@ -29,11 +29,11 @@ REFERENCE = 20.0
 """Temperature [°C] at which clearances are as drawn (ISO 1)."""
 
 
-def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
+def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
     design = reducer.design
     service = design.service
-    lost = sum(sum(one.losses.values()) * one.point.share for one in found)
+    lost = sum(sum(one.losses.values()) * one.point.share for one in loadings)
     area = outside(reducer)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     limits = sorted(hottest(reducer), key=lambda one: one.hottest)
@@ -48,7 +48,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
         None,
         "friction of teeth, cam, output pins and seals, mean of the duty",
         ", ".join(
-            f"{part} {sum(one.losses[part] * one.point.share for one in found):.3g} W" for part in found[0].losses
+            f"{part} {sum(one.losses[part] * one.point.share for one in loadings):.3g} W" for part in loadings[0].losses
         ),
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
@@ -70,7 +70,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
     for kind in design.pair_kinds:
         grown = clearance_growth(reducer, kind) * (hot - REFERENCE)
         clearance = getattr(design.clearance, kind)
-        made = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
+        materials = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
         yield RatedItem(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
@@ -80,7 +80,7 @@ def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
             clearance / -grown if grown < 0.0 else math.inf,
             None,
             "both parts' thermal expansion from 20 °C; safety of the clearance",
-            f"all parts at the housing's {hot:.3g} °C (assumed); {made}; less than nothing: it grows",
+            f"all parts at the housing's {hot:.3g} °C (assumed); {materials}; less than nothing: it grows",
         )
 
 
@@ -131,12 +131,12 @@ class HeatLimit:
 def hottest(reducer: Reducer) -> Iterator[HeatLimit]:
     """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
     design = reducer.design
-    for name, given, source in (
+    for name, temperature, source in (
         ("grease", design.service.grease_temperature, GREASE),
         ("seals", design.service.seal_temperature, SEALS),
     ):
         usual = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
-        yield HeatLimit(name, given, source if given == usual else "of the design file")
+        yield HeatLimit(name, temperature, source if temperature == usual else "of the design file")
     parts: dict[str, list[str]] = {}
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)

@@ -146,7 +146,7 @@ class Rating:
 
     def as_json(self) -> dict[str, Any]:
         """Convert the rating to JSON values."""
-        found = {
+        content = {
             "design": self.design,
             "condition": self.duty,
             "required_life_h": self.life,
@@ -155,4 +155,4 @@ class Rating:
             "assumptions": list(self.assumptions),
             **({"cam_give": self.cam_give} if self.cam_give else {}),
         }
-        return dict(plain(found))
+        return dict(plain(content))

@@ -45,14 +45,14 @@ def rate(
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
-    found = [loading(reducer, point) for point in turning]
-    worst = max(found, key=lambda one: abs(one.point.torque))
+    loadings = [loading(reducer, point) for point in turning]
+    worst = max(loadings, key=lambda one: abs(one.point.torque))
     items = [
-        *bearings(reducer, found, duty.peak),
-        *surfaces(reducer, found),
+        *bearings(reducer, loadings, duty.peak),
+        *surfaces(reducer, loadings),
         *strength(reducer, worst, ranges),
-        *wear(reducer, found),
-        *heat(reducer, found),
+        *wear(reducer, loadings),
+        *heat(reducer, loadings),
         *peaks(reducer, duty.peak, worst),
     ]
     ordered = sorted(items, key=lambda item: item.margin(life))

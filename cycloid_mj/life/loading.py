@@ -101,12 +101,12 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
     crank = design.lobes * turn_evenly(reducer, POSES)
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     try:
-        found, power = loads(at, springs, torque), powers(at, abs(point.torque))
+        contact_loads, power = loads(at, springs, torque), powers(at, abs(point.torque))
         unwound = loads(at, springs, UNWOUND * torque)
     except RunError as error:
-        held = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
-        raise RunError(f"{design.name} does not hold {held}: {error}; rate it at another torque") from error
-    cam = found.cam.reshape(POSES, -1, 2)
+        condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
+        raise RunError(f"{design.name} does not hold {condition}: {error}; rate it at another torque") from error
+    cam = contact_loads.cam.reshape(POSES, -1, 2)
     shaft = shaft_measures(reducer)
     places, forces = _shaft_forces(at, shaft, springs.crank, cam)
     return Loading(
@@ -115,29 +115,29 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
         cam=magnitudes(cam),
         shaft=forces,
         places=places,
-        output=found.output.reshape(POSES, cam.shape[1], -1),
-        teeth=float(found.teeth.max()),
-        pressures={kind: peak_pressure(at, springs, found, kind) for kind in design.pair_kinds},
-        rubs=_rubs(at, springs, found),
+        output=contact_loads.output.reshape(POSES, cam.shape[1], -1),
+        teeth=float(contact_loads.teeth.max()),
+        pressures={kind: peak_pressure(at, springs, contact_loads, kind) for kind in design.pair_kinds},
+        rubs=_rubs(at, springs, contact_loads),
         losses=power.losses,
         crank_torque=power.crank / abs(speed),
-        wind_up=abs(float((found.departures - unwound.departures)[:, 2].mean()))
+        wind_up=abs(float((contact_loads.departures - unwound.departures)[:, 2].mean()))
         / (design.output.pin_circle_radius * (1.0 - UNWOUND)),
     )
 
 
-def _rubs(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Rub]:
+def _rubs(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Rub]:
     """Collect how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     seat = design.seat_pair
     in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
     kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
-    rubs = {kind: _rub(reducer, found.teeth, slip[:, :count], radius)}
+    rubs = {kind: _rub(reducer, contact_loads.teeth, slip[:, :count], radius)}
     if not design.output.rollers:
-        rubs["output"] = _rub(reducer, found.output, slip[:, count:], design.output.pin_radius)
+        rubs["output"] = _rub(reducer, contact_loads.output, slip[:, count:], design.output.pin_radius)
     if design.gear.bearing == "plain":
-        force = magnitudes(found.cam).reshape(len(slip), -1)
+        force = magnitudes(contact_loads.cam).reshape(len(slip), -1)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
         rubs["cam"] = _rub(reducer, force, speed, design.gear.bore_radius)
     return rubs
@@ -162,8 +162,10 @@ def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: A
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam[..., 0], cam[..., 1]
     turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
-    own = mass_properties(crank_solid(reducer))
-    flung = np.broadcast_to(own.mass * own.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2))
+    properties = mass_properties(crank_solid(reducer))
+    flung = np.broadcast_to(
+        properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)
+    )
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
     acting = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
     applied = np.concatenate([turned, flung], axis=1)
@@ -172,7 +174,7 @@ def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: A
     return np.array([*acting, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
 
 
-def bending(found: Loading, place: float) -> Array:
+def bending(loading: Loading, place: float) -> Array:
     """Compute the bending moment [N m] at a place along the shaft [m], in its frame, shape (m, 2)."""
-    arm = np.maximum(found.places - place, 0.0)
-    return np.asarray(np.einsum("p,mpx->mx", arm, found.shaft))
+    arm = np.maximum(loading.places - place, 0.0)
+    return np.asarray(np.einsum("p,mpx->mx", arm, loading.shaft))

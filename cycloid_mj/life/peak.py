@@ -21,20 +21,20 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     design = reducer.design
     torque = abs(worst.point.torque)
     for key, (what, factor, kind_of_strength, source) in KINDS.items():
-        held = {
+        torques = {
             kind: torque
             * (factor * min(getattr(part, kind_of_strength) for part in design.partners(kind)) / pressure) ** 2
             for kind, pressure in worst.pressures.items()
             if pressure > 0.0
         }
-        if held:
-            kind = min(held, key=lambda one: held[one])
+        if torques:
+            kind = min(torques, key=lambda one: torques[one])
             note = f"in {kind}; the pressure goes with the root of the torque"
-            yield _torque_item(key, what, peak, held[kind], source, note)
-    output, made = design.output, design.material_of("output")
+            yield _torque_item(key, what, peak, torques[kind], source, note)
+    output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
     planes = 1 if output.support == "cantilever" else 2
-    shear, strength = force / (planes * math.pi * radius**2), made.yield_strength / math.sqrt(3.0)
+    shear, strength = force / (planes * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
     yield RatedItem(
         "peak_pin_shear",
         "emergency stop, shear of an output pin",
@@ -51,9 +51,9 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
         "peak_pin_bending",
         "emergency stop, bending of an output pin",
         1e-6 * bent,
-        1e-6 * made.yield_strength,
+        1e-6 * material.yield_strength,
         "MPa",
-        made.yield_strength / bent if bent else math.inf,
+        material.yield_strength / bent if bent else math.inf,
         None,
         "4 M/(pi r^3) against Y",
         "nominal stress: a notch yields, and holds once; forces in proportion to the torque",
@@ -69,5 +69,5 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     )
 
 
-def _torque_item(key: str, what: str, peak: float, held: float, source: str, note: str) -> RatedItem:
-    return RatedItem(key, f"emergency stop, {what}", peak, held, "N m", held / peak, None, source, note)
+def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:
+    return RatedItem(key, f"emergency stop, {what}", peak, torque, "N m", torque / peak, None, source, note)

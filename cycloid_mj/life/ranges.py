@@ -33,8 +33,8 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
     design = reducer.design
     file = path / RESULT if path.is_dir() else path
     try:
-        told = json.loads(as_input(file).read_text(encoding="utf-8"))
-        studies = {str(one["design"]): one for one in told["designs"]}
+        content = json.loads(as_input(file).read_text(encoding="utf-8"))
+        studies = {str(one["design"]): one for one in content["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(
             f"cannot read {file}: {error}; give the folder that cycloid-mj stress wrote, which has {RESULT}"
@@ -47,17 +47,17 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
     load = _number(study.get("load_nm"))
     if not load:
         raise UsageError(f"{file} is of a run without load, which wears nothing out: give stress a --load-nm")
-    found = {
+    ranges = {
         str(part.get("part")): StressRange(1e6 * amplitude, 1e6 * mean, abs(load))
         for part in study.get("parts", [])
         if isinstance(part, dict)
-        and (given := part.get("range"))
-        and math.isfinite(amplitude := _number(given.get("amplitude_mpa")))
-        and math.isfinite(mean := _number(given.get("mean_mpa")))
+        and (values := part.get("range"))
+        and math.isfinite(amplitude := _number(values.get("amplitude_mpa")))
+        and math.isfinite(mean := _number(values.get("mean_mpa")))
     }
-    if not found:
+    if not ranges:
         raise UsageError(f"{file} has no stress ranges: make it anew with cycloid-mj stress --design {design.name}")
-    return found
+    return ranges
 
 
 def _number(value: Any) -> float:

@@ -43,7 +43,7 @@ def rated_torque(
     """
     design = reducer.design
     decides, rated = counts or _counts, design.rated_torque
-    found: dict[float, RatedItem] = {}
+    decisive: dict[float, RatedItem] = {}
 
     def margin(logarithm: float) -> float:
         """Compute the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
@@ -51,8 +51,8 @@ def rated_torque(
             items = rate(design, steady(math.exp(logarithm), speed), life).items
         except CycloidError:
             return NO_BALANCE
-        found[logarithm] = next(item for item in items.values() if decides(item.key))
-        return math.log(max(found[logarithm].margin(life), math.exp(NO_BALANCE)))
+        decisive[logarithm] = next(item for item in items.values() if decides(item.key))
+        return math.log(max(decisive[logarithm].margin(life), math.exp(NO_BALANCE)))
 
     at = math.log(guess or rated)
     bears = margin(at) > 0.0
@@ -64,13 +64,13 @@ def rated_torque(
             break
     else:
         root = float(brentq(margin, min(at, at + step), max(at, at + step), xtol=EXACT))
-        return math.exp(root), found[min(found, key=lambda one: abs(one - root))]
+        return math.exp(root), decisive[min(decisive, key=lambda one: abs(one - root))]
     if not bears:
         raise DesignError(
             f"{design.name}: no torque down to {math.exp(at):.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
             "rpm; rate it to see what fails"
         )
-    return math.exp(at), found[at]
+    return math.exp(at), decisive[at]
 
 
 def _counts(key: str) -> bool:

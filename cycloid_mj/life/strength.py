@@ -33,9 +33,9 @@ def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | 
     yield output_pin(reducer, worst.output)
     yield _shoulder(reducer, worst)
     torque = abs(worst.point.torque)
-    studied = {part: found for part, found in (ranges or {}).items() if family(part) in STUDIED}
-    for part, found in studied.items():
-        yield _studied(reducer, part, found, torque)
+    studied = {part: known for part, known in (ranges or {}).items() if family(part) in STUDIED}
+    for part, stress_range in studied.items():
+        yield _studied(reducer, part, stress_range, torque)
     for wall in walls(reducer):
         if HOLED[wall.part] not in map(family, studied):
             yield _wall(reducer, wall, worst)
@@ -47,15 +47,17 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
     A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
     """
     design = reducer.design
-    made, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
+    material, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
     moment = float(pin_moment(reducer, force).max())
     nominal = 4.0 * moment / (math.pi * radius**3)
     shape = shoulder_factor(radius, fillet, math.inf, BENDING)
-    notch = design.service.notch_factor or notch_factor(shape, fillet, made.tensile_strength)
+    notch = design.service.notch_factor or notch_factor(shape, fillet, material.tensile_strength)
     half = 0.5 * notch * nominal
-    fatigue = Fatigue(half, half, _endurance(reducer, made.tensile_strength, 2.0 * radius), made.tensile_strength)
-    held = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
-    given = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
+    fatigue = Fatigue(
+        half, half, _endurance(reducer, material.tensile_strength, 2.0 * radius), material.tensile_strength
+    )
+    support = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
+    source = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
     return RatedItem(
         "output_pin_fatigue",
         "output pin at its root, fatigue",
@@ -64,8 +66,8 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
         "MPa",
         fatigue.safety,
         None,
-        f"Goodman, pulsating bending of {held}, 4 M/(pi r^3)",
-        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(reducer, 'output')}",
+        f"Goodman, pulsating bending of {support}, 4 M/(pi r^3)",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {source}; {_limit_told(reducer, 'output')}",
     )
 
 
@@ -80,14 +82,16 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
     """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
     design = reducer.design
-    shaft, made, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
+    shaft, material, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
-    endurance = _endurance(reducer, made.tensile_strength, 2.0 * shaft.radius)
-    found: list[tuple[float, RatedItem]] = []
+    endurance = _endurance(reducer, material.tensile_strength, 2.0 * shaft.radius)
+    rated: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
         factors = [
-            notch_factor(shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, made.tensile_strength)
+            notch_factor(
+                shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, material.tensile_strength
+            )
             for terms in (BENDING, TORSION)
         ]
         stress = factors[0] * section * bending(worst, shoulder.z) @ around.T
@@ -95,8 +99,8 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
         high, low = stress.max(axis=0), stress.min(axis=0)
         amplitude = 0.5 * (high - low)
         mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
-        used = int(np.argmax(amplitude / endurance + mean / made.tensile_strength))
-        fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, made.tensile_strength)
+        used = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
+        fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, material.tensile_strength)
         item = RatedItem(
             "shaft_fatigue",
             f"shaft, {shoulder.name}, fatigue",
@@ -109,34 +113,34 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
             f"{_limit_told(reducer, 'shaft')}",
         )
-        found.append((fatigue.safety, item))
-    return min(found, key=lambda one: one[0])[1]
+        rated.append((fatigue.safety, item))
+    return min(rated, key=lambda one: one[0])[1]
 
 
-def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> RatedItem:
+def _studied(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
     """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
-    made = reducer.design.material_of(MADE[family(part)])
-    scale = torque / found.load
-    endurance = _endurance(reducer, made.tensile_strength, 0.0)
-    fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
+    material = reducer.design.material_of(MADE[family(part)])
+    scale = torque / stress_range.load
+    endurance = _endurance(reducer, material.tensile_strength, 0.0)
+    fatigue = Fatigue(scale * stress_range.amplitude, scale * stress_range.mean, endurance, material.tensile_strength)
     scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
     return RatedItem(
         f"{part}_fatigue",
         f"{STUDIED[family(part)]}, fatigue",
-        1e-6 * scale * (found.amplitude + max(found.mean, 0.0)),
+        1e-6 * scale * (stress_range.amplitude + max(stress_range.mean, 0.0)),
         1e-6 * endurance,
         "MPa",
         fatigue.safety,
         None,
         "Goodman, range of stress of the worst node over a turn, by finite elements",
-        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(reducer, MADE[family(part)])}",
+        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_told(reducer, MADE[family(part)])}",
     )
 
 
 def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
     design = reducer.design
-    made = design.material_of(wall.part)
+    material = design.material_of(wall.part)
     by_tooth = wall.kind == design.tooth_pair
     force = worst.teeth if by_tooth else float(worst.output.max())
     span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
@@ -144,7 +148,9 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     bent = 0.75 * force * span / (width * wall.thickness**2)
     sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
     half = 0.5 * max(bent, sheared)
-    safety = Fatigue(half, half, _endurance(reducer, made.tensile_strength, wall.thickness), made.tensile_strength)
+    safety = Fatigue(
+        half, half, _endurance(reducer, material.tensile_strength, wall.thickness), material.tensile_strength
+    )
     return RatedItem(
         f"{wall.name}_fatigue",
         f"wall {wall.where}, fatigue",
@@ -167,9 +173,9 @@ def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
 def _limit_told(reducer: Reducer, part: str) -> str:
     """Tell where the endurance limit of a part is from."""
     design = reducer.design
-    service, made = design.service, design.material_of(part)
+    service, material = design.service, design.material_of(part)
     if service.endurance_limit:
         return "endurance limit of the design file"
-    if made.youngs_modulus < SOFTEST_STEEL:
-        return f"endurance limit by strength as of steel: a guess for {made.name or 'this material'}"
+    if material.youngs_modulus < SOFTEST_STEEL:
+        return f"endurance limit by strength as of steel: a guess for {material.name or 'this material'}"
     return f"endurance limit by strength, {service.surface}, size, {design.bearing.reliability:.0%} (Shigley 6-7)"

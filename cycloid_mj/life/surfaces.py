@@ -35,10 +35,10 @@ NAMES = {
 }
 
 
-def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
+def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum."""
     for kind, name in NAMES.items():
-        pressure = max((one.pressures.get(kind, 0.0) for one in found), default=0.0)
+        pressure = max((one.pressures.get(kind, 0.0) for one in loadings), default=0.0)
         if not pressure > 0.0:
             continue
         strength = pair_strength(reducer, kind)
@@ -59,14 +59,14 @@ def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
                 f"Hertz's p0; Y {1e-6 * strength:.4g} MPa of the weaker partner",
             )
         if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
-            yield _pitting(reducer, found, kind, pressure)
+            yield _pitting(reducer, loadings, kind, pressure)
 
 
-def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
+def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
     tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
     allowed = pitting_pressure(tensile)
     damage, hourly, on_pins = 0.0, 0.0, 0.0
-    for one in found:
+    for one in loadings:
         loads = _turns_an_hour(relative_speed(reducer, one.point.speed)) * one.point.share
         hourly += loads
         on_pins += _turns_an_hour(speed_past_ring(reducer, one.point.speed)) * one.point.share

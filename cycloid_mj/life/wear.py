@@ -21,13 +21,13 @@ NAMES = {
 }
 
 
-def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[RatedItem]:
+def wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate wear by Archard, k F s spread over the whole surface that slides, and give p v and the way slid."""
     coefficient = reducer.design.service.wear_coefficient
-    for kind in found[0].rubs:
-        power = sum(one.rubs[kind].power * one.point.share for one in found)
-        speed = sum(one.rubs[kind].speed * one.point.share for one in found)
-        largest = max(one.rubs[kind].pressure_speed for one in found)
+    for kind in loadings[0].rubs:
+        power = sum(one.rubs[kind].power * one.point.share for one in loadings)
+        speed = sum(one.rubs[kind].speed * one.point.share for one in loadings)
+        largest = max(one.rubs[kind].pressure_speed for one in loadings)
         depth = coefficient * power * 3600.0 * HOURS / _face(reducer, kind)
         limit = getattr(reducer.design.clearance, kind)
         way = speed * 3.6 * HOURS

@@ -188,8 +188,8 @@ def _messages(data: bytes) -> Messages:
             starts[channel].append(position)
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and described < MOST_DESCRIBED:
             into, kind = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
-            found = kind.read(_stream(data[content : content + length]))
-            into[found.id] = found
+            message = kind.read(_stream(data[content : content + length]))
+            into[message.id] = message
             described += 1
         else:
             raise ValueError(f"no schema, channel or message can be read {position} bytes into it")

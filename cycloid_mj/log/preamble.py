@@ -17,25 +17,25 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
     """Return the metadata that a log begins with: name of the record -> entries, of text that UTF-8 can hold."""
-    own = {storable(key): storable(value) for key, value in provenance.items()}
+    stored = {storable(key): storable(value) for key, value in provenance.items()}
     names = [storable(name) for name in attachments]
-    told = {"format": FORMAT, CHECKSUM: _checksum(own), FILES: json.dumps(names)}
-    return {PACKAGE: told, PROVENANCE: own}
+    entries = {"format": FORMAT, CHECKSUM: _checksum(stored), FILES: json.dumps(names)}
+    return {PACKAGE: entries, PROVENANCE: stored}
 
 
 def lost(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     """Name what a cut log should hold and does not; a log of an earlier version can lack its provenance alone."""
-    told, own = metadata[PACKAGE], metadata.get(PROVENANCE)
-    found = []
-    if own is None:
-        found.append("its provenance is missing")
-    elif told.get(CHECKSUM, _checksum(own)) != _checksum(own):
-        found.append("its provenance is damaged")
+    package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
+    missing = []
+    if stored is None:
+        missing.append("its provenance is missing")
+    elif package.get(CHECKSUM, _checksum(stored)) != _checksum(stored):
+        missing.append("its provenance is damaged")
     try:
-        names = set(json.loads(told.get(FILES, "[]")))
+        names = set(json.loads(package.get(FILES, "[]")))
     except (ValueError, TypeError):
-        return [*found, "which files it should hold is damaged"]
-    return [*found, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
+        return [*missing, "which files it should hold is damaged"]
+    return [*missing, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
 
 
 def storable(text: str) -> str:

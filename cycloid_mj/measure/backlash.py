@@ -115,17 +115,17 @@ def backlash(
     runs = each(lambda job: press(*job), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
-    found = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}
+    by_kind = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}
     closed = _closed_forms(reducer, cranks)
     return Measurement(
         measure="backlash",
         design=reducer.design,
         condition="crank locked, without friction and weight",
-        quantities=keyed(_quantities(found, checked, closed)),
-        curves=_curves(reducer, found, closed),
-        assumptions=_assumptions(reducer, [one.run for presses in found.values() for one in presses]),
-        runs={name: presses[0].run for name, presses in found.items()},
-        details={"angles": _by_angle(found, closed)},
+        quantities=keyed(_quantities(by_kind, checked, closed)),
+        curves=_curves(reducer, by_kind, closed),
+        assumptions=_assumptions(reducer, [one.run for presses in by_kind.values() for one in presses]),
+        runs={name: presses[0].run for name, presses in by_kind.items()},
+        details={"angles": _by_angle(by_kind, closed)},
     )
 
 
@@ -167,21 +167,21 @@ def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
 def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
     """Collect the backlash [rad] by the closed forms, whole and by each clearance alone."""
     turn = play.turn(reducer)
-    found = {}
+    closed_forms = {}
     if play.has_linear_gaps(reducer):
-        found[_ALL] = Known(play.total(reducer, np.array(cranks)), play.over_a_turn(reducer)[1])
+        closed_forms[_ALL] = Known(play.total(reducer, np.array(cranks)), play.over_a_turn(reducer)[1])
     for kind in reducer.design.pair_kinds:
         single = alone(reducer, kind)
         sampled, whole = (np.array([play.parts_alone(single, float(at))[kind] for at in way]) for way in (cranks, turn))
-        found[kind] = Known(sampled, whole)
-    return found
+        closed_forms[kind] = Known(sampled, whole)
+    return closed_forms
 
 
 def _quantities(
-    found: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Known]
+    by_kind: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Known]
 ) -> Iterator[Quantity]:
     parts = []
-    for name, presses in found.items():
+    for name, presses in by_kind.items():
         values, known = np.array([one.backlash for one in presses]), closed.get(name)
         numerical = abs(checked[name].backlash - presses[0].backlash)
         error = _arcminutes(added(numerical, error_of_mean(values, known)))
@@ -219,10 +219,10 @@ def _arcminutes(error: float | None) -> float | None:
     return None if error is None else error / ARCMINUTE
 
 
-def _curves(reducer: Reducer, found: dict[str, list[Press]], closed: dict[str, Known]) -> tuple[Curve, ...]:
+def _curves(reducer: Reducer, by_kind: dict[str, list[Press]], closed: dict[str, Known]) -> tuple[Curve, ...]:
     drawn = []
     axes = "crank angle [deg]", "backlash [arcmin]"
-    for name, presses in found.items():
+    for name, presses in by_kind.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([one.crank for one in presses])
         if name in closed:
@@ -248,15 +248,15 @@ def _assumptions(reducer: Reducer, runs: list[Run]) -> tuple[str, ...]:
     )
 
 
-def _by_angle(found: dict[str, list[Press]], closed: dict[str, Known]) -> list[dict[str, Any]]:
+def _by_angle(by_kind: dict[str, list[Press]], closed: dict[str, Known]) -> list[dict[str, Any]]:
     return [
         {
             "crank_angle_deg": math.degrees(one.crank),
             "low_arcmin": one.low / ARCMINUTE,
             "high_arcmin": one.high / ARCMINUTE,
-            "backlash_arcmin": {name: presses[place].backlash / ARCMINUTE for name, presses in found.items()},
-            "timestep_s": {name: bench.step_of(presses[place].run) for name, presses in found.items()},
+            "backlash_arcmin": {name: presses[place].backlash / ARCMINUTE for name, presses in by_kind.items()},
+            "timestep_s": {name: bench.step_of(presses[place].run) for name, presses in by_kind.items()},
             "closed_form_arcmin": {name: float(known.sampled[place]) / ARCMINUTE for name, known in closed.items()},
         }
-        for place, one in enumerate(found[_ALL])
+        for place, one in enumerate(by_kind[_ALL])
     ]

@@ -75,12 +75,12 @@ def step(reducer: Reducer, torque: float) -> float:
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
         return LONGEST_STEP
-    held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
+    sticks = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
     force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / pair_stiffness(reducer, kind))
-    return min(LONGEST_STEP, (HELD_SHARE if held else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
+    return min(LONGEST_STEP, (HELD_SHARE if sticks else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 
 
 def benched(reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0) -> Reducer:

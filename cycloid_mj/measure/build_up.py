@@ -13,25 +13,25 @@ DAMPING = "damping of all contacts"
 NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and window leave of elastic energy"}
 
 
-def build_up(found: MeanPowers) -> dict[str, float]:
+def build_up(powers: MeanPowers) -> dict[str, float]:
     """Compute the loss of each part as a share of the input power [1], and the damping of all contacts."""
     parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
-    friction = {part: sum(found.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
-    losses = {**friction, DAMPING: sum(found.normal.values())}
-    return {part: power / found.supplied for part, power in losses.items()}
+    friction = {part: sum(powers.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
+    losses = {**friction, DAMPING: sum(powers.normal.values())}
+    return {part: power / powers.supplied for part, power in losses.items()}
 
 
-def table(found: MeanPowers, published: Sequence[Published], error: float) -> Table:
+def table(powers: MeanPowers, published: Sequence[Published], error: float) -> Table:
     """Tabulate the build-up in percent of the input, with the published rates below it.
 
     `error` is the numerical error of the efficiency [1].
     """
     left, rows = 1.0, []
-    for part, share in build_up(found).items():
+    for part, share in build_up(powers).items():
         left -= share
         rows.append((part, 1e2 * share, 1e2 * left, NOTES.get(part, "")))
     rows.append(
-        ("efficiency", 1e2 * (1.0 - found.efficiency), 1e2 * found.efficiency, f"numerical error {1e2 * error:.2g}")
+        ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
     for one in published:
         needed = f"{one.friction:.3f}" if one.friction == one.friction else "none that was tried"
@@ -43,10 +43,10 @@ def table(found: MeanPowers, published: Sequence[Published], error: float) -> Ta
     )
 
 
-def as_json(found: MeanPowers, published: Sequence[Published]) -> dict[str, Any]:
+def as_json(powers: MeanPowers, published: Sequence[Published]) -> dict[str, Any]:
     """Convert the build-up to JSON values: shares of the input power."""
     frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
         for one in published
     }
-    return {"build_up": {"losses": build_up(found), "efficiency": found.efficiency, "paper": frictions}}
+    return {"build_up": {"losses": build_up(powers), "efficiency": powers.efficiency, "paper": frictions}}

@@ -25,11 +25,11 @@ def require_motion(reducer: Reducer) -> None:
 
 def drag_told(reducer: Reducer) -> str:
     """Tell the drag of seals and lubricant on the shafts, and that it is an assumption where there is none."""
-    told = [
+    drags = [
         f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: left out"
         for shaft, torque in (("crank", reducer.design.drag.crank), ("output", reducer.design.drag.output))
     ]
-    return f"seals and lubricant: {', '.join(told)}"
+    return f"seals and lubricant: {', '.join(drags)}"
 
 
 def halved(reducer: Reducer) -> Reducer:

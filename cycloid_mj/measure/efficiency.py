@@ -66,43 +66,47 @@ def efficiency(
         The crank does not turn.
     """
     reducer = Reducer(design)
-    own = steady_design(reducer)
-    rated, speed = own.design.rated_torque, own.design.drive.speed
+    steady = steady_design(reducer)
+    rated, speed = steady.design.rated_torque, steady.design.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
-    found = run_map(own, torques, speeds, periods, not quick, progress)
-    beside = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in published]
+    efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress)
+    beside = [replace(one, friction=friction_for(efficiency_map.by_friction, one.rate)) for one in published]
     return Measurement(
         measure="efficiency",
-        design=own.design,
+        design=steady.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm",
-        quantities=keyed(_rated(own, found), _losses(found.rated), _driven(own, found)),
-        curves=_curves(found),
-        tables=(
-            build_up.table(found.rated.powers, beside, found.error),
-            spread.table(f"efficiency at {rated:g} N m", found.rated.powers.efficiency, found.by_input),
-            *_tables(found),
+        quantities=keyed(
+            _rated(steady, efficiency_map), _losses(efficiency_map.rated), _driven(steady, efficiency_map)
         ),
-        assumptions=_assumptions(own, whole_periods(own, periods)),
+        curves=_curves(efficiency_map),
+        tables=(
+            build_up.table(efficiency_map.rated.powers, beside, efficiency_map.error),
+            spread.table(
+                f"efficiency at {rated:g} N m", efficiency_map.rated.powers.efficiency, efficiency_map.by_input
+            ),
+            *_tables(efficiency_map),
+        ),
+        assumptions=_assumptions(steady, whole_periods(steady, periods)),
         details={
-            "losses_by_pair": [_details(point) for point in found.grid],
-            **build_up.as_json(found.rated.powers, beside),
-            **spread.as_json(found.rated.powers.efficiency, found.by_input),
+            "losses_by_pair": [_details(point) for point in efficiency_map.grid],
+            **build_up.as_json(efficiency_map.rated.powers, beside),
+            **spread.as_json(efficiency_map.rated.powers.efficiency, efficiency_map.by_input),
         },
         runs={
-            "rated": found.rated.run,
-            **({"backward": found.backward.run} if found.backward else {}),
-            "from-rest": found.rest.run,
+            "rated": efficiency_map.rated.run,
+            **({"backward": efficiency_map.backward.run} if efficiency_map.backward else {}),
+            "from-rest": efficiency_map.rest.run,
         },
     )
 
 
-def _rated(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
-    ours, load = 1e2 * found.rated.powers.efficiency, found.rated.torque
+def _rated(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
+    ours, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
-    error = 1e2 * found.error
-    place = f"at {load:g} N m, {found.rated.speed / RPM:g} rpm"
+    error = 1e2 * efficiency_map.error
+    place = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     return [
         Quantity(
             "efficiency",
@@ -112,14 +116,14 @@ def _rated(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
             error,
             1e2 * ideal.efficiency,
             ideal.source,
-            f"{spread.told(found.rated.powers.efficiency, found.by_input)}; {AS_BUILT}",
+            f"{spread.told(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)}; {AS_BUILT}",
         ),
         Quantity(
             "efficiency_ideal_limit",
             "the same, fixed pins or lobes, no play, a cam that holds",
-            1e2 * found.ideal.powers.efficiency,
+            1e2 * efficiency_map.ideal.powers.efficiency,
             "%",
-            1e2 * found.ideal.shift,
+            1e2 * efficiency_map.ideal.shift,
             1e2 * ideal.efficiency,
             ideal.source,
             f"{wang.source} give {1e2 * wang.efficiency:.2f} % without the cam's bearing and without the moment by "
@@ -128,7 +132,7 @@ def _rated(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
         Quantity(
             "balance_residual",
             "largest residual of the energy balance",
-            1e2 * max((point.powers.residual for point in found.grid), key=abs),
+            1e2 * max((point.powers.residual for point in efficiency_map.grid), key=abs),
             "% of input",
         ),
     ]
@@ -164,12 +168,12 @@ def _losses(rated: Point) -> list[Quantity]:
     ]
 
 
-def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
+def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """List what turns the reducer without a load, and from its output."""
     design = reducer.design
-    ratio, rest = design.reduction, found.rest
-    forward = found.rated.powers.efficiency
-    backward, shift = _back_driving(found)
+    ratio, rest = design.reduction, efficiency_map.rest
+    forward = efficiency_map.rated.powers.efficiency
+    backward, shift = _back_driving(efficiency_map)
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
     contacts = f"contacts, {drag_told(reducer)}; the shafts' own bearings are left out"
@@ -177,18 +181,18 @@ def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
         Quantity(
             "no_load_torque",
             "no-load torque, on the crank",
-            found.unloaded.drag,
+            efficiency_map.unloaded.drag,
             "N m",
-            found.unloaded.drag_shift,
+            efficiency_map.unloaded.drag_shift,
             note=contacts,
         ),
         Quantity(
             "back_driving_torque_moving",
             "back-driving torque at speed, crank free",
-            math.nan if found.coasting is None else ratio * found.coasting.drag,
+            math.nan if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag,
             "N m",
-            None if found.coasting is None else ratio * found.coasting.drag_shift,
-            note=SELF_LOCKING if found.coasting is None else contacts,
+            None if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag_shift,
+            note=SELF_LOCKING if efficiency_map.coasting is None else contacts,
         ),
         Quantity(
             "back_driving_torque_static",
@@ -221,21 +225,21 @@ def _driven(reducer: Reducer, found: EfficiencyMap) -> list[Quantity]:
     ]
 
 
-def _back_driving(found: EfficiencyMap) -> tuple[float, float]:
+def _back_driving(efficiency_map: EfficiencyMap) -> tuple[float, float]:
     """Find the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
-    if found.backward is None or found.backward.powers.crank > 0.0:
+    if efficiency_map.backward is None or efficiency_map.backward.powers.crank > 0.0:
         return 0.0, 0.0
-    return found.backward.powers.efficiency, found.backward.shift
+    return efficiency_map.backward.powers.efficiency, efficiency_map.backward.shift
 
 
-def _tables(found: EfficiencyMap) -> tuple[Table, ...]:
+def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
     """Tabulate the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
-    for point in found.grid:
+    for point in efficiency_map.grid:
         efficiency, shift, left = (1e2 * value for value in _judged(point))
         numbers = [efficiency, shift, *_shares(point).values(), left]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
-    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(found.grid[0]), "residual")
+    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(efficiency_map.grid[0]), "residual")
     return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
 
 
@@ -250,22 +254,22 @@ def _judged(point: Point) -> tuple[float, float, float]:
 
 def _shares(point: Point) -> dict[str, float]:
     """Compute the losses of a point in % of its input: friction by pair, and the normal forces of all."""
-    found = point.powers
-    losses = {**found.friction, "normal": sum(found.normal.values())}
-    return {name: 1e2 * power / found.supplied for name, power in losses.items()}
+    powers = point.powers
+    losses = {**powers.friction, "normal": sum(powers.normal.values())}
+    return {name: 1e2 * power / powers.supplied for name, power in losses.items()}
 
 
-def _curves(found: EfficiencyMap) -> tuple[Curve, ...]:
+def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     """List the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
-    x, rest = "output torque [N m]", found.rest.run
-    speeds = list(dict.fromkeys(point.speed for point in found.grid))
+    x, rest = "output torque [N m]", efficiency_map.rest.run
+    speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     drawn = []
     for speed in speeds:
-        points = _at(found.grid, speed)
+        points = _at(efficiency_map.grid, speed)
         efficiency = [1e2 * point.powers.efficiency for point in points]
         drawn.append(_line("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
-    shown = found.rated.speed if found.rated.speed in speeds else speeds[-1]
-    points = _at(found.grid, shown)
+    shown = efficiency_map.rated.speed if efficiency_map.rated.speed in speeds else speeds[-1]
+    points = _at(efficiency_map.grid, shown)
     for loss in [loss for loss, share in _shares(points[0]).items() if share]:
         shares = [_shares(point)[loss] for point in points]
         name = "normal forces" if loss == "normal" else f"friction of {loss}"

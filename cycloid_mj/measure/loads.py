@@ -90,14 +90,14 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     work = [(loaded, CHECKED if quick else reducer.design.mesh_periods), (halved(loaded), CHECKED)]
     whole = len(work) + 1
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
-    found, fine = pressed(run, loaded), pressed(finer, loaded)
+    contacts, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
-    limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
-    missed = {kind: _missed(loaded, one) for kind, one in found.items()}
+    limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
+    missed = {kind: _missed(loaded, one) for kind, one in contacts.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
     capacities = [_undecided("capacity", FIRST_YIELD), _undecided("capacity_shakedown", SHAKEDOWN)]
     if weakest:
-        ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (found, fine))
+        ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (contacts, fine))
         # pressure goes with the root of the force
         unsure = missed[weakest] + sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
         capacities = [
@@ -107,14 +107,14 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
             ),
         ]
     progress(whole, whole)
-    by_kind = (_of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind]) for kind in found)
+    by_kind = (_of_kind(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
     discs = _of_discs(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
         design=reducer.design,
         condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm",
         quantities=keyed(*by_kind, discs, capacities),
-        curves=_curves(found, loaded),
+        curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
         details={
@@ -173,35 +173,35 @@ def _capacity(
 
 
 def _of_kind(
-    reducer: Reducer, found: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
+    reducer: Reducer, contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
 ) -> Iterator[Quantity]:
     """Yield the numbers of one kind.
 
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
     peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
     """
-    kind = found.kind
+    kind = contacts.kind
     allowed = YIELD_PRESSURE * pair_strength(reducer, kind)
-    peak_error = abs(coarse.peak_force - fine.peak_force) + missed * found.peak_force
-    one, other = found.halves
+    peak_error = abs(coarse.peak_force - fine.peak_force) + missed * contacts.peak_force
+    one, other = contacts.halves
     mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
-    pressure = found.peak_pressure
+    pressure = contacts.peak_pressure
     pressure_error = abs(coarse.peak_pressure - fine.peak_pressure) + 0.5 * missed * pressure
     yield Quantity(
         f"{kind}_peak_force",
         f"{kind}: largest force",
-        found.peak_force,
+        contacts.peak_force,
         "N",
         peak_error,
-        ideal_peak(reducer, kind, found.angle),
+        ideal_peak(reducer, kind, contacts.angle),
         IDEAL.get(kind, "ideal sharing"),
-        f"at {math.degrees(found.peak_angle):.0f} deg of crank{RIGID_CAM if kind == 'cam' else ''}",
+        f"at {math.degrees(contacts.peak_angle):.0f} deg of crank{RIGID_CAM if kind == 'cam' else ''}",
     )
     name = f"{kind}: mean force of the contacts that carry"
-    yield Quantity(f"{kind}_mean_force", name, found.mean_force, "N", mean_error)
+    yield Quantity(f"{kind}_mean_force", name, contacts.mean_force, "N", mean_error)
     name = f"{kind}: contacts that carry, on average"
     error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
-    yield Quantity(f"{kind}_carrying", name, found.carrying, "1", error)
+    yield Quantity(f"{kind}_carrying", name, contacts.carrying, "1", error)
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
     yield Quantity(f"{kind}_pressure", name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
@@ -233,12 +233,12 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     yield from reaction_quantities(spatial(reducer, *(force.sum(axis=2) for force in (shaft, pins, ring))))
 
 
-def _limits(found: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
+def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
     """Compute the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
 
     A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
     """
-    pressures = {kind: one.peak_pressure for kind, one in found.items()}
+    pressures = {kind: one.peak_pressure for kind, one in kinds.items()}
     return {
         kind: (allowed * pair_strength(reducer, kind) / pressure) ** 2
         for kind, pressure in pressures.items()
@@ -250,10 +250,10 @@ def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
     return {kind: torque * factor for kind, factor in limits.items()}
 
 
-def _curves(found: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, reducer)]
-    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(found["cam"], disc, phase)]
-    return (*single, *cams, *_around(found[reducer.design.tooth_pair], reducer))
+def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
+    single = [curve for one in kinds.values() if one.kind != "cam" for curve in _contacts(one, reducer)]
+    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(kinds["cam"], disc, phase)]
+    return (*single, *cams, *_around(kinds[reducer.design.tooth_pair], reducer))
 
 
 def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:

@@ -59,18 +59,18 @@ def lost_motion(
     jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
     loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, progress)
     checks, loops = loops[:4], loops[4:]
-    found = LostMotionLoops(
+    measured = LostMotionLoops(
         reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)
     )
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
         condition=f"crank locked, up to {rated:.4g} N m on the output",
-        quantities=quantities(found),
-        curves=curves(found),
-        assumptions=_assumptions(found, period),
-        runs={"loop": found.service[0].run, "loop-ideal": found.ideal[0].run},
-        details={"rated_torque_nm": rated, "period_s": period, "angles": by_angle(found)},
+        quantities=quantities(measured),
+        curves=curves(measured),
+        assumptions=_assumptions(measured, period),
+        runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
+        details={"rated_torque_nm": rated, "period_s": period, "angles": by_angle(measured)},
     )
 
 
@@ -82,20 +82,20 @@ def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup
         return []
 
 
-def _assumptions(found: LostMotionLoops, period: float) -> tuple[str, ...]:
-    steps = [bench.steps_told(one.run for one in loops) for loops in (found.service, found.ideal)]
-    checks = [bench.steps_told([loops[0].run]) for loops in (found.service_checks, found.ideal_checks)]
-    beyond = () if found.statics else (LEFT_OUT,)
+def _assumptions(measured: LostMotionLoops, period: float) -> tuple[str, ...]:
+    steps = [bench.steps_told(one.run for one in loops) for loops in (measured.service, measured.ideal)]
+    checks = [bench.steps_told([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
+    beyond = () if measured.statics else (LEFT_OUT,)
     return (
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
-        f"{found.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
+        f"{measured.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
         f"time step {steps[0]}, without friction and weight {steps[1]}; the numerical error is what a loop {SLOWER:g} "
         f"times as slow and one at a step of {checks[0]} and {checks[1]} change at the first crank angle, together, "
         "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
-        structure_told(found.reducer),
+        structure_told(measured.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{working_forces_told(found.reducer, found.reducer.design.pair_kinds)}",
+        f"{working_forces_told(measured.reducer, measured.reducer.design.pair_kinds)}",
         *beyond,
     )

@@ -45,9 +45,9 @@ class LostMotionLoops:
     statics: list[Windup]
 
 
-def quantities(found: LostMotionLoops) -> dict[str, Quantity]:
+def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
     """Collect every number of the measurement."""
-    return keyed(_motions(found), _stiffness(found), _friction(found))
+    return keyed(_motions(measured), _stiffness(measured), _friction(measured))
 
 
 def _quantity(
@@ -106,11 +106,11 @@ def stiffness(loop: HysteresisLoop) -> float:
     return loop.stiffness * ARCMINUTE
 
 
-def _motions(found: LostMotionLoops) -> Iterator[Quantity]:
-    solved = [one.lost_motion / ARCMINUTE for one in found.statics]
-    known = _rigid(found)
+def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
+    solved = [one.lost_motion / ARCMINUTE for one in measured.statics]
+    known = _rigid(measured)
     rigid = known.turn if known is not None else ()
-    loops = {"": (found.service, found.service_checks), "_ideal": (found.ideal, found.ideal_checks)}
+    loops = {"": (measured.service, measured.service_checks), "_ideal": (measured.ideal, measured.ideal_checks)}
     for suffix, pair in loops.items():
         which = f", {IDEAL}" if suffix else ""
         at = f"lost motion at +-3 % of rated torque{which}"
@@ -124,29 +124,29 @@ def _motions(found: LostMotionLoops) -> Iterator[Quantity]:
         )
 
 
-def _rigid(found: LostMotionLoops) -> Known | None:
+def _rigid(measured: LostMotionLoops) -> Known | None:
     """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
-    if not play.has_linear_gaps(found.reducer):
+    if not play.has_linear_gaps(measured.reducer):
         return None
-    cranks = np.array([loop.crank for loop in found.service])
-    return Known(play.total(found.reducer, cranks) / ARCMINUTE, play.over_a_turn(found.reducer)[1] / ARCMINUTE)
+    cranks = np.array([loop.crank for loop in measured.service])
+    return Known(play.total(measured.reducer, cranks) / ARCMINUTE, play.over_a_turn(measured.reducer)[1] / ARCMINUTE)
 
 
-def _stiffness(found: LostMotionLoops) -> Iterator[Quantity]:
+def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
     unit = "N m/arcmin"
-    solved = [ARCMINUTE / one.compliance(one.turn) for one in found.statics]
+    solved = [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
     note = "friction holds the parts where the torque turns back, which makes the curve steeper there"
-    pair, ideal = (found.service, found.service_checks), (found.ideal, found.ideal_checks)
+    pair, ideal = (measured.service, measured.service_checks), (measured.ideal, measured.ideal_checks)
     yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
     yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
     yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
-    called = _OF_SPRINGS if found.reducer.design.structure == "springs" else _PARTS
+    called = _OF_SPRINGS if measured.reducer.design.structure == "springs" else _PARTS
     for part in SERIES:
-        closed = [one.series(found.reducer)[part] / ARCMINUTE for one in found.statics]
+        closed = [one.series(measured.reducer)[part] / ARCMINUTE for one in measured.statics]
 
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
-            return loop_series(found.reducer, loop)[part] / ARCMINUTE
+            return loop_series(measured.reducer, loop)[part] / ARCMINUTE
 
         name = f"compliance of {called[part]}, in series, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
@@ -157,15 +157,15 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
     return in_series(reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
 
 
-def _friction(found: LostMotionLoops) -> list[Quantity]:
-    pair = found.service, found.service_checks
-    damped = float(np.mean([loop.width for loop in found.ideal])) / ARCMINUTE
+def _friction(measured: LostMotionLoops) -> list[Quantity]:
+    pair = measured.service, measured.service_checks
+    damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
     viscous = (
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
         "creep speed, lowered as far as the step bears: free pins roll, and what slides in them stays below it"
     )
-    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(found.service, found.ideal, strict=True)]
-    numerical = (_error(offset, *pair) + _error(offset, found.ideal, found.ideal_checks)) / ARCMINUTE
+    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(measured.service, measured.ideal, strict=True)]
+    numerical = (_error(offset, *pair) + _error(offset, measured.ideal, measured.ideal_checks)) / ARCMINUTE
     return [
         _quantity(
             "hysteresis",
@@ -180,7 +180,7 @@ def _friction(found: LostMotionLoops) -> list[Quantity]:
             lambda loop: 1e3 * loop.work,
             *pair,
             "mJ",
-            [1e3 * loop.dissipated for loop in found.service],
+            [1e3 * loop.dissipated for loop in measured.service],
             "friction and damping, logged",
             "the area is the result; where the logged powers of light free pins do not add up to it, they are not "
             "resolved at this step",
@@ -196,9 +196,9 @@ def _friction(found: LostMotionLoops) -> list[Quantity]:
     ]
 
 
-def curves(found: LostMotionLoops) -> tuple[Curve, ...]:
+def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
     """List the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
-    loop, ideal = found.service[0], found.ideal[0]
+    loop, ideal = measured.service[0], measured.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
     near = np.abs(loop.torque) <= 3.0 * LOST_MOTION_SHARE * loop.rated
     title = f"hysteresis, crank at {np.degrees(loop.crank):.1f}°"
@@ -210,24 +210,24 @@ def curves(found: LostMotionLoops) -> tuple[Curve, ...]:
     marks = LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
     middles = np.array([loop.middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
     drawn.append(Curve("near zero torque", "±3 %", marks, middles, torque, turn, "points"))
-    if found.statics:
-        shares = sorted(found.statics[0].turn)
-        turns = np.array([found.statics[0].turn[share] for share in shares]) / ARCMINUTE
+    if measured.statics:
+        shares = sorted(measured.statics[0].turn)
+        turns = np.array([measured.statics[0].turn[share] for share in shares]) / ARCMINUTE
         drawn.append(Curve(title, "statics", np.array(shares) * loop.rated, turns, torque, turn, "points"))
-    crank = np.degrees([one.crank for one in found.service])
+    crank = np.degrees([one.crank for one in measured.service])
     over_angle = {
-        ("lost motion at ±3 %", "arcmin"): (lost_motion, [one.lost_motion / ARCMINUTE for one in found.statics]),
-        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / one.compliance(one.turn) for one in found.statics]),
+        ("lost motion at ±3 %", "arcmin"): (lost_motion, [one.lost_motion / ARCMINUTE for one in measured.statics]),
+        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]),
     }
-    known = _rigid(found)
+    known = _rigid(measured)
     for (panel, unit), (read, solved) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read is lost_motion and known is not None:
-            everywhere = np.degrees(play.turn(found.reducer))
+            everywhere = np.degrees(play.turn(measured.reducer))
             drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
         if solved:
             drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))
-        for name, loops in (("as designed", found.service), ("no friction", found.ideal)):
+        for name, loops in (("as designed", measured.service), ("no friction", measured.ideal)):
             drawn.append(Curve(panel, name, crank, np.array([read(one) for one in loops]), *axes, "points"))
     return tuple(drawn)
 
@@ -236,10 +236,10 @@ def _cut(loop: HysteresisLoop, rows: Mask) -> tuple[Array, Array]:
     return loop.torque[rows], loop.turn[rows] / ARCMINUTE
 
 
-def by_angle(found: LostMotionLoops) -> list[dict[str, Any]]:
+def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:
     """Convert the readings at each crank angle to JSON values."""
     rows: list[dict[str, Any]] = []
-    for place, (service, ideal) in enumerate(zip(found.service, found.ideal, strict=True)):
+    for place, (service, ideal) in enumerate(zip(measured.service, measured.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}
         for name, loop in (("service", service), ("ideal", ideal)):
             row[name] = {
@@ -249,8 +249,8 @@ def by_angle(found: LostMotionLoops) -> list[dict[str, Any]]:
                 "hysteresis_arcmin": loop.width / ARCMINUTE,
                 "timestep_s": bench.step_of(loop.run),
             }
-        if found.statics:
-            solved = found.statics[place]
+        if measured.statics:
+            solved = measured.statics[place]
             row["statics"] = {
                 "lost_motion_arcmin": solved.lost_motion / ARCMINUTE,
                 "stiffness_nm_per_arcmin": ARCMINUTE / solved.compliance(solved.turn),

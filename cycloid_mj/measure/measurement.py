@@ -47,8 +47,8 @@ class Measurement:
 
     def __post_init__(self) -> None:
         """State what time and heat do to the design's materials beside the assumptions, once."""
-        told = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
-        object.__setattr__(self, "assumptions", tuple(told))
+        sentences = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
+        object.__setattr__(self, "assumptions", tuple(sentences))
 
     def __getitem__(self, key: str) -> float:
         """Return the value of a quantity."""

@@ -45,15 +45,15 @@ class Cause:
     takes: Callable[[Integers], Mask]
     why: str
 
-    def rms(self, found: Orders) -> float:
+    def rms(self, orders: Orders) -> float:
         """Compute the rms value of its orders in a spectrum of this base."""
-        return found.rms(self._mask(found.order))
+        return orders.rms(self._mask(orders.order))
 
-    def strongest(self, found: Orders) -> tuple[float, float]:
+    def strongest(self, orders: Orders) -> tuple[float, float]:
         """Compute the strongest of its orders and its amplitude."""
-        amplitude = np.where(self._mask(found.order), found.amplitude, 0.0)
+        amplitude = np.where(self._mask(orders.order), orders.amplitude, 0.0)
         place = int(np.argmax(amplitude))
-        return float(found.order[place]), float(amplitude[place])
+        return float(orders.order[place]), float(amplitude[place])
 
     def has(self, order: float) -> bool:
         """Tell whether an order is one of its own."""
@@ -76,12 +76,12 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
     ring = "pins" if design.ring.kind == "pin" else "lobes"
     of_mesh: Place = "gear"
     of_holes: Place = "stage"
-    mesh, holes, told = 1.0, teeth / lobes, f"{teeth}/{lobes}"
+    mesh, holes, order = 1.0, teeth / lobes, f"{teeth}/{lobes}"
     times = ""
     if design.output.turns_ring:
         # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
         of_mesh, of_holes = of_holes, of_mesh
-        mesh, holes, told = lobes / teeth, 1.0, "1"
+        mesh, holes, order = lobes / teeth, 1.0, "1"
         times = f"{lobes}/{teeth} times "
     return (
         Cause(
@@ -109,7 +109,7 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_holes,
             holes,
             lambda k: (k % pins > 0) & (k % lobes > 0),
-            f"multiples of {told}: the eccentric's direction goes round the gear so often in a crank turn, "
+            f"multiples of {order}: the eccentric's direction goes round the gear so often in a crank turn, "
             f"past each hole, each output pin and each of the gear's lobes",
         ),
         Cause(
@@ -118,7 +118,7 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_holes,
             holes,
             lambda k: k % pins == 0,
-            f"multiples of {pins} x {told} = {pins * holes:.4g}: what all {pins} output pins have "
+            f"multiples of {pins} x {order} = {pins * holes:.4g}: what all {pins} output pins have "
             f"alike (clearance, elasticity, the cam's eccentricity)",
         ),
     )

@@ -38,9 +38,9 @@ def has_linear_gaps(reducer: Reducer) -> bool:
 def parts_alone(reducer: Reducer, crank: float) -> dict[str, float]:
     """Compute the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
     design = reducer.design
-    found = gaps(reducer, float(against_ring(design, crank)))
-    arms = design.output.pin_circle_radius * found.slope[np.arange(found.disc.size), 3 * found.disc + 2]
-    mesh, output = (_both_ways(arms[found.kind == kind]) for kind in (design.tooth_pair, "output"))
+    mesh_gaps = gaps(reducer, float(against_ring(design, crank)))
+    arms = design.output.pin_circle_radius * mesh_gaps.slope[np.arange(mesh_gaps.disc.size), 3 * mesh_gaps.disc + 2]
+    mesh, output = (_both_ways(arms[mesh_gaps.kind == kind]) for kind in (design.tooth_pair, "output"))
     per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
     of = reducer.share
     return {kind: of * per_clearance.get(kind, mesh) * clearance(reducer, kind) for kind in design.pair_kinds}

@@ -92,14 +92,14 @@ def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Collect the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
-    found = {}
+    contacts = {}
     for kind in reducer.mechanism.kinds:
         vector = run.forces(kind)
         curvature = relative_curvature(reducer, kind, against_ring(reducer.design, crank))
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(reducer, kind)
         pressure, holds = hertz_pressure(reducer, kind, force, curvature), hertz_holds(reducer, kind, force, curvature)
-        found[kind] = ContactPressures(kind, angle, vector, pressure, holds)
-    return found
+        contacts[kind] = ContactPressures(kind, angle, vector, pressure, holds)
+    return contacts
 
 
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:

@@ -66,8 +66,8 @@ def masses(reducer: Reducer) -> dict[str, MassProperties]:
 def weight(reducer: Reducer) -> Array:
     """Find the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
     design = reducer.design
-    found = masses(reducer)
-    mass = sum(part.mass for part in found.values()) + (design.gear.discs - 1) * found[GEAR].mass
+    bodies = masses(reducer)
+    mass = sum(part.mass for part in bodies.values()) + (design.gear.discs - 1) * bodies[GEAR].mass
     if design.ring.has_pin_bodies:
         mass += design.ring.teeth * mass_properties(pin_solid(reducer)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
@@ -125,8 +125,8 @@ def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
 
     The crank's bearing is rigid, so nothing else changes: the unbalance that the counterweight takes comes on top.
     """
-    found = unbalance(reducer)
-    pull = (found.bare - found.balanced) * run["crank_speed"] ** 2
+    unbalanced = unbalance(reducer)
+    pull = (unbalanced.bare - unbalanced.balanced) * run["crank_speed"] ** 2
     return force + pull[:, np.newaxis] * _outward(run)
 
 

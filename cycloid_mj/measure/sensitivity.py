@@ -84,15 +84,15 @@ def slope(rates: Mapping[float, float]) -> float:
     return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
 
 
-def common_rates(found: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
+def common_rates(by_variant: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
     """Map common friction to rate, for one way of holding the pins."""
-    return {row.friction: rate for row, rate in found.items() if row.pair == EVERY and row.pins == pins}
+    return {row.friction: rate for row, rate in by_variant.items() if row.pair == EVERY and row.pins == pins}
 
 
-def table(reducer: Reducer, found: Mapping[FrictionVariant, float]) -> Table:
+def table(reducer: Reducer, by_variant: Mapping[FrictionVariant, float]) -> Table:
     """Tabulate the sensitivity, each row beside the row of the design's own friction."""
     ideal = reducer.design.rated_torque
-    own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
+    base = {row.pins: rate for row, rate in by_variant.items() if row.pair == OWN}
     return Table(
         "output rate by friction, one pair at a time",
         ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]"),
@@ -103,19 +103,19 @@ def table(reducer: Reducer, found: Mapping[FrictionVariant, float]) -> Table:
                 "" if row.pair == OWN else row.friction,
                 ideal * rate,
                 1e2 * rate,
-                1e2 * (rate - own[row.pins]),
+                1e2 * (rate - base[row.pins]),
             )
-            for row, rate in found.items()
+            for row, rate in by_variant.items()
         ),
     )
 
 
-def curves(found: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
+def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
     """Compute the rate over the common friction, with the published rates that lie on it."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     drawn = []
-    for pins in dict.fromkeys(row.pins for row in found):
-        rates = common_rates(found, pins)
+    for pins in dict.fromkeys(row.pins for row in by_variant):
+        rates = common_rates(by_variant, pins)
         friction = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
         drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))

@@ -84,13 +84,13 @@ def plain_roller(reducer: Reducer) -> float:
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
 
 
-def table(rate: str, own: float, found: Sequence[Moved]) -> Table:
+def table(rate: str, base: float, moved: Sequence[Moved]) -> Table:
     """Tabulate the spread of a rate, by name, about the design's own [1] in percent."""
     rows = [
         (one.input.name, one.input.unit, one.input.low, one.input.high, 1e2 * one.value_low, 1e2 * one.value_high)
-        for one in found
+        for one in moved
     ]
-    low, high = spread(own, found)
+    low, high = spread(base, moved)
     return Table(
         f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %",
         ("input", "unit", "low", "high", "at low [%]", "at high [%]"),
@@ -98,22 +98,22 @@ def table(rate: str, own: float, found: Sequence[Moved]) -> Table:
     )
 
 
-def told(own: float, found: Sequence[Moved]) -> str:
+def told(base: float, moved: Sequence[Moved]) -> str:
     """Tell the spread of a rate beside its numerical error."""
-    low, high = spread(own, found)
-    widest = max(found, key=lambda one: abs(one.value_high - one.value_low)).input.name
+    low, high = spread(base, moved)
+    widest = max(moved, key=lambda one: abs(one.value_high - one.value_low)).input.name
     return f"by its assumed inputs, one at a time, {1e2 * low:.1f} to {1e2 * high:.1f} %, the widest by {widest}"
 
 
-def spread(own: float, found: Sequence[Moved]) -> tuple[float, float]:
+def spread(base: float, moved: Sequence[Moved]) -> tuple[float, float]:
     """Compute the least and the largest of a rate over all inputs [1]."""
-    values = [own, *(value for one in found for value in (one.value_low, one.value_high))]
+    values = [base, *(value for one in moved for value in (one.value_low, one.value_high))]
     return min(values), max(values)
 
 
-def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
+def as_json(base: float, moved: Sequence[Moved]) -> dict[str, Any]:
     """Convert the spread to JSON values."""
-    low, high = spread(own, found)
+    low, high = spread(base, moved)
     return {
         "sensitivity": [
             {
@@ -124,9 +124,9 @@ def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
                 "value_low": one.value_low,
                 "value_high": one.value_high,
             }
-            for one in found
+            for one in moved
         ],
-        "spread": {"value": own, "low": low, "high": high},
+        "spread": {"value": base, "low": low, "high": high},
     }
 
 

@@ -125,13 +125,13 @@ def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, spe
     )
     run = simulate(reducer.design, compiled, pressed(reducer, compiled))
     step = float(np.mean(np.diff(run.time)))
-    of, found = masses(reducer), acceleration(series(run, settle=settling))
+    of, accelerations = masses(reducer), acceleration(series(run, settle=settling))
     orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(reducer.design.gear.discs)]
     orbit = orbits[0]
     force = reaction(run, reducer).whole
     taken = {
-        "gear_centre": found.centre,
-        "output": found.output[:, np.newaxis],
+        "gear_centre": accelerations.centre,
+        "output": accelerations.output[:, np.newaxis],
         "housing": force,
         "housing_bare": without_counterweight(run, reducer, force),
         "momentum": -of[GEAR].mass * sum(orbits) - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
@@ -158,12 +158,12 @@ def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, spe
 
 def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
     """Compute what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
-    found = of_discs(run, reducer)
+    reactions = of_discs(run, reducer)
     return {
-        "shaft_tilting": found.shaft.moment,
-        "output_tilting": found.output.moment,
-        "shaft_bearing_far": found.shaft_far,
-        "shaft_bearing_near": found.shaft_near,
+        "shaft_tilting": reactions.shaft.moment,
+        "output_tilting": reactions.output.moment,
+        "shaft_bearing_far": reactions.shaft_far,
+        "shaft_bearing_near": reactions.shaft_near,
     }
 
 

@@ -81,7 +81,7 @@ def te(
     ]
     reducer = working_at(reducer, torques["loaded"])
     runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick)
-    found = {case: runs[case, 1.0] for case in cases}
+    traces = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
     statics = {case: _statics(reducer, case, turns) for case in cases}
     return Measurement(
@@ -89,11 +89,11 @@ def te(
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed",
-        quantities=keyed(te_table.quantities(reducer, found, finer, statics)),
-        curves=te_table.curves(reducer, found, statics),
+        quantities=keyed(te_table.quantities(reducer, traces, finer, statics)),
+        curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={case.key: one.run for case, one in found.items()},
-        details={"orders": te_table.details(reducer, found)},
+        runs={case.key: one.run for case, one in traces.items()},
+        details={"orders": te_table.details(reducer, traces)},
     )
 
 
@@ -119,8 +119,8 @@ def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
     points = SOLVED * design.ring.teeth * turns + 1
     crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
     turning = reducer.but(drive={"speed": case.speed})
-    found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
-    return ErrorCurves(crank, found[:, 0], found[:, 1])
+    errors = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+    return ErrorCurves(crank, errors[:, 0], errors[:, 1])
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ Finer = Mapping[tuple[str, str], Trace]
 Statics = Mapping[TraceCondition, ErrorCurves]
 
 
-def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
+def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> list[Quantity]:
     """List the numbers: levels of each case, shifts between cases, and what each cause gives."""
     levels = [
         Quantity(
@@ -38,40 +38,40 @@ def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -
             name=f"{words} of the {shaft}, {case.words}",
             value=_LEVELS[name][1](getattr(trace, shaft)),
             unit="arcsec",
-            error=_step_error(found, finer, case, shaft, name),
+            error=_step_error(traces, finer, case, shaft, name),
             reference=_LEVELS[name][1](getattr(statics[case], shaft)),
             source=STATICS,
         )
-        for case, trace in found.items()
+        for case, trace in traces.items()
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
-    return [*levels, *_shifts(reducer, found, finer, statics), *_caused(reducer, found, finer, statics)]
+    return [*levels, *_shifts(reducer, traces, finer, statics), *_caused(reducer, traces, finer, statics)]
 
 
-def curves(reducer: Reducer, found: Found, statics: Statics) -> tuple[Curve, ...]:
+def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
     """List the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
-    paces = dict.fromkeys(case.pace for case in found)
-    drawn = [*_panel(found, statics, next(iter(paces)), "output", whole=True)]
-    drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(found, statics, pace, shaft)]
+    paces = dict.fromkeys(case.pace for case in traces)
+    drawn = [*_panel(traces, statics, next(iter(paces)), "output", whole=True)]
+    drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(traces, statics, pace, shaft)]
     for place, base in _bases(reducer).items():
-        for case in chosen(found):
-            seen = _spectrum(reducer, found[case], place, base)
+        for case in chosen(traces):
+            seen = _spectrum(reducer, traces[case], place, base)
             panel = f"orders of the {_PLACES[place]}, {case.way}, {_PACES[case.pace]}"
             drawn.append(Curve(panel, case.load, seen.order, seen.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(drawn)
 
 
-def _panel(found: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
+def _panel(traces: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
     """Yield the curves of one shaft at one pace, less their means or `whole`, each beside its own statics."""
     panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean")
-    shown = {case: f"{case.load}, {case.way}" for case in found if case.pace == pace}
+    shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace}
     for case, words in shown.items():
         solved = statics[case]
         error = _about_mean(getattr(solved, shaft), whole)
         yield Curve(panel, STATICS, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory", words)
     for case, words in shown.items():
-        trace = found[case]
+        trace = traces[case]
         error = _about_mean(getattr(trace, shaft), whole)
         yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
 
@@ -80,27 +80,27 @@ def _about_mean(error: Array, whole: bool) -> Array:
     return error if whole else error - error.mean()
 
 
-def details(reducer: Reducer, found: Found) -> dict[str, Any]:
+def details(reducer: Reducer, traces: Found) -> dict[str, Any]:
     """Give, for each case, the strongest orders with their causes, and the causes themselves."""
     return {
         "causes": [cause.as_json() for cause in causes(reducer)],
-        "cases": {case.key: _strongest(reducer, trace) for case, trace in found.items()},
+        "cases": {case.key: _strongest(reducer, trace) for case, trace in traces.items()},
     }
 
 
-def chosen(found: Found) -> list[TraceCondition]:
+def chosen(traces: Found) -> list[TraceCondition]:
     """List the cases whose orders are told: forward, at the first pace that was run."""
-    first = next(iter(found)).pace
-    return [case for case in found if case.way == "forward" and case.pace == first]
+    first = next(iter(traces)).pace
+    return [case for case in traces if case.way == "forward" and case.pace == first]
 
 
-def _shifts(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Yield what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
 
     Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
     """
-    case = chosen(found)[0]
-    cases = {(one.load, one.way): one for one in found if one.pace == case.pace}
+    case = chosen(traces)[0]
+    cases = {(one.load, one.way): one for one in traces if one.pace == case.pace}
     back, ahead, loaded = ("unloaded", "forward"), ("unloaded", "reverse"), ("loaded", "forward")
     pairs = {
         "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
@@ -115,25 +115,25 @@ def _shifts(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> I
         for key, (words, one, other) in pairs.items():
             value, reference = (
                 float(np.mean(getattr(source[cases[one]], shaft)) - np.mean(getattr(source[cases[other]], shaft)))
-                for source in (found, statics)
+                for source in (traces, statics)
             )
-            error = sum(_mean_change(found, finer, cases[which], shaft) for which in (one, other)) if finer else None
+            error = sum(_mean_change(traces, finer, cases[which], shaft) for which in (one, other)) if finer else None
             name = f"mean of the {shaft}, {words}"
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
-def _caused(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Yield the rms value of each cause's orders, and its strongest order."""
-    for case in chosen(found):
+    for case in chosen(traces):
         for cause in causes(reducer):
-            seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (found, statics))
+            seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (traces, statics))
             order, amplitude = cause.strongest(seen)
             yield Quantity(
                 key=f"{cause.key}_orders_rms_{case.key}",
                 name=f"rms of orders of {cause.name}, {case.words}",
                 value=cause.rms(seen),
                 unit="arcsec",
-                error=_rms(np.subtract(*_change(found, finer, case, cause.place))) if finer else None,
+                error=_rms(np.subtract(*_change(traces, finer, case, cause.place))) if finer else None,
                 reference=cause.rms(solved),
                 source=STATICS,
                 note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
@@ -163,25 +163,25 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) ->
     return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * reducer.design.ring.teeth)
 
 
-def _step_error(found: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
+def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
     """Find by how much half the step changes a level, and half of what it changes from one half turn to the other."""
     if not finer:
         return None
-    measure, error = _LEVELS[level][1], getattr(found[case], shaft)
-    coarse, fine = (measure(one) for one in _change(found, finer, case, shaft))
+    measure, error = _LEVELS[level][1], getattr(traces[case], shaft)
+    coarse, fine = (measure(one) for one in _change(traces, finer, case, shaft))
     first, second = (measure(half) for half in np.array_split(error, 2))
     return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
-def _mean_change(found: Found, finer: Finer, case: TraceCondition, place: str) -> float:
-    coarse, fine = _change(found, finer, case, place)
+def _mean_change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> float:
+    coarse, fine = _change(traces, finer, case, place)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _change(found: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
+def _change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
     """Compute the errors of the run forward under a case's load, and with half the step, where both have them."""
     fine = finer[case.load, case.pace]
-    coarse = found[next(one for one in found if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]
+    coarse = traces[next(one for one in traces if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]
     inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
     return getattr(coarse, place)[inside], getattr(fine, place)
 

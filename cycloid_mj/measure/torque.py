@@ -64,43 +64,43 @@ def torque(
         The crank does not turn.
     """
     reducer = Reducer(design)
-    own = working_at(steady_design(reducer), reducer.design.rated_torque)
-    main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
+    steady = working_at(steady_design(reducer), reducer.design.rated_torque)
+    main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(reducer, quick)
-    assumed = spread.inputs(own)
-    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, own, main)}
+    assumed = spread.inputs(steady)
+    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, steady, main)}
     if not quick:
-        tasks["halved"] = partial(rated_test, halved(own), main)
+        tasks["halved"] = partial(rated_test, halved(steady), main)
     tasks |= {
         ("row", one.design): partial(
             rated_test, massless(Reducer(one.design)), whole_periods(Reducer(one.design), sensitivity.PERIODS)
         )
         for one in rows
     }
-    periods = whole_periods(own, spread.PERIODS)
+    periods = whole_periods(steady, spread.PERIODS)
     tasks |= {end: partial(rated_test, massless(Reducer(end)), periods) for one in assumed for end in one.ends}
     last = 1 + len(published)
     tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    found = {row: rates["row", row.design] for row in rows}
+    by_row = {row: rates["row", row.design] for row in rows}
     by_input = spread.moved(assumed, rates)
-    held = held_efficiency(own, ours.output, main)
-    beside = with_friction(published, own, found, None if quick else rate_error(ours, finer))
+    at_held_crank = held_efficiency(steady, ours.output, main)
+    beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer))
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
-        design=own.design,
-        condition=f"{own.design.drive.torque:.4g} N m on the crank, {abs(own.design.drive.speed) / RPM:.0f} rpm",
-        quantities=keyed(_quantities(own, ours, finer, held, by_input), friction_quantities(beside)),
-        curves=(*_curves(own, ours), *sensitivity.curves(found, beside)),
+        design=steady.design,
+        condition=f"{steady.design.drive.torque:.4g} N m on the crank, {abs(steady.design.drive.speed) / RPM:.0f} rpm",
+        quantities=keyed(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
+        curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
         tables=(
             build_up.table(ours.powers, beside, rate_error(ours, finer)),
             *tables(ours.output, beside),
             spread.table("output rate", ours.powers.efficiency, by_input),
-            sensitivity.table(own, found),
+            sensitivity.table(steady, by_row),
         ),
-        assumptions=_assumptions(own, main),
+        assumptions=_assumptions(steady, main),
         details=build_up.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
@@ -125,13 +125,13 @@ def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
 
 
 def with_friction(
-    published: Sequence[Published], reducer: Reducer, found: Mapping[FrictionVariant, float], error: float | None
+    published: Sequence[Published], reducer: Reducer, by_variant: Mapping[FrictionVariant, float], error: float | None
 ) -> list[Published]:
     """List published torques with the friction that gives each of them.
 
     With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
     """
-    rates = sensitivity.common_rates(found, sensitivity.pins_of(reducer))
+    rates = sensitivity.common_rates(by_variant, sensitivity.pins_of(reducer))
     figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
     inside = [one for one in figures if math.isfinite(one.friction)]
     if error is None or not inside:
@@ -150,12 +150,12 @@ def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
 
 
 def _quantities(
-    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, held: float, by_input: Sequence[Moved]
+    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, at_held_crank: float, by_input: Sequence[Moved]
 ) -> list[Quantity]:
     ideal = reducer.design.rated_torque
-    found, closed = ours.powers, ideal_efficiency(reducer, ours.output)
+    powers, closed = ours.powers, ideal_efficiency(reducer, ours.output)
     error = rate_error(ours, finer)
-    torque_error = max(error * ideal, abs(ours.output - found.efficiency * ideal))
+    torque_error = max(error * ideal, abs(ours.output - powers.efficiency * ideal))
     ripple, rms = (float(size(ours.run["load_torque"])) for size in (np.ptp, np.std))
     # what is left of the ringing shows in the second half, which has less of it
     later = ours.run.select(slice(len(ours.run) // 2, None))
@@ -177,7 +177,7 @@ def _quantities(
             1e2 * ours.output / ideal,
             "%",
             1e2 * torque_error / ideal,
-            note=spread.told(found.efficiency, by_input),
+            note=spread.told(powers.efficiency, by_input),
         ),
         Quantity(
             "ripple_peak_to_peak",
@@ -194,17 +194,17 @@ def _quantities(
             max(abs(float(np.std(one)) - rms) for one in others),
         ),
         Quantity("input_torque", "mean input torque", ours.input, "N m", None, reducer.design.drive.torque, "as given"),
-        Quantity("efficiency", "efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
+        Quantity("efficiency", "efficiency by powers", 1e2 * powers.efficiency, "%", 1e2 * error),
         Quantity(
             "efficiency_crank_held",
             "efficiency, crank held under this load",
-            1e2 * held,
+            1e2 * at_held_crank,
             "%",
             None,
-            1e2 * found.efficiency,
+            1e2 * powers.efficiency,
             "by the brake",
         ),
-        Quantity("balance_residual", "residual of the energy balance", 1e2 * found.residual, "% of input"),
+        Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
 
 
@@ -217,11 +217,11 @@ def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
         Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
         Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),
     ]
-    found = tapered_orders(angle, torque, 4.0 * teeth, teeth)
-    if found is not None:
-        low, high = found.band
+    orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
+    if orders is not None:
+        low, high = orders.band
         words = f"order of the crank, right within 1 % from {low:.3g} to {high:.4g}"
-        curves.append(Curve("its ripple by order", "", found.order, found.amplitude, words, "amplitude [N m]"))
+        curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, words, "amplitude [N m]"))
     return tuple(curves)
 
 

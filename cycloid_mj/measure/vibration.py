@@ -87,9 +87,9 @@ def vibration(
     points = [(reducer, build(reducer.design), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, build(half.design), speed)]
     tasks = [(one, own(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
-    found = each(lambda task: sway(*task), tasks, progress)
-    checks = {} if quick else {one.load: one for one in found[-len(torques) :]}
-    full = found[: len(found) - len(checks)]
+    levels = each(lambda task: sway(*task), tasks, progress)
+    checks = {} if quick else {one.load: one for one in levels[-len(torques) :]}
+    full = levels[: len(levels) - len(checks)]
     at_speed = [one for one in full if one.speed == speed]
     return Measurement(
         measure="vibration",
@@ -154,11 +154,11 @@ def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Swa
 
 def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Yield the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
-    found, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
+    unbalanced, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
     one, check = at_speed[0], checks.get(at_speed[0].load)
     without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
-    bare = [("housing_bare", without, found.bare)] if single else []
-    for key, how, closed in (*bare, ("housing", balanced, found.balanced)):
+    bare = [("housing_bare", without, unbalanced.bare)] if single else []
+    for key, how, closed in (*bare, ("housing", balanced, unbalanced.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
             name=f"force that goes round with the crank{how}",
@@ -168,10 +168,10 @@ def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, 
             reference=abs(closed) * square,
             source="sum of m c omega^2",
         )
-    couple = abs(found.couple) * square
+    couple = abs(unbalanced.couple) * square
     beside = "the counterweight lies beside the gear" if single else "discs balance each other"
     note = f"{beside}: the force is balanced, the couple is not"
-    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * found.bare, "g mm")
+    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * unbalanced.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
 
 
@@ -188,19 +188,19 @@ def _mean_force(one: Sway) -> float:
     return float(np.hypot(*one.mean_force))
 
 
-def _sweep(reducer: Reducer, found: Sequence[Sway]) -> Iterator[Curve]:
+def _sweep(reducer: Reducer, levels: Sequence[Sway]) -> Iterator[Curve]:
     """Yield the levels over speed, with the closed form of the unbalance."""
     bare = unbalance(reducer).bare
     for key in _signals(reducer):
         name, unit = _ALL[key]
         panel = f"rms of the {name}"
-        loads = dict.fromkeys(one.load for one in found)
+        loads = dict.fromkeys(one.load for one in levels)
         if key == "housing_bare":
-            rpm = np.linspace(0.0, max(abs(one.rpm) for one in found), 61)
+            rpm = np.linspace(0.0, max(abs(one.rpm) for one in levels), 61)
             force = bare * (rpm * RPM) ** 2
             yield Curve(panel, "sum of m c omega^2", rpm, force, _RPM, f"rms [{unit}]", "theory")
         for load in loads:
-            points = [one for one in found if one.load == load]
+            points = [one for one in levels if one.load == load]
             x, y = np.array([abs(one.rpm) for one in points]), np.array([one.rms(key) for one in points])
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
@@ -211,9 +211,9 @@ def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
         name, unit = _ALL[key]
         for one in at_speed:
             turns_per_second = abs(one.speed) / (2.0 * np.pi)
-            axes = [found for axis in one.signals[key].T if (found := tapered_orders(one.crank, axis)) is not None]
+            axes = [orders for axis in one.signals[key].T if (orders := tapered_orders(one.crank, axis)) is not None]
             if axes:
-                size = np.sqrt(np.sum([found.amplitude**2 for found in axes], axis=0))
+                size = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in axes], axis=0))
                 low, high = (order * turns_per_second for order in axes[0].band)
                 words = f"{_HZ}, right within 1 % from {low:.0f} to {high:.0f} Hz"
                 frequency, panel = axes[0].order * turns_per_second, f"spectrum of the {name}"

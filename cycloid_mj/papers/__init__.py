@@ -69,12 +69,12 @@ class Paper:
 @cache
 def papers() -> tuple[Paper, ...]:
     """Load the papers that are installed, by name; one with a fault is left out with a warning."""
-    found: dict[str, Paper] = {}
+    installed: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
-        paper = _answer(name, "left out", partial(_checked, points[name], found))
-        found |= {paper.key: paper} if paper else {}
-    return tuple(found.values())
+        paper = _answer(name, "left out", partial(_checked, points[name], installed))
+        installed |= {paper.key: paper} if paper else {}
+    return tuple(installed.values())
 
 
 def published_torques(reducer: "Reducer") -> "list[Published]":

@@ -19,10 +19,10 @@ def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
         A part cannot be made.
     """
     design = reducer.design
-    found = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
+    masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     if design.output.turns_ring and design.ring.kind == "pin" and not design.ring.has_pin_bodies:
-        found["housing"] = _with_pins(found["housing"], found["pin"], reducer)
-    return found
+        masses["housing"] = _with_pins(masses["housing"], masses["pin"], reducer)
+    return masses
 
 
 def output_inertia(reducer: Reducer) -> float:

@@ -46,14 +46,14 @@ def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(reducer, chord_error)
     gear, output, half = design.gear, design.output, design.gear.stack_width / 2
     face = half + AXIAL_GAP
-    held = output.support == "both_ends"
+    both_ends = output.support == "both_ends"
     rim = circle(output.pin_circle_radius + (1 + RIM) * output.pin_radius, chord_error)
     pin = circle(pin_radius(reducer), chord_error)
     disc = Prism(rim, (), face, face + output.disc_thickness)
-    start = -face if held else -half
+    start = -face if both_ends else -half
     pins = [Prism(pin + centre, (), start, face) for centre in output_centres(reducer)]
     eye = circle(gear.bore_radius + gear.eccentricity, chord_error)
-    second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if held else []
+    second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
     return Solid(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
 
 

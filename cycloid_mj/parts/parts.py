@@ -93,15 +93,15 @@ def _whole_crank(reducer: Reducer) -> Solid:
 
 @once
 def _whole_output(reducer: Reducer) -> Solid:
-    found = _parts(reducer, None)
-    (tube,) = found[names.ROLLER].prisms
+    parts = _parts(reducer, None)
+    (tube,) = parts[names.ROLLER].prisms
     rollers = [
         Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
         for _, place in carried(reducer, names.OUTPUT).values()
         for z in (float(place[2]),)
     ]
-    own = found[names.OUTPUT]
-    return Solid(names.OUTPUT, (*own.prisms, *rollers), own.density)
+    output = parts[names.OUTPUT]
+    return Solid(names.OUTPUT, (*output.prisms, *rollers), output.density)
 
 
 @once

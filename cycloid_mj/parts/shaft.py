@@ -65,13 +65,13 @@ def crank_parts(reducer: Reducer, chord_error: float | None = None) -> tuple[Sol
         The shaft is too thick for its cams.
     """
     design = reducer.design
-    found = stretches(reducer, chord_error)
-    density, hole = design.material_of("shaft").density, found[names.numbered(NECK, 1)].outline
-    ends = found.get(FAR, found[names.numbered(names.CAM, design.gear.discs)]).z1
-    shaft = Prism(found[JOURNAL].outline, (), found[JOURNAL].z0, ends)
-    ring, half = found[names.numbered(names.SPACER, 1)], design.gear.disc_gap / 2
+    prisms = stretches(reducer, chord_error)
+    density, hole = design.material_of("shaft").density, prisms[names.numbered(NECK, 1)].outline
+    ends = prisms.get(FAR, prisms[names.numbered(names.CAM, design.gear.discs)]).z1
+    shaft = Prism(prisms[JOURNAL].outline, (), prisms[JOURNAL].z0, ends)
+    ring, half = prisms[names.numbered(names.SPACER, 1)], design.gear.disc_gap / 2
     spacer = Prism(ring.outline, ring.holes, -half, half)
-    cams = {name: found[name] for name in names.all_numbered(names.CAM, design.gear.discs)}
+    cams = {name: prisms[name] for name in names.all_numbered(names.CAM, design.gear.discs)}
     return (
         Solid(names.SHAFT, (shaft,), density),
         Solid(names.SPACER, (spacer,), density),
@@ -88,13 +88,13 @@ def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> di
     counterweight = _counterweight(reducer, chord_error)
     end = near_face(reducer)
     start = end - _balancing_thickness(reducer, gear, cam, counterweight)
-    found = {
+    prisms = {
         JOURNAL: Prism(journal, (), end - shaft.length, start),
         COUNTERWEIGHT: Prism(counterweight, (), start, end),
         INNER: Prism(journal, (), end, -half),
         names.CAM: cam,
     }
-    return found | _far_journal(reducer, journal, start - (end - shaft.length))
+    return prisms | _far_journal(reducer, journal, start - (end - shaft.length))
 
 
 def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
@@ -106,14 +106,14 @@ def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
     journal, cam = circle(shaft.radius, chord_error), circle(gear.bore_radius, chord_error, (0.0, gear.eccentricity))
     ring = circle(spacer_radius(reducer), chord_error)
     planes, end = gear.disc_planes, near_face(reducer)
-    found = {JOURNAL: Prism(journal, (), end - shaft.length, planes[0] - half)}
+    prisms = {JOURNAL: Prism(journal, (), end - shaft.length, planes[0] - half)}
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             z0, z1 = planes[number - 2] + half, plane - half
-            found[names.numbered(NECK, number - 1)] = Prism(journal, (), z0, z1)
-            found[names.numbered(names.SPACER, number - 1)] = Prism(ring, (journal,), z0, z1)
-        found[names.numbered(names.CAM, number)] = Prism(turned(cam, phase), (), plane - half, plane + half)
-    return found | _far_journal(reducer, journal, shaft.length)
+            prisms[names.numbered(NECK, number - 1)] = Prism(journal, (), z0, z1)
+            prisms[names.numbered(names.SPACER, number - 1)] = Prism(ring, (journal,), z0, z1)
+        prisms[names.numbered(names.CAM, number)] = Prism(turned(cam, phase), (), plane - half, plane + half)
+    return prisms | _far_journal(reducer, journal, shaft.length)
 
 
 def spacer_radius(reducer: Reducer) -> float:
@@ -136,18 +136,18 @@ def bearing_width(reducer: Reducer, journal: float) -> float:
 
 
 def bearing_seats(
-    reducer: Reducer, found: Mapping[str, Prism] | None = None
+    reducer: Reducer, prisms: Mapping[str, Prism] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Compute where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
 
-    `found` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
+    `prisms` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
     """
-    shaft, found = reducer.design.shaft, found or stretches(reducer)
-    start, end = found[JOURNAL].z0, min(found[JOURNAL].z1, near_face(reducer))
+    shaft, prisms = reducer.design.shaft, prisms or stretches(reducer)
+    start, end = prisms[JOURNAL].z0, min(prisms[JOURNAL].z1, near_face(reducer))
     width = bearing_width(reducer, end - start)
     near = end - shaft.bearing_offset
     far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
-    far = found[FAR].z1 - width if FAR in found else far
+    far = prisms[FAR].z1 - width if FAR in prisms else far
     return (far, far + width), (near - width, near)
 
 

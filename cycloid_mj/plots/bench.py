@@ -12,9 +12,9 @@ MODEL = {"color": VERMILION, "linewidth": 1.1}
 
 
 @styled
-def calibration_figure(found: Calibration) -> Figure:
+def calibration_figure(calibration: Calibration) -> Figure:
     """Draw each measured loop with the model's, and below it what is left."""
-    fitted, loops = found.fitted, found.fitted.loops
+    fitted, loops = calibration.fitted, calibration.fitted.loops
     figure = sheet(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
     for place, loop in enumerate(loops):
@@ -30,25 +30,29 @@ def calibration_figure(found: Calibration) -> Figure:
     grid[0, 0].set_ylabel("deflection [deg]")
     grid[1, 0].set_ylabel("measured less\nmodel [deg]")
     legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
-    state(figure, f"{found.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg")
+    state(
+        figure, f"{calibration.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg"
+    )
     return figure
 
 
 @styled
-def comparison_figure(found: BenchComparison) -> Figure:
+def comparison_figure(result: BenchComparison) -> Figure:
     """Draw the measured transmission error with the model's, over the angle and by order."""
     figure = sheet(4.4)
     above, below = figure.subplots(2, 1)
-    crank = found.measured.crank / DEGREE
-    error = found.measured.error - found.measured.error.mean()
+    crank = result.measured.crank / DEGREE
+    error = result.measured.error - result.measured.error.mean()
     above.plot(crank, error / ARCSECOND, **THEORY)
-    above.plot(crank, found.model / ARCSECOND, color=VERMILION, linewidth=0.9)
+    above.plot(crank, result.model / ARCSECOND, color=VERMILION, linewidth=0.9)
     above.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]")
     legend_above(above, ("measured", THEORY), ("model", {"color": VERMILION, "linewidth": 0.9}))
     width = 0.35
-    below.bar(found.order - width / 2, np.abs(found.bench_amplitude) / ARCSECOND, width, color=GREY)
-    below.bar(found.order + width / 2, np.abs(found.model_amplitude) / ARCSECOND, width, color=ORANGE)
+    below.bar(result.order - width / 2, np.abs(result.bench_amplitude) / ARCSECOND, width, color=GREY)
+    below.bar(result.order + width / 2, np.abs(result.model_amplitude) / ARCSECOND, width, color=ORANGE)
     below.set(xlabel="order of the crank", ylabel="amplitude [arcsec]")
     legend_above(below, ("measured", {"color": GREY, "linewidth": 4}), ("model", {"color": ORANGE, "linewidth": 4}))
-    state(figure, f"{found.measured.name} against {found.design}, {found.load:.4g} N m, {found.whole:.1%} explained")
+    state(
+        figure, f"{result.measured.name} against {result.design}, {result.load:.4g} N m, {result.whole:.1%} explained"
+    )
     return figure

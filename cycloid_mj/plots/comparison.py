@@ -109,12 +109,14 @@ def _spectra(grid: Grid) -> Figure:
     )
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
-            found = spectrum(motion)
-            for panel, density in zip((axes[0][column], axes[1][column]), (found.centre, found.output), strict=True):
-                panel.loglog(found.frequency[1:], np.sqrt(density[1:]), color=_color(row), linewidth=0.9)
+            spectra = spectrum(motion)
+            for panel, density in zip(
+                (axes[0][column], axes[1][column]), (spectra.centre, spectra.output), strict=True
+            ):
+                panel.loglog(spectra.frequency[1:], np.sqrt(density[1:]), color=_color(row), linewidth=0.9)
             if row == 0:
-                _mark_mesh(axes[0][column], motion, found.frequency)
-                _mark_mesh(axes[1][column], motion, found.frequency)
+                _mark_mesh(axes[0][column], motion, spectra.frequency)
+                _mark_mesh(axes[1][column], motion, spectra.frequency)
                 axes[0][column].set_title(load_words(motion.design.load.torque))
     for panel in axes[1]:
         panel.set_xlabel(f"frequency [Hz], up to {BAND:g} of the log rate")

@@ -102,11 +102,11 @@ def _fitting(name: str) -> float:
 
 def _tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
     """Set the numbers that one looks for first in a row of boxes."""
-    found = {one.key: one for group in sheet.groups.values() for one in group}
+    by_key = {one.key: one for group in sheet.groups.values() for one in group}
     gap, count = 0.012, len(KEYS)
     width = (RIGHT - LEFT - (count - 1) * gap) / count
     for place, key in enumerate(KEYS):
-        left, one = LEFT + place * (width + gap), found[key]
+        left, one = LEFT + place * (width + gap), by_key[key]
         figure.add_artist(Rectangle((left, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
         figure.add_artist(Rectangle((left, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
         figure.text(left + 0.012, bottom + 0.023, one.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")

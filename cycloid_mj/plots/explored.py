@@ -34,72 +34,72 @@ MOST_PAIRED = 6
 
 
 @styled
-def sweep_figure(found: Sweep, quantities: Sequence[str]) -> Figure:
+def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw quantities of a sweep over its inputs; points that failed are marked on the inputs' axes.
 
     Parameters
     ----------
-    found
+    sweep
         The sweep.
     quantities
         Columns that are numbers, a panel each, or a row of panels where there are more than two inputs.
     """
-    keys = found.task.keys
-    numbers = number_inputs(found)
+    keys = sweep.task.keys
+    numbers = number_inputs(sweep)
     if len(keys) == 1:
-        return _panels(found, quantities, lambda axes, name: _line(axes, found, keys[0], name))
-    if len(keys) == 2 and _spans_a_plane(found, numbers):
-        return _panels(found, quantities, lambda axes, name: _map(axes, found, name))
+        return _panels(sweep, quantities, lambda axes, name: _line(axes, sweep, keys[0], name))
+    if len(keys) == 2 and _spans_a_plane(sweep, numbers):
+        return _panels(sweep, quantities, lambda axes, name: _map(axes, sweep, name))
     if len(keys) == 2 and (over := numbers or keys):
         of = next(key for key in keys if key != over[0])
-        if len(set(found[of].tolist())) <= MOST_LINES:
-            return _panels(found, quantities, lambda axes, name: _lines(axes, found, over[0], of, name))
-    return _pairs(found, quantities)
+        if len(set(sweep[of].tolist())) <= MOST_LINES:
+            return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], of, name))
+    return _pairs(sweep, quantities)
 
 
-def _panels(found: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
+def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
     """Build a figure with a panel for each quantity, two beside each other."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = Figure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
-        axes.set_title(_folded(_title(found, name), TITLE_WIDTH))
+        axes.set_title(_folded(_title(sweep, name), TITLE_WIDTH))
     for axes in panels[len(quantities) :]:
         axes.remove()
-    _head(figure, found)
+    _head(figure, sweep)
     return figure
 
 
-def _head(figure: Figure, found: Sweep) -> None:
-    failed = f", {found.failed} failed" if found.failed else ""
-    state(figure, f"{found.task.reducer.design.name}: {len(found)} points{failed}")
+def _head(figure: Figure, sweep: Sweep) -> None:
+    failed = f", {sweep.failed} failed" if sweep.failed else ""
+    state(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
 
 
-def _title(found: Sweep, name: str) -> str:
+def _title(sweep: Sweep, name: str) -> str:
     """Name a quantity in words, with its unit."""
-    unit = found.frame.units.get(name, "")
+    unit = sweep.frame.units.get(name, "")
     measure, _, key = name.rpartition(".")
-    told = key.removesuffix(f"_{unit_suffix(unit)}").replace("_", " ") + (f" [{unit}]" if unit else "")
-    return f"{measure}: {told}" if measure else told
+    label = key.removesuffix(f"_{unit_suffix(unit)}").replace("_", " ") + (f" [{unit}]" if unit else "")
+    return f"{measure}: {label}" if measure else label
 
 
-def _line(axes: Axes, found: Sweep, key: str, name: str) -> None:
+def _line(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
     """Draw a quantity over one input."""
-    _one_line(axes, _places(axes, found, key), found.frame.numbers[name], COLOURS[0])
-    _failures(axes, found, key)
+    _one_line(axes, _places(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
+    _failures(axes, sweep, key)
 
 
-def _lines(axes: Axes, found: Sweep, over: str, of: str, name: str) -> None:
+def _lines(axes: Axes, sweep: Sweep, over: str, of: str, name: str) -> None:
     """Draw a quantity over one input, a line for each value of the other."""
-    places, values = _places(axes, found, over), found.frame.numbers[name]
-    for colour, value in zip(COLOURS, dict.fromkeys(found[of].tolist()), strict=False):
-        chosen = found[of] == value
+    places, values = _places(axes, sweep, over), sweep.frame.numbers[name]
+    for colour, value in zip(COLOURS, dict.fromkeys(sweep[of].tolist()), strict=False):
+        chosen = sweep[of] == value
         _one_line(
             axes, places[chosen], values[chosen], colour, f"{value:g}" if isinstance(value, float) else str(value)
         )
     axes.legend(title=of, title_fontsize=6.5, fontsize=6.5)
-    _failures(axes, found, over)
+    _failures(axes, sweep, over)
 
 
 def _one_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
@@ -109,32 +109,32 @@ def _one_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> N
     axes.margins(x=0.03)
 
 
-def _places(axes: Axes, found: Sweep, key: str) -> Array:
+def _places(axes: Axes, sweep: Sweep, key: str) -> Array:
     """Label the x axis with an input, and give where its values stand: words in the order that they came."""
     axes.set_xlabel(key)
-    if key in found.frame.numbers:
-        return found.frame.numbers[key]
-    words = list(dict.fromkeys(map(str, found[key].tolist())))
+    if key in sweep.frame.numbers:
+        return sweep.frame.numbers[key]
+    words = list(dict.fromkeys(map(str, sweep[key].tolist())))
     axes.set_xticks(range(len(words)), words)
-    return np.array([words.index(str(value)) for value in found[key].tolist()], dtype=float)
+    return np.array([words.index(str(value)) for value in sweep[key].tolist()], dtype=float)
 
 
-def _failures(axes: Axes, found: Sweep, key: str) -> None:
-    failed = found["error"] != ""
+def _failures(axes: Axes, sweep: Sweep, key: str) -> None:
+    failed = sweep["error"] != ""
     if failed.any():
         # x in data, y in shares of the axes
-        places = _places(axes, found, key)[failed]
+        places = _places(axes, sweep, key)[failed]
         axes.plot(
             places, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
             transform=axes.get_xaxis_transform(),
         )  # fmt: skip
 
 
-def _spans_a_plane(found: Sweep, inputs: Sequence[str]) -> bool:
+def _spans_a_plane(sweep: Sweep, inputs: Sequence[str]) -> bool:
     """Tell whether the points of two inputs span a plane: a map needs three that are not on a line."""
     if len(inputs) != 2:
         return False
-    points = np.column_stack([_unit(found.frame.numbers[key]) for key in inputs])
+    points = np.column_stack([_unit(sweep.frame.numbers[key]) for key in inputs])
     return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
@@ -144,10 +144,10 @@ def _unit(values: Array) -> Array:
     return (values - low) / (high - low) if high > low else np.zeros_like(values)
 
 
-def _map(axes: Axes, found: Sweep, name: str) -> None:
+def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     """Draw a quantity over two inputs, by triangles between the points."""
-    numbers = found.frame.numbers
-    first, second = number_inputs(found)
+    numbers = sweep.frame.numbers
+    first, second = number_inputs(sweep)
     x, y, z = numbers[first], numbers[second], numbers[name]
     good = np.isfinite(z)
     axes.set(xlabel=first, ylabel=second)
@@ -164,39 +164,39 @@ def _map(axes: Axes, found: Sweep, name: str) -> None:
     axes.margins(0.03)
 
 
-def _pairs(found: Sweep, quantities: Sequence[str]) -> Figure:
+def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw every quantity against every input, with the rank correlation of each pair that are numbers."""
-    keys = _most_telling(found, quantities)
+    keys = _most_telling(sweep, quantities)
     rows = max(1, len(quantities))
     figure = Figure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
-    correlated = ranks(found, tuple(quantities))
-    step = math.ceil(len(found) / MOST_POINTS) or 1
+    correlated = ranks(sweep, tuple(quantities))
+    step = math.ceil(len(sweep) / MOST_POINTS) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
-            values = found.frame.numbers[name][::step]
+            values = sweep.frame.numbers[name][::step]
             rho = correlated.rho[row, correlated.inputs.index(key)] if key in correlated.inputs else math.nan
             strength = 0.0 if math.isnan(rho) else abs(rho)
             colour = VERMILION if strength > 0.5 else BLUE
-            axes.plot(_places(axes, found, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
+            axes.plot(_places(axes, sweep, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
             axes.margins(x=0.05)
             axes.set_xlabel(key.partition(".")[2] if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
-                axes.set_ylabel(_folded(_title(found, name), LABEL_WIDTH), fontsize=6.5)
-    _head(figure, found)
+                axes.set_ylabel(_folded(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
+    _head(figure, sweep)
     return figure
 
 
-def _most_telling(found: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
+def _most_telling(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     """List the inputs to draw, in their order: of too many numbers those with the largest rank correlations."""
-    if len(found.task.keys) <= MOST_PAIRED:
-        return found.task.keys
-    one = ranks(found, tuple(quantities))
+    if len(sweep.task.keys) <= MOST_PAIRED:
+        return sweep.task.keys
+    one = ranks(sweep, tuple(quantities))
     largest = np.nan_to_num(np.abs(one.rho)).max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(one.inputs))
     kept = {one.inputs[place] for place in np.argsort(-largest, kind="stable")[:MOST_PAIRED]}
-    return tuple(key for key in found.task.keys if key in kept) or found.task.keys[:MOST_PAIRED]
+    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[:MOST_PAIRED]
 
 
 def _folded(words: str, width: int) -> str:

@@ -43,10 +43,10 @@ MOST_MARKED = 72
 
 
 @styled
-def measurement_figure(found: Measurement) -> Figure:
+def measurement_figure(measurement: Measurement) -> Figure:
     """Draw every curve of a measurement, panel below panel."""
     panels: dict[str, list[Curve]] = {}
-    for curve in found.curves:
+    for curve in measurement.curves:
         panels.setdefault(curve.panel, []).append(curve)
     heights = [POLAR_HEIGHT if curves[0].style == "polar" else HEIGHT for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
@@ -64,17 +64,17 @@ def measurement_figure(found: Measurement) -> Figure:
         axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
-    title = f"{found.measure}: {found.design.name}"
-    figure.suptitle(f"{title}, {found.condition}" if found.condition else title, fontsize=9.5)
+    title = f"{measurement.measure}: {measurement.design.name}"
+    figure.suptitle(f"{title}, {measurement.condition}" if measurement.condition else title, fontsize=9.5)
     return figure
 
 
 def _draw(axes: Axes, curves: list[Curve]) -> None:
-    own = [curve for curve in curves if curve.style not in ("theory", "rings")]
-    colours = {id(curve): COLOURS[place % len(COLOURS)] for place, curve in enumerate(own)}
-    by_name = {curve.name: colours[id(curve)] for curve in own}
-    bars = [curve for curve in own if curve.style == "bars"]
-    points = [curve for curve in own if curve.style == "points"]
+    measured = [curve for curve in curves if curve.style not in ("theory", "rings")]
+    colours = {id(curve): COLOURS[place % len(COLOURS)] for place, curve in enumerate(measured)}
+    by_name = {curve.name: colours[id(curve)] for curve in measured}
+    bars = [curve for curve in measured if curve.style == "bars"]
+    points = [curve for curve in measured if curve.style == "points"]
     for name in dict.fromkeys(curve.name for curve in curves if curve.of):
         axes.plot([], [], label=name, **{**THEORY, "color": GREY, "alpha": 0.4})
     for curve in curves:

@@ -23,44 +23,46 @@ LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 @styled
-def tradeoff_figure(found: Optimum) -> Figure:
+def tradeoff_figure(optimum: Optimum) -> Figure:
     """Draw every point whose figures are known: objective over objective, or over the evaluations; then over each key.
 
     The scale shows the points that keep all, and the start.
     """
-    objectives, varied = found.task.objectives, found.task.ranges[:MOST_KEYS]
+    objectives, varied = optimum.task.objectives, optimum.task.ranges[:MOST_KEYS]
     rows = -(-len(varied) // 3)
     figure = sheet(3.0 + 1.9 * rows)
     grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
     first = figure.add_subplot(grid[0, :])
-    columns = found.frame.columns
+    columns = optimum.frame.columns
     if len(objectives) > 1:
         x, y = (np.asarray(columns[one.key], dtype=float) for one in objectives)
-        _scatter(first, found, x, y)
-        front = list(found.front)
+        _scatter(first, optimum, x, y)
+        front = list(optimum.front)
         first.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
         first.set(xlabel=objectives[0].key, ylabel=objectives[1].key)
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
-        _scatter(first, found, np.asarray(columns["evaluation"], dtype=float), y)
+        _scatter(first, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         first.set(xlabel="evaluation", ylabel=objectives[0].key)
-    breaks = len(found.feasible) < np.isfinite(y).sum()
+    breaks = len(optimum.feasible) < np.isfinite(y).sum()
     legend_above(first, *(look for look in LOOKS if breaks or look is not LOOKS[1]))
     for place, one in enumerate(varied):
         axes = figure.add_subplot(grid[1 + place // 3, place % 3])
-        _scatter(axes, found, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float))
+        _scatter(
+            axes, optimum, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float)
+        )
         axes.set(xlabel=one.key, ylabel="" if place % 3 else objectives[0].key)
-    state(figure, found.words)
+    state(figure, optimum.words)
     return figure
 
 
-def _scatter(axes: Axes, found: Optimum, x: Array, y: Array) -> None:
+def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
     known = np.isfinite(x) & np.isfinite(y)
     good = np.zeros(len(x), dtype=bool)
-    good[found.feasible] = True
+    good[optimum.feasible] = True
     for rows, (_, look) in ((known & ~good, LOOKS[1]), (known & good, LOOKS[0])):
         axes.plot(x[rows], y[rows], **look)
-    marked = [(0, LOOKS[2][1]), *([(found.best, LOOKS[3][1])] if found.best is not None else [])]
+    marked = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
     for place, look in marked:
         if known[place]:
             axes.plot(x[place], y[place], **look)

@@ -97,8 +97,8 @@ def set_stage(script: Script, width: int) -> AnimatedFigure:
     parts = _parts(axes, reducer, script.drawn)
     arrows = {kind: _arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
-    told = (str(condition(reducer)), *_followed(script.drawn, reducer))
-    figure.text(0.025, 0.961, "\n".join(told), fontsize=8.5, va="top")
+    lines = (str(condition(reducer)), *_followed(script.drawn, reducer))
+    figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
     bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)

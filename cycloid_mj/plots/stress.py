@@ -48,10 +48,10 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
     The paper's range of each of its designs is dashed where they run as there, without load.
     """
-    found = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
+    drawn = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
     figure = sheet(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    for number, each, one in found:
+    for number, each, one in drawn:
         degrees, look = np.degrees(one.angle), _look(number)
         top.plot(degrees, one.bulk / MEGAPASCAL, **look)
         peak = one.bulk_peak
@@ -64,10 +64,10 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     for panel in (top, bottom):
         panel.set_ylabel("[MPa]")
         panel.set_ylim(0.0, 1.05 * panel.get_ylim()[1])
-        crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in found]))
+        crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in drawn]))
     top.set_xlabel("")
-    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in found]
-    if any(each.published(part) for _, each, _ in found):
+    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in drawn]
+    if any(each.published(part) for _, each, _ in drawn):
         entries.append(("the paper's range", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure

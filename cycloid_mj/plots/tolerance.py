@@ -17,49 +17,51 @@ REACH = 0.001
 """Share of the samples at either end that a histogram may leave out: jams and outliers are far away."""
 
 
-def tolerance_figures(found: Tolerances) -> Mapping[str, Figure]:
+def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
     """Build the figures of a study by name: the error budget where there is one, and the distributions."""
-    drawn = {"distributions": distributions_figure(found)}
-    if any(np.isfinite(share.total) for share in found.budget):
-        drawn = {"budget": budget_figure(found), **drawn}
+    drawn = {"distributions": distributions_figure(tolerances)}
+    if any(np.isfinite(share.total) for share in tolerances.budget):
+        drawn = {"budget": budget_figure(tolerances), **drawn}
     return drawn
 
 
 @styled
-def budget_figure(found: Tolerances) -> Figure:
+def budget_figure(tolerances: Tolerances) -> Figure:
     """Draw the shares of the tolerances in the variance, the one to tighten first on top."""
-    figure = sheet(1.1 + 0.26 * len(found.budget))
+    figure = sheet(1.1 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
-    place = np.arange(len(found.budget))
-    total = np.array([share.total for share in found.budget])
-    ends = np.array([share.ci95 for share in found.budget])
+    place = np.arange(len(tolerances.budget))
+    total = np.array([share.total for share in tolerances.budget])
+    ends = np.array([share.ci95 for share in tolerances.budget])
     axes.barh(place, total, height=0.66, color=SKY)
-    axes.barh(place, [max(share.first_order, 0.0) for share in found.budget], height=0.3, color=BLUE)
+    axes.barh(place, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
     reach = np.maximum(np.abs(ends - total[:, np.newaxis]).T, 0.0)
     axes.errorbar(total, place, xerr=reach, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
-    axes.set_yticks(place, [share.source for share in found.budget])
+    axes.set_yticks(place, [share.source for share in tolerances.budget])
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
     axes.grid(visible=False, axis="y")
-    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {row_of(found.budget_of).name}")
+    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {row_of(tolerances.budget_of).name}")
     looks = (
         ("total, with 95 % confidence", {"color": SKY, "linewidth": 6}),
         ("alone", {"color": BLUE, "linewidth": 3}),
     )
     axes.legend(handles=keys(*looks), loc="lower right")
-    state(figure, f"{found.design}, {found.budget_of} over the samples that do not jam")
+    state(figure, f"{tolerances.design}, {tolerances.budget_of} over the samples that do not jam")
     return figure
 
 
 @styled
-def distributions_figure(found: Tolerances) -> Figure:
+def distributions_figure(tolerances: Tolerances) -> Figure:
     """Draw a histogram of every figure over the samples that do not jam, with what was asked of it."""
-    keys_of = list(found.figures)
+    keys_of = list(tolerances.figures)
     rows = -(-len(keys_of) // 3)
     figure = sheet(1.75 * rows + 0.4)
     for axes, key in zip(np.ravel(figure.subplots(rows, 3)), keys_of, strict=False):
-        _histogram(axes, key, found.figures[key][~found.jams], [one for one in found.limits if one.key == key])
-    state(figure, f"{found.design}, {found.samples} samples, seed {found.seed}; jams left out")
+        _histogram(
+            axes, key, tolerances.figures[key][~tolerances.jams], [one for one in tolerances.limits if one.key == key]
+        )
+    state(figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jams left out")
     return figure
 
 

@@ -232,49 +232,49 @@ def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
 
 def mechanism(design: Design) -> Mechanism:
     """Return the reducer of a design."""
-    made, discs = deviations(design), range(len(phases(design)))
-    pins, seats = _ring(design, made)
+    errors, discs = deviations(design), range(len(phases(design)))
+    pins, seats = _ring(design, errors)
     output = design.output
     studs = names.all_numbered(names.OUTPUT_PIN, output.pins)
     fixed = _around(studs, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
     return Mechanism(
         design=design,
         phases=phases(design),
-        bodies=tuple(_bodies(design, made)),
+        bodies=tuple(_bodies(design, errors)),
         matings=(
             *(_mesh(design, disc, pins) for disc in discs),
             *seats,
-            *(_cam(design, made, disc) for disc in discs),
-            *(_holes(design, made, disc, fixed) for disc in discs),
+            *(_cam(design, errors, disc) for disc in discs),
+            *(_holes(design, errors, disc, fixed) for disc in discs),
         ),
     )
 
 
-def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
+def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
-    held, turning, carrier = names.HOUSING, names.OUTPUT, ""
+    holder, turning, carrier = names.HOUSING, names.OUTPUT, ""
     if design.output.turns_ring:
-        held, turning, carrier = names.OUTPUT, names.HOUSING, names.HOUSING
-    yield Body(held, held, (), axis, axis)
+        holder, turning, carrier = names.OUTPUT, names.HOUSING, names.HOUSING
+    yield Body(holder, holder, (), axis, axis)
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):
         name, place = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
         yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
     yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
-        places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + made.pin_place
+        places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + errors.pin_place
         for name, place in zip(names.all_numbered(names.PIN, ring.teeth), places, strict=True):
             yield Body(name, names.PIN, names.planar_joints(name), place, axis, carrier=carrier)
 
 
-def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
+def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return what meets the teeth, and how it is carried where it moves."""
-    ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + made.pin_radius
+    ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + errors.pin_radius
     half = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         numbered = names.all_numbered(stem, ring.teeth)
-        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, made.pin_place, play=play)
+        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, errors.pin_place, play=play)
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
         numbered = names.all_numbered(stem, ring.teeth)
@@ -283,9 +283,9 @@ def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
         # What is larger fills a socket; a sleeve's play is in its bore.
-        play = design.pin_play - made.pin_radius * ring.has_sockets if ring.has_massless_pins else 0.0
-        held = on_housing(stem, role, radius, play)
-        return (replace(held, half_angle=half) if ring.has_massless_pins else held), []
+        play = design.pin_play - errors.pin_radius * ring.has_sockets if ring.has_massless_pins else 0.0
+        carried = on_housing(stem, role, radius, play)
+        return (replace(carried, half_angle=half) if ring.has_massless_pins else carried), []
     pins = on_pins(names.PIN, Role.PIN, radius)
     if ring.has_sockets:
         sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
@@ -312,24 +312,24 @@ def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
     return Mating(design.tooth_pair, pairs, teeth, ring, disc)
 
 
-def _cam(design: Design, made: Deviations, disc: int) -> Mating:
+def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
     gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
-    ahead, orbit = phases(design)[disc], design.gear.eccentricity + made.eccentricity
+    ahead, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
     return Mating(
         "cam",
         (cam,),
         _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
-        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, made.cam_place[disc], first=-ahead, disc=disc),
+        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], first=-ahead, disc=disc),
         disc,
     )
 
 
-def _holes(design: Design, made: Deviations, disc: int, pins: Surfaces) -> Mating:
+def _holes(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place[disc], disc=disc)
+    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc)
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 
 

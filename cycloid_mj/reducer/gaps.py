@@ -140,11 +140,11 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
     the ideal one is.
     """
     design = reducer.design
-    gear, made, change = reducer.tooth_profile, reducer.deviations, design.modification
+    gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
-    place = made.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
-    room = reducer.profile_offset - made.disc_radius[disc] - gear.pin_radius - made.pin_radius[lines.lobe]
-    play = design.pin_play - (made.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
+    place = errors.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
+    room = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
+    play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
     rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
@@ -156,7 +156,7 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(made.waves, lines.t),
+        distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(errors.waves, lines.t),
         slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
@@ -175,12 +175,12 @@ def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
     A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
     about the disc's centre and about the output's.
     """
-    gear, made, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
+    gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     turned = crank[..., np.newaxis] / gear.lobes
     middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
     push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
-    side, hole = _quarter_turned(push), _turned(made.hole_place[disc], -turned)
+    side, hole = _quarter_turned(push), _turned(errors.hole_place[disc], -turned)
     arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
     room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
@@ -219,11 +219,11 @@ def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
 
     The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
     """
-    gear, made = reducer.tooth_profile, reducer.deviations
+    gear, errors = reducer.tooth_profile, reducer.deviations
     turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
     angles = turned + np.array(reducer.phases)
     return np.asarray(
-        made.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(made.cam_place, turned)
+        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(errors.cam_place, turned)
     )
 
 

@@ -52,13 +52,13 @@ class Fit:
 def best_fit(reducer: Reducer, crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
     design = reducer.design
-    found, pose, least, _ = _most_room(reducer, crank)
+    mesh_gaps, pose, least, _ = _most_room(reducer, crank)
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
     if design.output.turns_ring:
         turned = turned - carrier
     output = member.sense(design) * reducer.share * carrier
-    return Fit(least, discs[:, :2], turned, output, _aside(reducer, found, pose))
+    return Fit(least, discs[:, :2], turned, output, _aside(reducer, mesh_gaps, pose))
 
 
 def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
@@ -71,8 +71,8 @@ def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
     The room [m], and the share of each kind of pair, ``cam`` among them, in the forces that would press the parts into
     this pose (the programme's dual values): together 1.
     """
-    found, _, least, forces = _most_room(reducer, crank)
-    kinds = np.concatenate([found.kind, np.full(len(forces) - len(found.kind), "cam")])
+    mesh_gaps, _, least, forces = _most_room(reducer, crank)
+    kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
     return least, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
 
 
@@ -81,13 +81,13 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
     from scipy.optimize import linprog
 
     crank = float(member.against_ring(reducer.design, crank))
-    found = gaps(reducer, crank)
-    slope, room = _limits(reducer, crank, found, _FIT_SIDES)
+    mesh_gaps = gaps(reducer, crank)
+    slope, room = _limits(reducer, crank, mesh_gaps, _FIT_SIDES)
     count = unknowns(reducer)
     matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
     best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
     *free, least = np.asarray(best.x, dtype=np.float64)
-    return found, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
+    return mesh_gaps, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
 
 
 def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
@@ -105,21 +105,21 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
 
     seen = float(member.against_ring(design, crank))
     slope, room = _limits(reducer, seen, gaps(reducer, seen), sides)
-    found = []
+    turns = []
     for least in (1.0, -1.0):
         goal = np.zeros(unknowns(reducer))
         goal[-1] = least
         ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
         if ends.x is None:
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
-        found.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
-    low, high = sorted(member.sense(design) * reducer.share * turn for turn in found)
+        turns.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
+    low, high = sorted(member.sense(design) * reducer.share * turn for turn in turns)
     return low, high
 
 
-def _limits(reducer: Reducer, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:
+def _limits(reducer: Reducer, crank: float, mesh_gaps: Gaps, sides: int) -> tuple[Array, Array]:
     """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
-    slopes, rooms = [found.slope], [found.width + found.play]
+    slopes, rooms = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
     for disc, place in enumerate(cam_places(reducer, crank)):
         slope = np.zeros((sides, unknowns(reducer)))
@@ -129,12 +129,12 @@ def _limits(reducer: Reducer, crank: float, found: Gaps, sides: int) -> tuple[Ar
     return np.concatenate(slopes), np.concatenate(rooms)
 
 
-def _aside(reducer: Reducer, found: Gaps, pose: Array) -> Array:
+def _aside(reducer: Reducer, mesh_gaps: Gaps, pose: Array) -> Array:
     """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
     design = reducer.design
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.teeth, 2))
-    teeth = found.select(found.kind == design.tooth_pair)
+    teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
     deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]

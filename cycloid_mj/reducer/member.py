@@ -88,25 +88,25 @@ def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str,
     columns
         Name -> values, shape (n,), in SI units; any of a run's.
     """
-    found = dict(columns)
+    seen = dict(columns)
     if not design.output.turns_ring:
-        return found
+        return seen
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
     slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
     for gear in names.gears(design.gear.discs):
         x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
         slower |= {turn: angle, spin: speed}
-        _turn_back(found, x, y, angle)
-        _turn_back(found, vx, vy, angle)
-        if vx in found:
-            found[vx], found[vy] = found[vx] + speed * found[y], found[vy] - speed * found[x]
+        _turn_back(seen, x, y, angle)
+        _turn_back(seen, vx, vy, angle)
+        if vx in seen:
+            seen[vx], seen[vy] = seen[vx] + speed * seen[y], seen[vy] - speed * seen[x]
     for name in columns:
         if name.endswith(names.FORCE_X):
-            _turn_back(found, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
-    found |= {name: found[name] - less for name, less in slower.items() if name in found}
-    if {"load_torque", "crank_torque"} <= found.keys():
-        found["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
-    return found
+            _turn_back(seen, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    seen |= {name: seen[name] - less for name, less in slower.items() if name in seen}
+    if {"load_torque", "crank_torque"} <= seen.keys():
+        seen["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
+    return seen
 
 
 def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:

@@ -162,8 +162,8 @@ def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Con
     """Keep on the reducer what a function of it returns, for each of the further arguments; it must not be changed."""
 
     @wraps(function)
-    def kept(reducer: Reducer, /, *given: Given.args, **named: Given.kwargs) -> Value:
-        key = (function, given, *sorted(named.items()))
-        return reducer.kept(key, lambda: function(reducer, *given, **named))
+    def kept(reducer: Reducer, /, *arguments: Given.args, **named: Given.kwargs) -> Value:
+        key = (function, arguments, *sorted(named.items()))
+        return reducer.kept(key, lambda: function(reducer, *arguments, **named))
 
     return kept

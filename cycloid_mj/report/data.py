@@ -44,13 +44,13 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 def curves(motion: Series) -> dict[str, Array]:
     """Map name to values over the whole run, shape (n,), in the units of the panels; a theory's name ends so."""
-    found = {}
+    by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
         signal = SIGNALS[key]
-        found[key] = signal.simulated(motion)
+        by_name[key] = signal.simulated(motion)
         if signal.theory:
-            found[_theory(key)] = signal.theory(motion)
-    return found
+            by_name[_theory(key)] = signal.theory(motion)
+    return by_name
 
 
 def _panel(key: str, height: float) -> dict[str, Any]:
@@ -70,9 +70,9 @@ def _theory(key: str) -> str:
 
 
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
-    motion, found = item.motion, curves(item.motion)
-    most = min(MOST_SAMPLES, MOST_VALUES // (runs * len(found)))
-    time, values = decimated(motion.time, np.stack(list(found.values()), axis=1), most)
+    motion, drawn = item.motion, curves(item.motion)
+    most = min(MOST_SAMPLES, MOST_VALUES // (runs * len(drawn)))
+    time, values = decimated(motion.time, np.stack(list(drawn.values()), axis=1), most)
     judged, turn = motion.time[motion.judged], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
@@ -80,7 +80,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "colour": item.colour,
         "start": float(time[0]),
         "time": encoded(time - time[0]),
-        "curves": {key: encoded(values[:, column]) for column, key in enumerate(found)},
+        "curves": {key: encoded(values[:, column]) for column, key in enumerate(drawn)},
         "paths": {path: _path(path, motion) for path in paths},
         "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
         "mechanism": mechanism(motion),

@@ -60,13 +60,13 @@ def joint_page(
 
 def _numbers(reduced: ReducedJoint) -> dict[str, str]:
     """Collect the numbers that one looks for first."""
-    found = reduced.quantities
+    quantities = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",
-        "backlash": f"{found['backlash_arcmin'].value:.3g} arcmin",
-        "stiffness [N m/arcmin]": f"{found['stiffness_nm_per_arcmin'].value:.4g}",
-        "efficiency": f"{found['efficiency'].value:.2f} %",
-        "back-driving": f"{found['back_driving_efficiency'].value:.2f} %",
+        "backlash": f"{quantities['backlash_arcmin'].value:.3g} arcmin",
+        "stiffness [N m/arcmin]": f"{quantities['stiffness_nm_per_arcmin'].value:.4g}",
+        "efficiency": f"{quantities['efficiency'].value:.2f} %",
+        "back-driving": f"{quantities['back_driving_efficiency'].value:.2f} %",
         "inertia at the output": f"{reduced.reflected_inertia:.3g} kg m²",
     }
 
@@ -79,8 +79,8 @@ def _quantities(reduced: ReducedJoint) -> TextTable:
     return TextTable([("quantity", "value", "unit", "numerical error")], rows)
 
 
-def _texts(found: Result) -> TextTable:
-    return TextTable([found.header], found.cells)
+def _texts(result: Result) -> TextTable:
+    return TextTable([result.header], result.cells)
 
 
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:

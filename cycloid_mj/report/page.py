@@ -54,17 +54,17 @@ def page(reviewed: Sequence[Reviewed]) -> str:
 
 def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield the numbers that one looks for first."""
-    found = item.findings
-    none = "not in a ramp" if found.condition.load else "no load"
-    yield "efficiency", none if found.efficiency is None else f"{100 * found.efficiency:.2f} %"
+    findings = item.findings
+    none = "not in a ramp" if findings.condition.load else "no load"
+    yield "efficiency", none if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"
     for part, error, speed in (
-        ("output", found.transmission_error, found.output_speed),
-        (item.motion.gear_words, found.gear_transmission_error, found.gear_speed),
+        ("output", findings.transmission_error, findings.output_speed),
+        (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
     ):
         yield f"{part}: transmission error, p-p", f"{error.peak_to_peak_arcsec:.3g} arcsec"
         yield f"{part}: speed, rms error", f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s"
-    yield "largest contact force", f"{found.contact_summary.peak_force_n:.4g} N"
-    yield "contacts, mean", f"{found.contact_summary.mean_active:.3g}"
+    yield "largest contact force", f"{findings.contact_summary.peak_force_n:.4g} N"
+    yield "contacts, mean", f"{findings.contact_summary.mean_active:.3g}"
 
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:

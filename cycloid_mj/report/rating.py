@@ -8,23 +8,23 @@ NEAR = 1.5
 """Margin below which an item that holds is shown as near its limit."""
 
 
-def rating_page(found: Rating) -> str:
+def rating_page(rating: Rating) -> str:
     """Write a rating as one page that needs no other file."""
 
     def state(item: RatedItem) -> str:
-        margin = item.margin(found.life)
+        margin = item.margin(rating.life)
         return "figure" if item.verdict == "" else "fails" if margin < 1.0 else "near" if margin < NEAR else "holds"
 
-    table, give = found.table(), found.cam_give.table() if found.cam_give else None
-    failing = sum(state(item) == "fails" for item in found.items.values())
+    table, give = rating.table(), rating.cam_give.table() if rating.cam_give else None
+    failing = sum(state(item) == "fails" for item in rating.items.values())
     return (
         environment()
         .get_template("rating.html")
         .render(
-            title=f"cycloid_mj: rating of {found.design}",
-            found=found,
+            title=f"cycloid_mj: rating of {rating.design}",
+            found=rating,
             header=table.header,
-            rows=list(zip(map(state, found.items.values()), table.cells, strict=True)),
+            rows=list(zip(map(state, rating.items.values()), table.cells, strict=True)),
             failing=failing,
             give=None if give is None else TextTable([give.header], give.cells),
             give_title=give.title if give else "",

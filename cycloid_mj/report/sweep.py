@@ -15,47 +15,47 @@ MOST_ROWS = 500
 """Points that the page lists; the files have all of them."""
 
 
-def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
+def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
     """Write a sweep as one page that needs no other file; the figure is an SVG."""
-    task = found.task
+    task = sweep.task
     return (
         environment()
         .get_template("sweep.html")
         .render(
             title=f"cycloid_mj: sweep of {task.reducer.design.name}",
-            found=found,
-            varied=_varied(found),
+            found=sweep,
+            varied=_varied(sweep),
             figure=b64encode(figure).decode(),
-            tables=tables(found, tuple(quantities)),
-            errors=list(found.errors.items())[:MOST_ERRORS],
-            more_errors=max(0, len(found.errors) - MOST_ERRORS),
-            rows=_rows(found, quantities),
-            shown=min(len(found), MOST_ROWS),
-            cpu=sum(row.cpu for row in found.rows.values()),
+            tables=tables(sweep, tuple(quantities)),
+            errors=list(sweep.errors.items())[:MOST_ERRORS],
+            more_errors=max(0, len(sweep.errors) - MOST_ERRORS),
+            rows=_rows(sweep, quantities),
+            shown=min(len(sweep), MOST_ROWS),
+            cpu=sum(row.cpu for row in sweep.rows.values()),
             design=dump(task.reducer.design),
         )
     )
 
 
-def _varied(found: Sweep) -> Table:
+def _varied(sweep: Sweep) -> Table:
     """Tabulate the inputs with their values."""
     rows = []
-    for key in found.task.keys:
-        values = list(dict.fromkeys(found[key].tolist()))
-        if key in found.frame.numbers:
-            told = f"{min(values):g} to {max(values):g}, {len(values)} values"
+    for key in sweep.task.keys:
+        values = list(dict.fromkeys(sweep[key].tolist()))
+        if key in sweep.frame.numbers:
+            text = f"{min(values):g} to {max(values):g}, {len(values)} values"
         else:
-            told = ", ".join(map(str, values))
-        rows.append((key, told))
-    rows += [(one.key, f"follows: {one.words}") for one in found.task.followers]
+            text = ", ".join(map(str, values))
+        rows.append((key, text))
+    rows += [(one.key, f"follows: {one.words}") for one in sweep.task.followers]
     return Table("varied", ("key of the design file", "values"), tuple(rows))
 
 
-def _rows(found: Sweep, quantities: Sequence[str]) -> Table:
+def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
     """Tabulate the first points, with the quantities shown."""
-    follows = (one.key for one in found.task.followers)
-    names = ("point", *found.task.keys, *follows, *quantities, "error")
-    columns = [found[name][:MOST_ROWS].tolist() for name in names]
+    follows = (one.key for one in sweep.task.followers)
+    names = ("point", *sweep.task.keys, *follows, *quantities, "error")
+    columns = [sweep[name][:MOST_ROWS].tolist() for name in names]
     cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))
     return Table("points", names, tuple(cells))
 

@@ -47,12 +47,12 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
         titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
         head.insert(0, ("", "", *(cell for words in titles for cell in (words, "", ""))))
     rows: list[Sequence[str]] = []
-    for group in (name for name in GROUPS if any(name in found for found in tables)):
-        each = [found.get(group, {}) for found in tables]
-        units = {name: row.unit for found in each for name, row in found.items()}
+    for group in (name for name in GROUPS if any(name in table for table in tables)):
+        each = [table.get(group, {}) for table in tables]
+        units = {name: row.unit for group in each for name, row in group.items()}
         rows.append((group,))
         rows += [
-            (name, _unit(unit), *(c for found in each for c in _cells(found.get(name)))) for name, unit in units.items()
+            (name, _unit(unit), *(c for row in each for c in _cells(row.get(name)))) for name, unit in units.items()
         ]
     return TextTable(head, rows)
 

@@ -212,10 +212,15 @@ def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
     _, _, off = vibration(bench(reduced, inertia, ANGLE / expected, "implicitfast"), inertia)
-    own = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
-    found = own * (1.0 + off) / (2.0 * np.pi)
+    still = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
+    frequency = still * (1.0 + off) / (2.0 * np.pi)
     yield Quantity(
-        "resonance_hz", f"resonance with {inertia:.3g} kg m2, crank held", found, "Hz", None, expected / (2.0 * np.pi)
+        "resonance_hz",
+        f"resonance with {inertia:.3g} kg m2, crank held",
+        frequency,
+        "Hz",
+        None,
+        expected / (2.0 * np.pi),
     )
 
 
@@ -266,8 +271,8 @@ def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
 
 def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) -> tuple[list[Quantity], list[Curve]]:
     """Turn the crank under the rated load through a whole turn of the output, as slowly as the steps ask."""
-    own = error(reducer, 1.0, way)
-    fine, _ = waves(own)
+    errors = error(reducer, 1.0, way)
+    fine, _ = waves(errors)
     turns = round(reduced.ratio)
     strong = np.flatnonzero(np.abs(fine) >= NOTABLE * np.abs(fine).max())
     count = STEPS_IN_A_CYCLE * int(strong.max())
@@ -292,27 +297,27 @@ def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) 
         )
         for one, ours, place in zip(order.tolist(), joint, strong.tolist(), strict=True)
     ]
-    return rows, list(_te_curves(reducer, own, angle, length, name))
+    return rows, list(_te_curves(reducer, errors, angle, length, name))
 
 
 def _followed(on: TrialScene, count: int) -> tuple[Array, Array]:
     """Compute crank angle and L over so many steps, shape (count,)."""
-    found = np.empty((count, 2))
+    followed = np.empty((count, 2))
     for i in range(count):
         on.step()
-        found[i] = on.data.qpos[on.place.crank_angle], on.length
-    return found[:, 0], found[:, 1]
+        followed[i] = on.data.qpos[on.place.crank_angle], on.length
+    return followed[:, 0], followed[:, 1]
 
 
-def _te_curves(reducer: Reducer, own: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
+def _te_curves(reducer: Reducer, errors: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
     """Draw the first turn of the crank after angle 0; what turned back is at the same angles less whole turns."""
     design = reducer.design
     angle = np.mod(angle, 2.0 * np.pi * design.reduction)
     panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
-    full = np.degrees(2.0 * np.pi * np.arange(own.size) / own.size * design.reduction)
+    full = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
     first, ours = full <= 360.0, angle <= 2.0 * np.pi
     return (
-        Curve(panel, "full model", full[first], ARCSECONDS * (own - own.mean())[first], *axes, "theory"),
+        Curve(panel, "full model", full[first], ARCSECONDS * (errors - errors.mean())[first], *axes, "theory"),
         Curve(panel, "joint", np.degrees(angle[ours]), ARCSECONDS * (length - length.mean())[ours], *axes),
     )

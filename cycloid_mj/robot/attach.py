@@ -39,8 +39,8 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
         There is no such hinge, it has a reducer, or the model does not compile.
     """
     model = _compiled(spec)
-    found = spec.joint(joint)
-    if found is None:
+    hinge = spec.joint(joint)
+    if hinge is None:
         names = ", ".join(each.name for each in spec.joints if each.name) or "none has a name"
         raise UsageError(f"the model has no joint {joint!r}; its joints: {names}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
@@ -49,14 +49,14 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
         raise UsageError(f"the joint {joint!r} has a reducer already: attach one to each joint")
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":
-        found.armature, found.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
-        found.solref_friction, found.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
-        found.damping = first(0.0)
+        hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
+        hinge.solref_friction, hinge.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
+        hinge.damping = first(0.0)
         _hold_together(spec, reduced, joint, [])
         return
-    found.armature, found.frictionloss = reduced.output_inertia, 0.0
-    found.damping = first(0.0)
-    _add_rotor(found, model, reduced)
+    hinge.armature, hinge.frictionloss = reduced.output_inertia, 0.0
+    hinge.damping = first(0.0)
+    _add_rotor(hinge, model, reduced)
     tendons = [_add_spring(spec, reduced, joint, number) for number in range(len(reduced.springs))]
     _hold_together(spec, reduced, joint, tendons)
     _move_actuators(spec, reduced, joint)
@@ -78,23 +78,23 @@ def _compiled(spec: Any) -> Any:
 
 def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     """Add the crank's body where that of the joint is, with the joint's axis."""
-    own, name = model.joint(joint.name), rotor_name(joint.name)
-    carried = model.body(int(own.bodyid[0]))
+    hinge, name = model.joint(joint.name), rotor_name(joint.name)
+    carried = model.body(int(hinge.bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
     body.mass, body.inertia = NEXT_TO_NOTHING, [1e-12] * 3
-    made = body.add_joint(
+    rotor_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
-        pos=own.pos,
-        axis=own.axis,
+        pos=hinge.pos,
+        axis=hinge.axis,
         armature=reduced.rotor_inertia,
         frictionloss=reduced.no_load_torque,
         solref_friction=[STICKING_TIME, 1.0],
         solimp_friction=STICKING_IMPEDANCE,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
-    made.damping = made.stiffness = first(0.0)
+    rotor_joint.damping = rotor_joint.stiffness = first(0.0)
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,

@@ -39,10 +39,10 @@ class FrictionMap:
         return useful / (useful + lost) if driving else max(0.0, 1.0 - lost / useful)
 
     @classmethod
-    def from_json(cls, given: Mapping[str, Any]) -> Self:
+    def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the map from a JSON object."""
-        rows = {key: tuple(tuple(map(float, row)) for row in given[key]) for key in ("driving", "driven")}
-        return cls(tuple(map(float, given["torques"])), tuple(map(float, given["speeds"])), **rows)
+        rows = {key: tuple(tuple(map(float, row)) for row in content[key]) for key in ("driving", "driven")}
+        return cls(tuple(map(float, content["torques"])), tuple(map(float, content["speeds"])), **rows)
 
 
 def _line(at: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:

@@ -96,7 +96,7 @@ def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[flo
         damping = reduced.damping if torque or not full else 0.0
         return [speed, (rated * math.cos(pulse * time) + torque - damping * speed) / moving]
 
-    found = solve_ivp(
+    solution = solve_ivp(
         motion,
         (0.0, LENGTH / frequency),
         [start, 0.0],
@@ -105,6 +105,6 @@ def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[flo
         atol=TOLERANCE * reduced.wind_up(rated),
         max_step=1.0 / (LOOKS * frequency),
     )
-    beyond = np.flatnonzero(found.y[0] <= reduced.stops[0])
-    crossed = float(found.t[beyond[0]]) if beyond.size else math.inf
-    return crossed, reduced.stops[0] - float(found.y[0].min())
+    beyond = np.flatnonzero(solution.y[0] <= reduced.stops[0])
+    crossed = float(solution.t[beyond[0]]) if beyond.size else math.inf
+    return crossed, reduced.stops[0] - float(solution.y[0].min())

@@ -83,12 +83,12 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
             "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
         )
     reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
-    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(reducer))
+    counted = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(reducer))
     fine, coarse = play_of(reducer, FINER * POSES), play_of(reducer, POSES)
-    told.one_more()
-    friction = _friction(reducer, told.one_more)
+    counted.one_more()
+    friction = _friction(reducer, counted.one_more)
     rotor, output = inertias(reducer)
-    made = ReducedJoint(
+    joint = ReducedJoint(
         name=reducer.design.name,
         level=level,
         ratio=float(reducer.design.reduction),
@@ -103,10 +103,10 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
         rotor_inertia=rotor,
         output_inertia=output,
         friction=friction,
-        ripple=ripple(reducer, told.one_more),
+        ripple=ripple(reducer, counted.one_more),
     )
-    told.one_more()
-    return replace(made.at(level), quantities=keyed(_quantities(reducer, made, fine, coarse)))
+    counted.one_more()
+    return replace(joint.at(level), quantities=keyed(_quantities(reducer, joint, fine, coarse)))
 
 
 @dataclass(frozen=True)
@@ -162,8 +162,8 @@ class Play:
         turn, torque = np.array([self.wind_up[share] for share in POLYNOMIAL]), self.rated * np.array(POLYNOMIAL)
         scaled = turn / turn[-1]
         powers = np.stack([scaled, scaled**2, scaled**3], axis=1) / torque[:, np.newaxis]
-        found = np.linalg.lstsq(powers, np.ones(len(turn)))[0]
-        return np.asarray(found / turn[-1] ** np.arange(1, 4))
+        coefficients = np.linalg.lstsq(powers, np.ones(len(turn)))[0]
+        return np.asarray(coefficients / turn[-1] ** np.arange(1, 4))
 
     def polynomial_error(self) -> float:
         """Largest relative error of the polynomial's torque at `POLYNOMIAL`."""
@@ -210,15 +210,15 @@ def inertias(reducer: Reducer) -> tuple[float, float]:
     return crank, float(masses[HOUSING].inertia[2, 2]) + pins
 
 
-def _friction(reducer: Reducer, told: Callable[[], None]) -> FrictionMap:
+def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in SPEEDS:
         turning = reducer.but(drive={"speed": share * speed})
         idle = _idle(turning)
-        told()
+        on_step()
         for way, rows in maps.items():
-            rows.append((idle, *(_lost(turning, way * torque * rated, told) for torque in TORQUES)))
+            rows.append((idle, *(_lost(turning, way * torque * rated, on_step) for torque in TORQUES)))
     torques = (0.0, *(torque * rated for torque in TORQUES))
     speeds = tuple(share * abs(speed) for share in SPEEDS)
     return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
@@ -241,16 +241,16 @@ def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
     return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
 
 
-def _lost(reducer: Reducer, torque: float, told: Callable[[], None] = lambda: None) -> float:
+def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
     """Find the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
     try:
-        found = powers(reducer, torque)
+        mean_powers = powers(reducer, torque)
     except RunError:
         if torque > 0.0:
             raise
-        found = powers(reducer, -torque)
-    told()
-    return sum(found.losses.values()) / abs(reducer.design.drive.speed)
+        mean_powers = powers(reducer, -torque)
+    on_step()
+    return sum(mean_powers.losses.values()) / abs(reducer.design.drive.speed)
 
 
 def _damping(reducer: Reducer) -> float:
@@ -261,23 +261,23 @@ def _damping(reducer: Reducer) -> float:
     """
     of, reducer = reducer.share, reducer.seen_from_ring
     laws = contact_laws(reducer)
-    found = [one.series(reducer) for one in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)]
-    series = {part: float(np.mean([one[part] for one in found])) for part in found[0]}
+    compliances = [one.series(reducer) for one in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)]
+    series = {part: float(np.mean([one[part] for one in compliances])) for part in compliances[0]}
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
     return sum(times[part] * give for part, give in series.items()) / (of * sum(series.values())) ** 2
 
 
-def _quantities(reducer: Reducer, made: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
-    at = f"at {made.rated_torque:.4g} N m, {made.rated_speed / RPM:.0f} rpm"
-    friction, rated, speed = made.friction, made.rated_torque, made.rated_speed
+def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
+    at = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
+    friction, rated, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
     def both(read: Callable[[Play], float]) -> tuple[float, float]:
         return read(fine), abs(read(fine) - read(coarse))
 
-    against = "the output turns against the crank" if made.way < 0 else "the output turns as the crank does"
-    yield Quantity("ratio", "ratio, turns of the crank for one of the output", made.ratio, "1", 0.0, note=against)
+    against = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
+    yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=against)
     yield Quantity(
         "backlash_arcmin",
         "backlash of the output, mean over the crank angle",
@@ -300,33 +300,35 @@ def _quantities(reducer: Reducer, made: ReducedJoint, fine: Play, coarse: Play) 
         "torsional stiffness, 50 to 100 % of the rated torque",
         *_in(both(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
     )
-    efficiency = 100.0 * friction.efficiency(rated, speed, made.ratio, driving=True)
+    efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angles_leave_out(reducer, 1.0), _by_assumed_inputs(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
-    back, held = driven(reducer, rated)
-    locked = math.isnan(held)
+    back, backward = driven(reducer, rated)
+    locked = math.isnan(backward)
     yield Quantity(
         "back_driving_efficiency",
-        f"efficiency of back-driving against {rated / made.ratio:.4g} N m on the crank",
+        f"efficiency of back-driving against {rated / joint.ratio:.4g} N m on the crank",
         0.0 if locked else 100.0 * back.efficiency,
         "%",
-        0.0 if locked else 100.0 * _angles_leave_out(reducer, -held / rated),
+        0.0 if locked else 100.0 * _angles_leave_out(reducer, -backward / rated),
         note=self_locking(reducer, rated) if locked else "",
     )
     near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(
         "no_load_torque_nm",
         f"no-load torque on the crank at {speed / RPM:.0f} rpm",
-        made.no_load_torque,
+        joint.no_load_torque,
         "N m",
-        abs(made.no_load_torque - max(0.0, _to_zero(near, far))),
+        abs(joint.no_load_torque - max(0.0, _to_zero(near, far))),
         note="weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings",
     )
-    told = "shaft, rotor and the discs' orbit"
-    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {told}", made.rotor_inertia, "kg m2", 0.0)
-    yield Quantity("output_inertia_kg_m2", "inertia of discs and output", made.output_inertia, "kg m2", 0.0)
-    yield Quantity("reflected_inertia_kg_m2", "inertia at the output, crank free", made.reflected_inertia, "kg m2", 0.0)
-    yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", made.damping, "N m s/rad", None)
+    what = "shaft, rotor and the discs' orbit"
+    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {what}", joint.rotor_inertia, "kg m2", 0.0)
+    yield Quantity("output_inertia_kg_m2", "inertia of discs and output", joint.output_inertia, "kg m2", 0.0)
+    yield Quantity(
+        "reflected_inertia_kg_m2", "inertia at the output, crank free", joint.reflected_inertia, "kg m2", 0.0
+    )
+    yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", joint.damping, "N m s/rad", None)
 
 
 def _by_assumed_inputs(reducer: Reducer) -> str:

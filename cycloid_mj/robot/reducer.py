@@ -277,10 +277,10 @@ class ReducedJoint:
         import mujoco
 
         dof = place.output_speed
-        own = (data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (data.efc_id == dof)
-        held = float(data.efc_force[own].sum())
+        rows = (data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (data.efc_id == dof)
+        friction = float(data.efc_force[rows].sum())
         inertia = self.ratio**2 * self.rotor_inertia
-        torque = float(data.qfrc_actuator[dof] + held - inertia * data.qacc[dof])
+        torque = float(data.qfrc_actuator[dof] + friction - inertia * data.qacc[dof])
         speed = float(data.qvel[dof])
         turning = speed if abs(speed) * self.ratio > AT_REST else data.qfrc_actuator[dof] - torque
         lost = self.friction.torque(torque, self.ratio * speed, driving=torque * turning > 0.0)
@@ -288,13 +288,13 @@ class ReducedJoint:
 
     def as_json(self) -> dict[str, Any]:
         """Convert the quantities and, as `joint`, all values in SI to JSON values."""
-        told = {key: one.as_json() for key, one in self.quantities.items()}
+        quantities = {key: one.as_json() for key, one in self.quantities.items()}
         for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
-            told.setdefault(key, {})["map"] = self._efficiency_map(driving)
+            quantities.setdefault(key, {})["map"] = self._efficiency_map(driving)
         return {
             "design": self.name,
             "level": self.level,
-            **told,
+            **quantities,
             "stiffness_polynomial": {
                 "value": list(self.polynomial),
                 "unit": "N m/rad, N m/rad^2, N m/rad^3",
@@ -306,7 +306,7 @@ class ReducedJoint:
         }
 
     @classmethod
-    def from_json(cls, given: Mapping[str, Any]) -> Self:
+    def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the reducer from what `as_json` wrote, without the quantities.
 
         Raises
@@ -315,21 +315,21 @@ class ReducedJoint:
             It is no such object.
         """
         try:
-            values = dict(given[JOINT])
+            values = dict(content[JOINT])
             values |= {key: float(values[key]) for key in NUMBERS}
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
             values["springs"] = tuple(Spring(float(one["start"]), float(one["stiffness"])) for one in values["springs"])
             values["friction"] = FrictionMap.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])
-            made = cls(**values)
+            joint = cls(**values)
         except (KeyError, TypeError, ValueError) as problem:
-            told = f"{type(problem).__name__}: {problem}"
-            raise UsageError(f"no reducer ({told}): give what `cycloid-mj reduce` writes as reducer.json") from None
+            reason = f"{type(problem).__name__}: {problem}"
+            raise UsageError(f"no reducer ({reason}): give what `cycloid-mj reduce` writes as reducer.json") from None
         sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
-        if made.level not in LEVELS or made.way not in (-1, 1) or not sound or not made.springs:
+        if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
             raise UsageError("no reducer: level, way, springs or a number are not as `cycloid-mj reduce` writes them")
-        return made
+        return joint
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -343,10 +343,10 @@ class ReducedJoint:
             It holds no reducer.
         """
         try:
-            given = json.loads(Path(path).read_text(encoding="utf-8"))
+            content = json.loads(Path(path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as problem:
             raise CycloidError(f"cannot read {path}: {problem}; give the reducer.json of `cycloid-mj reduce`") from None
-        return cls.from_json(given if isinstance(given, dict) else {})
+        return cls.from_json(content if isinstance(content, dict) else {})
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:
         torques = self.friction.torques[1:]

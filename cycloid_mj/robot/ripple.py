@@ -76,10 +76,10 @@ class Ripple:
                     }
 
     @classmethod
-    def from_json(cls, given: Mapping[str, Any]) -> Self:
+    def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the ripple from a JSON object."""
-        orders, loads = (tuple(map(float, given[key])) for key in ("orders", "loads"))
-        rows = {of.name: tuple(tuple(map(float, row)) for row in given[of.name]) for of in fields(cls)[2:]}
+        orders, loads = (tuple(map(float, content[key])) for key in ("orders", "loads"))
+        rows = {of.name: tuple(tuple(map(float, row)) for row in content[of.name]) for of in fields(cls)[2:]}
         return cls(orders, loads, **rows)
 
     @cached_property

@@ -176,9 +176,9 @@ def tried(
     return Tried(*run, True, error, frequency, struck.frequency, peak, peak / struck.peak - 1.0)
 
 
-def longest(found: Iterable[Tried], level: Level, integrator: Integrator, load: str) -> Tried | None:
+def longest(tried: Iterable[Tried], level: Level, integrator: Integrator, load: str) -> Tried | None:
     """Return the longest step up to which every one that was tried is accurate; None where none is."""
-    steps = [one for one in found if (one.level, one.integrator, one.load) == (level, integrator, load)]
+    steps = [one for one in tried if (one.level, one.integrator, one.load) == (level, integrator, load)]
     best = None
     for one in sorted(steps, key=lambda one: one.timestep):
         if one.accurate:
@@ -188,7 +188,7 @@ def longest(found: Iterable[Tried], level: Level, integrator: Integrator, load: 
     return best
 
 
-def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
+def recommended(tried: tuple[Tried, ...]) -> list[dict[str, Any]]:
     """List the longest accurate step [s] of each integrator at each level: with any inertia, and with each; 0 is none.
 
     `impact_error` is the relative error of the peak of an impact at the step of each inertia.
@@ -196,7 +196,7 @@ def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
-            best = {load: longest(found, level, integrator, load) for load in INERTIAS}
+            best = {load: longest(tried, level, integrator, load) for load in INERTIAS}
             by_load = {load: one.timestep if one else 0.0 for load, one in best.items()}
             errors = {load: one.impact_error if one else math.nan for load, one in best.items()}
             rows.append(
@@ -211,25 +211,25 @@ def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
     return rows
 
 
-def recommended_table(found: tuple[Tried, ...]) -> Table:
+def recommended_table(tried: tuple[Tried, ...]) -> Table:
     """Tabulate the same: a row for each level and integrator, a column for each inertia."""
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
-            best = [longest(found, level, integrator, load) for load in INERTIAS]
+            best = [longest(tried, level, integrator, load) for load in INERTIAS]
             cells = (f"{1e3 * one.timestep:g} ms: {one.words}" if one else "none" for one in best)
             rows.append((f"{level}, {integrator}", *cells))
     title = f"Longest step at which the peak of an impact is right within {ACCURATE:.0%}, and its error"
     return Table(title, ("level, integrator", *INERTIAS), tuple(rows))
 
 
-def table(found: tuple[Tried, ...]) -> Table:
+def table(tried: tuple[Tried, ...]) -> Table:
     """Tabulate the study: a row for each level, integrator and inertia, a column for each step."""
     rows: dict[str, dict[float, str]] = {}
-    for one in found:
+    for one in tried:
         struck = "" if one.level == "rigid" else f", {one.impact_frequency:g} Hz"
         rows.setdefault(f"{one.level}, {one.integrator}, {one.load}{struck}", {})[one.timestep] = one.words
-    steps = sorted({one.timestep for one in found})
+    steps = sorted({one.timestep for one in tried})
     cells = tuple((key, *(words.get(step, "") for step in steps)) for key, words in rows.items())
     header = ("level, integrator, inertia on the output, load", *(f"{1e3 * step:g} ms" for step in steps))
     return Table("Error of the peak of an impact by step, crank held, load rated cos(2 pi f t)", header, cells)
@@ -304,9 +304,9 @@ def _rigid(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
     for _ in range(FEWEST):
         on.step()
     whole = inertia + reduced.reflected_inertia
-    given = reduced.rated_torque - float(on.model.dof_frictionloss[on.place.output_speed])
+    spare = reduced.rated_torque - float(on.model.dof_frictionloss[on.place.output_speed])
     speed = reduced.way * float(on.data.qvel[on.place.output_speed])
-    error = speed / (given / whole * FEWEST * step) - 1.0
+    error = speed / (spare / whole * FEWEST * step) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 
 

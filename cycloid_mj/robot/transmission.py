@@ -39,8 +39,8 @@ def turns(reducer: Reducer) -> int:
     return reducer.design.reduction
 
 
-def ripple(reducer: Reducer, told: Callable[[], None]) -> Ripple:
-    """Solve the error under no load and `LOADS`, both ways, keep the harmonics that matter; `told` counts the turns.
+def ripple(reducer: Reducer, on_step: Callable[[], None]) -> Ripple:
+    """Solve the error under no load and `LOADS`, both ways, keep the harmonics that matter; `on_step` counts the turns.
 
     Raises
     ------
@@ -49,12 +49,12 @@ def ripple(reducer: Reducer, told: Callable[[], None]) -> Ripple:
     """
     lightest = next((load for load in UNLOADED if _balances(reducer, load)), UNLOADED[-1])
     shares = (lightest, *LOADS)
-    found = {(load, way): waves(error(reducer, load, way, told)) for way in (1, -1) for load in shares}
-    kept = _kept([fine for fine, _ in found.values()])
+    spectra = {(load, way): waves(error(reducer, load, way, on_step)) for way in (1, -1) for load in shares}
+    kept = _kept([fine for fine, _ in spectra.values()])
     # forward, the load pushes the output of a carrier counter-clockwise, to its upper stop
     stops = {}
     for name, way in (("low", -sense(reducer.design)), ("high", sense(reducer.design))):
-        each = [found[load, way] for load in shares]
+        each = [spectra[load, way] for load in shares]
         stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
         stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
         stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
@@ -76,16 +76,16 @@ def _balances(reducer: Reducer, load: float) -> bool:
     return True
 
 
-def error(reducer: Reducer, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
+def error(reducer: Reducer, load: float, way: int, on_step: Callable[[], None] = lambda: None) -> Array:
     """Compute the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
 
     `way` is that of the crank; the angles rise evenly from 0, `PER_MESH_PERIOD` in each mesh period.
     """
-    found = []
+    errors = []
     for turn in range(turns(reducer)):
-        found.append(_turn(reducer, load, way, turn))
-        told()
-    return np.concatenate(found)
+        errors.append(_turn(reducer, load, way, turn))
+        on_step()
+    return np.concatenate(errors)
 
 
 def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
@@ -103,9 +103,9 @@ def waves(values: Array) -> tuple[Waves, Waves]:
     """
 
     def amplitudes(one: Array) -> Waves:
-        found = 2.0 * np.fft.rfft(one) / one.size
-        found[0] = 0.0
-        return found
+        amplitudes = 2.0 * np.fft.rfft(one) / one.size
+        amplitudes[0] = 0.0
+        return amplitudes
 
     fine, coarse = amplitudes(values), amplitudes(values[::2])
     return fine[: coarse.size - 1], coarse[:-1]

@@ -97,15 +97,15 @@ class TrialScene:
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Compute L after each of so many steps under a torque on the output by time; None where it runs away."""
-        reduced, found = self.reduced, np.empty(steps)
+        reduced, lengths = self.reduced, np.empty(steps)
         most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):
             self.push(torque(float(self.data.time)))
             self.step()
-            found[i] = self.length
-            if not abs(found[i] - reduced.middle) < most:
+            lengths[i] = self.length
+            if not abs(lengths[i] - reduced.middle) < most:
                 return None
-        return found
+        return lengths
 
     def friction_torque(self) -> float:
         """Compute the torque of friction on the crank in the step just taken [N m], against its way."""

@@ -88,11 +88,11 @@ class ContactForces:
 
     def of_disc(self, disc: int) -> "ContactForces":
         """Return the pairs of a disc, by its index."""
-        return self._some([row for row, own in enumerate(self.discs) if own == disc])
+        return self._some([row for row, index in enumerate(self.discs) if index == disc])
 
     def _some(self, rows: list[int]) -> "ContactForces":
-        names, found = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
-        return ContactForces(names, found, self.point[:, rows], self.force[:, rows])
+        names, selected = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
+        return ContactForces(names, selected, self.point[:, rows], self.force[:, rows])
 
 
 def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:

@@ -18,14 +18,14 @@ def layout(reducer: Reducer) -> dict[str, Any]:
     ``assets/layout.json`` has what all designs share. A crank at 1640 rpm turns once in 4 s at its playback speed.
     """
     design = reducer.design
-    found: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text())
-    view, reach = found["configById"]["3D!mechanism"], design.housing.outer_radius
+    content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text())
+    view, reach = content["configById"]["3D!mechanism"], design.housing.outer_radius
     view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}
     pins = all_numbered(PIN, design.ring.teeth) if design.ring.kind == "pin" else ()
     frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
-    plot = found["configById"]["Plot!speed"]
+    plot = content["configById"]["Plot!speed"]
     of_gear, *others = plot["paths"]
     discs = [of_gear | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
     plot["paths"] = [*discs, *others]
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}
-    return found
+    return content

@@ -210,7 +210,7 @@ def _descriptors(message: Any) -> bytes:
             files[file.name] = file
 
     add(message.DESCRIPTOR.file)
-    found = FileDescriptorSet()
+    descriptors = FileDescriptorSet()
     for file in files.values():
-        file.CopyToProto(found.file.add())
-    return bytes(found.SerializeToString(deterministic=True))
+        file.CopyToProto(descriptors.file.add())
+    return bytes(descriptors.SerializeToString(deterministic=True))

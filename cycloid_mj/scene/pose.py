@@ -52,7 +52,7 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
         )
     still = np.zeros_like(columns["crank_angle"])
     ring = columns["output_angle"] if design.output.turns_ring else still
-    found = {
+    by_part = {
         HOUSING: _pose(still, still, ring),
         SHAFT: _pose(still, still, columns["crank_angle"]),
         **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
@@ -65,8 +65,8 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
                 force = [_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)]
                 away[:2] = _pressed(reducer, [*turned(np.stack(force, axis=-1), -ring).T])
             place = turned(np.stack([x + away[0], y + away[1]], axis=1), ring)
-            found[pin(number)] = _pose(place[:, 0], place[:, 1], away[2] + ring)
-    return found
+            by_part[pin(number)] = _pose(place[:, 0], place[:, 1], away[2] + ring)
+    return by_part
 
 
 def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:

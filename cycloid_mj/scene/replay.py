@@ -72,10 +72,10 @@ def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
 
 def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     joints = [model.joint(number).name for number in range(model.njnt)]
-    found = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
-    if not found:
+    columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
+    if not columns:
         raise LogError("no column of the run is the position of a joint of its model: simulate it again")
-    return found
+    return columns
 
 
 def _see_through(model: Any) -> None:

@@ -47,14 +47,14 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     DesignError
         A part of the design cannot be made.
     """
-    found, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
+    solids, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
-    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in found.items()}
+    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()}
     for by, borne in copies.items():
-        seen[by] += tuple(_piece(name, found[part], place) for name, (part, place) in borne.items())
+        seen[by] += tuple(_piece(name, solids[part], place) for name, (part, place) in borne.items())
     apart = {part for borne in copies.values() for part, _ in borne.values()}
     return {name: pieces for name, pieces in seen.items() if name not in apart}
 

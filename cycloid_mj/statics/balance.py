@@ -69,14 +69,14 @@ def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = Fals
         return _balanced(reducer, springs, torque, follow)
     seen, of = reducer.seen_from_ring, reducer.share
     carried, speed = of * torque, seen.design.drive.speed
-    found = _balanced(seen, springs, carried, follow)
+    balanced = _balanced(seen, springs, carried, follow)
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
-        lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, found).values())
+        lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, balanced).values())
         carried *= torque / (carried + carried / reducer.design.lobes + lost / speed)
-        found = _balanced(seen, springs, carried, follow)
+        balanced = _balanced(seen, springs, carried, follow)
     # what twists is beyond the contacts: the gear has no share in it, whichever member turns
-    gear_turn = found.output_turn - wind_up(seen) * carried - found.gear_turn
-    return replace(found, gear_turn=gear_turn, output_turn=of * found.output_turn)
+    gear_turn = balanced.output_turn - wind_up(seen) * carried - balanced.gear_turn
+    return replace(balanced, gear_turn=gear_turn, output_turn=of * balanced.output_turn)
 
 
 def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
@@ -128,8 +128,8 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     RunError
         No balance was found.
     """
-    found = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
-    return np.stack([found.gear_turn, found.output_turn], axis=1)
+    contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
+    return np.stack([contact_loads.gear_turn, contact_loads.output_turn], axis=1)
 
 
 @dataclass(frozen=True)
@@ -169,22 +169,22 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     """
     design = reducer.design
     springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    found = loads(reducer, springs, float(way) * (torque + design.drag.output))
-    losses = _friction_losses(reducer.seen_from_ring, springs, found)
+    contact_loads = loads(reducer, springs, float(way) * (torque + design.drag.output))
+    losses = _friction_losses(reducer.seen_from_ring, springs, contact_loads)
     seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
     mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
-    given = torque * speed / design.reduction
-    return Powers(given + sum(mean.values()), -given, mean)
+    supplied = torque * speed / design.reduction
+    return Powers(supplied + sum(mean.values()), -supplied, mean)
 
 
-def _friction_losses(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Array]:
+def _friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
     """Compute the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
-    pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1)
+    pressed = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     return {
-        "teeth": design.mesh_friction * np.sum(found.teeth * slip[:, :count], axis=1),
+        "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),
         "cam": design.friction_of("cam") * design.gear.bore_radius * turning * pressed,
-        "output": design.friction_of("output") * np.sum(found.output * slip[:, count:], axis=1),
+        "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, count:], axis=1),
     }

@@ -83,30 +83,32 @@ HELD = {
 """Bearings, by their keys."""
 
 
-def reaction_quantities(found: Reactions) -> Iterator[Quantity]:
+def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
     """Yield the largest forces and tilting moments over the crank angle."""
     for part in ("shaft", "output", "ring"):
-        planes: Planes = getattr(found, part)
+        planes: Planes = getattr(reactions, part)
         tilts, nets = (float(np.hypot(*one.T).max()) for one in (planes.moment, planes.net))
         yield Quantity(f"{part}_net_force", f"net force of the discs on the {part}, largest", nets, "N")
         yield Quantity(f"{part}_tilting_moment", f"tilting moment of the discs on the {part}, largest", tilts, "N m")
     for key, name in HELD.items():
-        held = getattr(found, key.replace("_bearing", ""))
-        if held is not None:
-            yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*held.T).max()), "N")
+        forces = getattr(reactions, key.replace("_bearing", ""))
+        if forces is not None:
+            yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*forces.T).max()), "N")
 
 
-def reactions(reducer: Reducer, springs: Springs, found: Loads) -> Reactions:
+def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
     """Compute what bearings hold under static forces; without the weight and the unbalance of shaft and output."""
     slope = springs.contacts.slope
-    push = slope[..., :-1].reshape(*slope.shape[:2], found.discs, 3)[..., :2].sum(axis=2)
+    push = slope[..., :-1].reshape(*slope.shape[:2], contact_loads.discs, 3)[..., :2].sum(axis=2)
     count = springs.teeth
 
     def of(forces: Array, ways: Array) -> Array:
-        by_disc = (forces[..., np.newaxis] * ways).reshape(len(forces), found.discs, -1, 2)
+        by_disc = (forces[..., np.newaxis] * ways).reshape(len(forces), contact_loads.discs, -1, 2)
         return np.asarray(-by_disc.sum(axis=2))
 
-    return spatial(reducer, -found.cam, of(found.output, push[:, count:]), of(found.teeth, push[:, :count]))
+    return spatial(
+        reducer, -contact_loads.cam, of(contact_loads.output, push[:, count:]), of(contact_loads.teeth, push[:, :count])
+    )
 
 
 def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
@@ -115,9 +117,9 @@ def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> React
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))
     far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer))
-    held = on_shaft.held_at(far, near)
+    answers = on_shaft.held_at(far, near)
     ends: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":
         plate = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness
         ends = on_output.held_at(-plate, plate)
-    return Reactions(on_shaft, on_output, on_ring, *held, *ends)
+    return Reactions(on_shaft, on_output, on_ring, *answers, *ends)

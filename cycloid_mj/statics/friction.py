@@ -8,14 +8,16 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
 
-def rubbing(reducer: Reducer, found: Gaps, motion: Array) -> Array:
+def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised friction of each contact per normal force [1], shape (..., n, u).
 
     `motion` is how the unknowns move with time, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
-    sliding = np.einsum("...nu,...u->...n", found.slip_slope, motion)
-    coefficient = np.where(found.kind == "output", reducer.design.friction_of("output"), reducer.design.mesh_friction)
-    return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * found.slip_slope)
+    sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
+    coefficient = np.where(
+        mesh_gaps.kind == "output", reducer.design.friction_of("output"), reducer.design.mesh_friction
+    )
+    return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * mesh_gaps.slip_slope)
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
@@ -38,11 +40,11 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     mesh = friction * np.mean(raised * np.sum(forces * reach, axis=1)) / load
     pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
     cam = np.linalg.norm(ideal_loads.cam_force(ring, pins, crank), axis=1)
-    held = [
+    losses = [
         design.friction_of(kind) * radius * gear.ring_teeth * np.mean(force) / load
         for kind, radius, force in (
             ("output", gear.eccentricity, np.sum(pins, axis=1)),
             ("cam", design.gear.bore_radius, cam),
         )
     ]
-    return float(mesh), float(held[0]), float(held[1])
+    return float(mesh), float(losses[0]), float(losses[1])

@@ -23,8 +23,8 @@ def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
 
 def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
     ring, pins, turned = _shared(reducer, crank, phase)
-    held = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
-    return np.asarray(np.hypot(*held.T))
+    force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
+    return np.asarray(np.hypot(*force.T))
 
 
 def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:

@@ -56,9 +56,9 @@ def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
     if contact.law != "impact":
         return None
     stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
-    own = ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
+    law = ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
     through = design.ring.has_massless_pins and kind == design.tooth_pair
-    return own.in_series() if through else own
+    return law.in_series() if through else law
 
 
 def spring(depth: float, stiffness: float, exponent: float) -> float:

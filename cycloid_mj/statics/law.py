@@ -122,9 +122,9 @@ def pair_stiffness(reducer: Reducer, kind: str) -> float:
     `statics.conformal_stiffness`. Of the law IMPACT it is the secant of its spring, wherever the parts touch.
     """
     design = reducer.design
-    given: float = getattr(design.stiffness, kind)
-    if given:
-        return given
+    value: float = getattr(design.stiffness, kind)
+    if value:
+        return value
     if impact := impact_of(reducer):
         return impact.secant(working_force(reducer, kind))
     if kind == "cam" and design.gear.bearing == "plain":
@@ -160,9 +160,9 @@ def contact_stiffness(reducer: Reducer, kind: str, disc: int = 0) -> float:
     Of a massless pin, its seat is in series; of an output pin, its bending at a `disc` in a structure of springs.
     """
     through = kind == reducer.design.tooth_pair and reducer.design.ring.has_massless_pins
-    own = series_stiffness(reducer) if through else pair_stiffness(reducer, kind)
+    stiffness = series_stiffness(reducer) if through else pair_stiffness(reducer, kind)
     bent = float(pin_flexibility(reducer)[disc, disc]) if kind == "output" else 0.0
-    return 1.0 / (1.0 / own + bent) if bent else own
+    return 1.0 / (1.0 / stiffness + bent) if bent else stiffness
 
 
 def stiffest(reducer: Reducer, kind: str) -> float:
@@ -206,8 +206,8 @@ def curvature_law(reducer: Reducer, kind: str = "") -> CurvatureLaw:
             f"({force:g} N on one); lower it, or use a wider face or a stiffer material"
         )
     of_teeth = getattr(design.stiffness, kind) if kind == design.tooth_pair else 0.0
-    given = of_teeth or design.contact.stiffness
-    stiffness = given or float(ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
+    stated = of_teeth or design.contact.stiffness
+    stiffness = stated or float(ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
     local = design.contact.stiffness_law == "local"
     return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
 
@@ -297,8 +297,8 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: flo
     shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:
         shares[design.seat_pair] = 1.0
-    found = {kind: (laws[kind], share) for kind, share in shares.items() if laws[kind].friction}
-    return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in found.items()}
+    pairs = {kind: (laws[kind], share) for kind, share in shares.items() if laws[kind].friction}
+    return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in pairs.items()}
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:

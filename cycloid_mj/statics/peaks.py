@@ -18,15 +18,17 @@ from cycloid_mj.statics.springs import Springs
 GUESSES, TOLERANCE = 12, 1e-3
 
 
-def peak_force(found: Loads, kind: str) -> float:
+def peak_force(contact_loads: Loads, kind: str) -> float:
     """Compute the largest force on a contact of a kind [N]."""
-    return float(forces(found, kind).max())
+    return float(forces(contact_loads, kind).max())
 
 
-def peak_pressure(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> float:
+def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> float:
     """Compute the largest Hertz pressure on a kind of contact [Pa]."""
     curvature = springs.curvature if kind == reducer.design.tooth_pair else line_curvature(reducer, kind)
-    return float(hertz_pressure(reducer, kind, forces(found, kind) * line_share(reducer, kind), curvature).max())
+    return float(
+        hertz_pressure(reducer, kind, forces(contact_loads, kind) * line_share(reducer, kind), curvature).max()
+    )
 
 
 def torque_at_pressure(
@@ -35,13 +37,13 @@ def torque_at_pressure(
     kind: str,
     pressure: float,
     torque: float,
-    found: Loads | None = None,
+    contact_loads: Loads | None = None,
     follow: bool = False,
 ) -> float:
     """Compute the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
 
-    `torque` [N m] is the first guess, not 0, and `found` what it loads, if that is known; better guesses follow, as if
-    the pressure rose with the square root of the torque. `follow` is that of `loads`.
+    `torque` [N m] is the first guess, not 0, and `contact_loads` what it loads, if that is known; better guesses
+    follow, as if the pressure rose with the square root of the torque. `follow` is that of `loads`.
 
     Raises
     ------
@@ -49,9 +51,9 @@ def torque_at_pressure(
         No balance was found at a guess.
     """
     for _ in range(GUESSES):
-        found = found or loads(reducer, springs, torque, follow)
-        factor = (pressure / peak_pressure(reducer, springs, found, kind)) ** 2
-        torque, found = factor * torque, None
+        contact_loads = contact_loads or loads(reducer, springs, torque, follow)
+        factor = (pressure / peak_pressure(reducer, springs, contact_loads, kind)) ** 2
+        torque, contact_loads = factor * torque, None
         if abs(factor - 1.0) < TOLERANCE:
             break
     return torque
@@ -62,15 +64,15 @@ def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -
     return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * pair_strength(reducer, kind), torque)
 
 
-def is_narrow(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> bool:
+def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
     """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
     curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(line_curvature(reducer, kind))
-    force = forces(found, kind) * line_share(reducer, kind)
+    force = forces(contact_loads, kind) * line_share(reducer, kind)
     worst = np.argmax(hertz_pressure(reducer, kind, force, curvature))
     return bool(force.flat[worst] > 0.0 and hertz_holds(reducer, kind, force, curvature).flat[worst])
 
 
-def forces(found: Loads, kind: str) -> Array:
+def forces(contact_loads: Loads, kind: str) -> Array:
     """Compute the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
-    other = {"cam": np.linalg.norm(found.cam, axis=-1), "output": found.output}
-    return other.get(kind, found.teeth)
+    other = {"cam": np.linalg.norm(contact_loads.cam, axis=-1), "output": contact_loads.output}
+    return other.get(kind, contact_loads.teeth)

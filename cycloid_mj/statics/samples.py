@@ -80,9 +80,9 @@ class Samples:
 def alike(reducer: Reducer, count: int) -> Samples:
     """Return samples that are all made as the design is, with its own errors; `replace` what they differ in."""
     design = reducer.design
-    made, clearance, change = reducer.deviations, design.clearance, design.modification
+    errors, clearance, change = reducer.deviations, design.clearance, design.modification
     one = {
-        **{field.name: getattr(made, field.name) for field in fields(made)},
+        **{field.name: getattr(errors, field.name) for field in fields(errors)},
         **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
         "mesh": getattr(clearance, design.tooth_pair),
         "seat": design.pin_play,
@@ -99,12 +99,12 @@ def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
     """
     errors, same = reducer.design.errors, alike(reducer, count)
 
-    def normal(stream: int, sigma: float, listed: Sequence[float], own: Array) -> Array:
-        draws = np.random.default_rng([seed, stream]).standard_normal(own.shape)
-        return own if listed else sigma * draws
+    def normal(stream: int, sigma: float, listed: Sequence[float], nominal: Array) -> Array:
+        draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
+        return nominal if listed else sigma * draws
 
-    def places(stream: int, sigma: float, lists: Sequence[Sequence[float]], own: Array) -> Array:
-        axes = [normal(stream + axis, sigma, lists[axis], own[..., axis]) for axis in (0, 1)]
+    def places(stream: int, sigma: float, lists: Sequence[Sequence[float]], nominal: Array) -> Array:
+        axes = [normal(stream + axis, sigma, lists[axis], nominal[..., axis]) for axis in (0, 1)]
         return np.stack(axes, axis=-1)
 
     return replace(
@@ -181,19 +181,19 @@ def solve_samples(
     crank = np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False)
     springs = springs_of(Reducer(bare), crank, friction)
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
-    effects, made, of = (
+    effects, deviations, of = (
         _effects(Reducer(bare), springs, orders),
         _made(Reducer(bare), springs, samples, orders),
         reducer.share,
     )
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
-    found, twist = [], wind_up(reducer)
+    solved, twist = [], wind_up(reducer)
     for torque in torques:
         load = springs.load(of * torque)
         out = np.zeros((len(samples), FIGURES))
 
         def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
-            balance_samples(springs.contacts, effects, made, load, first, last, out)
+            balance_samples(springs.contacts, effects, deviations, load, first, last, out)
 
         if threads == 1:
             for first, last in pairwise(bounds):
@@ -206,8 +206,8 @@ def solve_samples(
         out[~(out[:, -1] <= BALANCED)] = np.nan
         seen = SampleFigures(*out[:, :-1].T.copy())
         turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
-        found.append(replace(seen, **turned))
-    return found
+        solved.append(replace(seen, **turned))
+    return solved
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:

@@ -177,11 +177,11 @@ def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[s
     return keyed(PARTS_OF_SHEET[part](*_under(reducer, load)))
 
 
-def load_of(reducer: Reducer, given: float | None = None) -> tuple[float, LoadSource]:
+def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
     """Tell the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
     design = reducer.design
-    if given is not None:
-        return given, "given"
+    if load is not None:
+        return load, "given"
     if design.load.torque:
         return abs(design.load.torque), "load.torque_nm"
     return design.rated_torque, "rated torque"
@@ -217,13 +217,13 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
     yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
     yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
-    found = windups(reducer, evenly, load, follow=True)
+    solved = windups(reducer, evenly, load, follow=True)
     ideal = "without friction and weight"
-    lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
+    lost = float(np.mean([one.lost_motion for one in solved])) / ARCMINUTE
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
-    stiffness, name = _stiffness(found), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
+    stiffness, name = _stiffness(solved), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    give = {part: float(np.mean([one.series(reducer)[part] for one in found])) / ARCMINUTE for part in SERIES}
+    give = {part: float(np.mean([one.series(reducer)[part] for one in solved])) / ARCMINUTE for part in SERIES}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         bare = windups(rigid, evenly, load, follow=True)
@@ -237,9 +237,9 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
         yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", one, "arcmin/(N m)")
 
 
-def _stiffness(found: Sequence[Windup]) -> float:
+def _stiffness(windups: Sequence[Windup]) -> float:
     """Compute the mean stiffness [N m/arcmin]."""
-    return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
+    return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in windups]))
 
 
 def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -266,8 +266,8 @@ def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Arra
     """Compute the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
     crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.mesh_periods + 1), WAYS[way]
     turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
-    found = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
-    return {"gear": found.gear_turn, "output": found.output_turn}
+    contact_loads = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
+    return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
 def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
@@ -286,24 +286,24 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(reducer, _angles(reducer))
-    found = loads(reducer, springs, torque, follow=True)
+    contact_loads = loads(reducer, springs, torque, follow=True)
     spare = {
-        kind: pair_strength(reducer, kind) / peak_pressure(reducer, springs, found, kind)
+        kind: pair_strength(reducer, kind) / peak_pressure(reducer, springs, contact_loads, kind)
         for kind in design.pair_kinds
-        if is_narrow(reducer, springs, found, kind)
+        if is_narrow(reducer, springs, contact_loads, kind)
     }
-    yield from disc_shares(found.share)
+    yield from disc_shares(contact_loads.share)
     for kind in design.pair_kinds:
-        yield from _of_kind(springs, found, kind, reducer, spare.get(kind, math.nan))
-    if found.discs > 1:
-        yield from reaction_quantities(reactions(reducer, springs, found))
+        yield from _of_kind(springs, contact_loads, kind, reducer, spare.get(kind, math.nan))
+    if contact_loads.discs > 1:
+        yield from reaction_quantities(reactions(reducer, springs, contact_loads))
     for key, name, allowed in LIMITS[:limits]:
         if not spare:
             yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
             continue
         weakest = min(spare, key=lambda kind: spare[kind])
         pressure = allowed * pair_strength(reducer, weakest)
-        reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, found, follow=True))
+        reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, contact_loads, follow=True))
         yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
 
 
@@ -326,9 +326,9 @@ def disc_shares(share: Array) -> Iterator[Quantity]:
         )
 
 
-def _of_kind(springs: Springs, found: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
+def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
     """Yield the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
-    peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
+    peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
     pressure = 1e-6 * pair_strength(reducer, kind) / spare
@@ -347,10 +347,10 @@ def _mean(values: Array) -> float:
 def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses, and those of the reducer driven by its output."""
     yield from _efficiency(reducer, load)
-    back, held = driven(reducer, load)
+    back, backward = driven(reducer, load)
     against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
-    locked = self_locking(reducer, load) if math.isnan(held) else ""
-    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
+    locked = self_locking(reducer, load) if math.isnan(backward) else ""
+    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", backward, "N m", note=locked)
     yield Quantity(
         "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
     )
@@ -359,14 +359,14 @@ def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses of the reducer driven by its crank."""
     design = reducer.design
-    found = powers(reducer, load)
-    yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
+    mean_powers = powers(reducer, load)
+    yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * mean_powers.efficiency, "%")
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
         note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
-        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", found.losses[part], "W", note=note)
-    yield Quantity("seals_power", "drag of seals and lubricant", found.losses["seals"], "W")
-    yield Quantity("input_power", "input power", found.supplied, "W")
-    yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
+        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", mean_powers.losses[part], "W", note=note)
+    yield Quantity("seals_power", "drag of seals and lubricant", mean_powers.losses["seals"], "W")
+    yield Quantity("input_power", "input power", mean_powers.supplied, "W")
+    yield Quantity("output_power", "output power", mean_powers.supplied * mean_powers.efficiency, "W")
 
 
 def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
@@ -375,13 +375,13 @@ def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
     The latter is a torque on the output [N m]; not a number where the reducer locks itself.
     """
     torque = load
-    found = powers(reducer, -torque)
+    mean_powers = powers(reducer, -torque)
     for _ in range(3):
-        if not found.efficiency > 0.0:
-            return found, math.nan
-        torque = load / found.efficiency
-        found = powers(reducer, -torque)
-    return found, torque
+        if not mean_powers.efficiency > 0.0:
+            return mean_powers, math.nan
+        torque = load / mean_powers.efficiency
+        mean_powers = powers(reducer, -torque)
+    return mean_powers, torque
 
 
 def self_locking(reducer: Reducer, load: float) -> str:

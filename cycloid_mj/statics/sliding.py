@@ -113,18 +113,18 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
     The springs are those at the crank angle [rad].
     """
     design = reducer.design
-    found = arc_gaps(reducer, [crank])
-    contacts, discs = found.kind.size, springs.cam_place.shape[1]
+    mesh_gaps = arc_gaps(reducer, [crank])
+    contacts, discs = mesh_gaps.kind.size, springs.cam_place.shape[1]
     radius, teeth, bore = springs.radius, design.ring.teeth, design.gear.bore_radius
     slip = np.zeros((contacts + discs + SEALS, springs.slope.shape[2]))
-    slip[:contacts] = found.slip_slope[0]
+    slip[:contacts] = mesh_gaps.slip_slope[0]
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
     slip[range(contacts, contacts + discs), 2 : 3 * discs : 3] = bore / radius
     slip[seals, -1] = 1.0
     if held == "output":
         # a crank that turns by N - 1 for each turn that the output is behind carries the ideal parts along
         ahead = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
-        slip[:contacts, -1] += found.slip_slope[0] @ ahead
+        slip[:contacts, -1] += mesh_gaps.slip_slope[0] @ ahead
         slip[cams, -1] = -teeth * bore / radius
     friction = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {
         design.tooth_pair: design.mesh_friction
@@ -134,7 +134,9 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
     lossy = losses.material * (np.arange(len(slip)) < contacts + discs)
     return Rubbing(
         slip=slip,
-        coefficient=np.array([*(friction[kind] for kind in found.kind), *[friction["cam"]] * discs, *[0.0] * SEALS]),
+        coefficient=np.array(
+            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * SEALS]
+        ),
         drag=drag,
         stick=np.concatenate([STICK * stiffness, drag / (radius * _travels(losses.travel))]),
         loss=lossy,

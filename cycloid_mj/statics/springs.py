@@ -82,12 +82,12 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = against_ring(reducer.design, crank)
     reducer = at_rated_load(reducer.seen_from_ring)
-    found = arc_gaps(reducer, crank)
-    teeth = int(np.sum(found.kind == reducer.design.tooth_pair))
-    curvature = found.relative_curvature[:, :teeth]
+    mesh_gaps = arc_gaps(reducer, crank)
+    teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
+    curvature = mesh_gaps.relative_curvature[:, :teeth]
     discs = range(reducer.design.gear.discs)
     holding = np.array([contact_stiffness(reducer, "output", disc) for disc in discs])
-    output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, found.kind.size - teeth))
+    output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
     motion = ideal_motion(reducer, crank) * reducer.design.drive.speed
     radius = reducer.design.output.pin_circle_radius
     drag = (
@@ -100,16 +100,16 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         teeth=teeth,
         contacts=kernel.KernelSprings(
             radius=radius,
-            disc=found.disc,
-            turning=found.kind == reducer.design.tooth_pair,
-            room=(found.room + found.play)[0],
-            distance=found.distance,
-            slope=found.slope,
-            shift=found.shift,
-            shift_slope=found.shift_slope,
-            bend=found.bend,
-            twist=found.twist,
-            phase=found.phase,
+            disc=mesh_gaps.disc,
+            turning=mesh_gaps.kind == reducer.design.tooth_pair,
+            room=(mesh_gaps.room + mesh_gaps.play)[0],
+            distance=mesh_gaps.distance,
+            slope=mesh_gaps.slope,
+            shift=mesh_gaps.shift,
+            shift_slope=mesh_gaps.shift_slope,
+            bend=mesh_gaps.bend,
+            twist=mesh_gaps.twist,
+            phase=mesh_gaps.phase,
             trochoid=(
                 reducer.design.ring.pin_circle_radius,
                 reducer.design.gear.eccentricity,
@@ -119,23 +119,23 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
             cam_place=cam_places(reducer, crank),
             cam_clearance=reducer.design.clearance.cam,
             cam_stiffness=pair_stiffness(reducer, "cam"),
-            rubbing=rubbing(reducer, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
+            rubbing=rubbing(reducer, mesh_gaps, motion) if friction else np.zeros((0, *mesh_gaps.slope.shape[1:])),
             cam_rubbing=drag if friction else 0.0,
             bending=_bending(reducer),
             pins=reducer.design.output.pins,
         ),
         curvature=curvature,
         body_force=own_force,
-        slip=np.einsum("mnu,mu->mn", found.slip_slope, motion),
+        slip=np.einsum("mnu,mu->mn", mesh_gaps.slip_slope, motion),
     )
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     """Find the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
     law = curvature_law(reducer)
-    own = law.stiffness * law.factors(curvature)
+    stiffness = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
-    return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(reducer, kind)) if kind else own)
+    return np.asarray(1.0 / (1.0 / stiffness + 1.0 / pair_stiffness(reducer, kind)) if kind else stiffness)
 
 
 def _bending(reducer: Reducer) -> Array:

@@ -34,33 +34,33 @@ def pin_flexibility(reducer: Reducer) -> Array:
     planes, gear = np.array(design.gear.disc_planes), design.gear
     if design.structure == "rigid":
         return np.zeros((planes.size, planes.size))
-    made, radius = design.material_of("output"), design.output.root_radius
+    material, radius = design.material_of("output"), design.output.root_radius
     arms = gear.stack_width / 2.0 + AXIAL_GAP - planes
     length = gear.stack_width + 2.0 * AXIAL_GAP
-    return beam_flexibility(made, radius, arms, length if design.output.support == "both_ends" else None)
+    return beam_flexibility(material, radius, arms, length if design.output.support == "both_ends" else None)
 
 
-def beam_flexibility(made: Material, radius: float, arms: Array, length: float | None = None) -> Array:
+def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
     """Compute the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
 
     With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
     """
-    bending = made.youngs_modulus * math.pi * radius**4 / 4.0
-    coefficient = 6.0 * (1.0 + made.poisson) / (7.0 + 6.0 * made.poisson)
-    shearing = coefficient * shear_modulus(made) * math.pi * radius**2
+    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
+    coefficient = 6.0 * (1.0 + material.poisson) / (7.0 + 6.0 * material.poisson)
+    shearing = coefficient * shear_modulus(material) * math.pi * radius**2
 
     def free(one: Array, other: Array) -> Array:
         near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
         return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
 
-    found = free(arms, arms)
+    flexibility = free(arms, arms)
     if length is None:
-        return found
+        return flexibility
     end = np.array([length])
     by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
     turned = length**2 / (2.0 * bending)
     of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
-    return np.asarray(found - by_end @ np.linalg.solve(of_end, by_end.T))
+    return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
 
 
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
@@ -138,19 +138,19 @@ def structure_told(reducer: Reducer) -> str:
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid: only contacts give"
     twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(reducer).items())
-    held = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
+    support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
-        f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis, which adds "
+        f"output pins bend as beams held {support}, {twisting} N m/arcmin twist, each about its own axis, which adds "
         "to the output's turn and not to the gear's; left out are the discs' own give, that of all bearings but the "
         f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
         "which a softer stiffness.cam_n_m can stand for"
     )
 
 
-def shear_modulus(made: Material) -> float:
+def shear_modulus(material: Material) -> float:
     """Compute the shear modulus E/(2 (1 + nu)) [Pa]."""
-    return made.youngs_modulus / (2.0 * (1.0 + made.poisson))
+    return material.youngs_modulus / (2.0 * (1.0 + material.poisson))
 
 
-def _ring(made: Material, thickness: float, inner: float, outer: float) -> float:
-    return 4.0 * math.pi * shear_modulus(made) * thickness / (inner**-2 - outer**-2)
+def _ring(material: Material, thickness: float, inner: float, outer: float) -> float:
+    return 4.0 * math.pi * shear_modulus(material) * thickness / (inner**-2 - outer**-2)

@@ -84,7 +84,9 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     """
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
-    found = {side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES}
+    by_torque = {
+        side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES
+    }
     ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases)
     along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
 
@@ -94,9 +96,9 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     def at(place: int) -> Windup:
         return Windup(
             rated,
-            {share: float(one.output_turn[place]) for share, one in found.items()},
-            {share: float(one.gear_turn[place]) for share, one in found.items()},
-            {share: lead(one.departures[place], along[place]) for share, one in found.items()},
+            {share: float(one.output_turn[place]) for share, one in by_torque.items()},
+            {share: float(one.gear_turn[place]) for share, one in by_torque.items()},
+            {share: lead(one.departures[place], along[place]) for share, one in by_torque.items()},
         )
 
     return [at(place) for place in range(len(cranks))]

@@ -36,10 +36,10 @@ def working_force(reducer: Reducer, kind: str) -> float:
     turn, which holds both; of several discs, each has its share of T.
     """
     design = reducer.design
-    given: float = getattr(design.working_force, kind)
+    stated: float = getattr(design.working_force, kind)
     force = design.contact.working_force
-    if given:
-        return given
+    if stated:
+        return stated
     if not force:
         return _shared(reducer, kind, working_load(reducer) / design.gear.discs)
     if kind != "cam":
@@ -112,8 +112,8 @@ def for_slices(reducer: Reducer) -> Reducer:
 
 def working_forces_told(reducer: Reducer, kinds: Iterable[str]) -> str:
     """Tell the working forces of kinds of pairs and where each comes from."""
-    found = [f"{kind} {working_force(reducer, kind):.3g} N ({_source_told(reducer, kind)})" for kind in kinds]
-    return ", ".join(found)
+    forces = [f"{kind} {working_force(reducer, kind):.3g} N ({_source_told(reducer, kind)})" for kind in kinds]
+    return ", ".join(forces)
 
 
 def _source_told(reducer: Reducer, kind: str) -> str:

@@ -83,17 +83,17 @@ def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
     return Distances(points, outside, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
 
 
-def ladder(found: Distances, start: float) -> Array:
+def ladder(distances: Distances, start: float) -> Array:
     """Find the distances [m] (s,), from half the start on, beyond which something of the part is left at every angle.
 
     The last is the farthest such distance where that lies before the start.
     """
     rungs = start / 2.0 * RUNG ** np.arange(MOST_RUNGS)
-    kept = rungs[rungs <= found.farthest()]
-    return kept if len(kept) > OCTAVE else np.append(kept, found.farthest() * (1.0 - 1e-9))
+    kept = rungs[rungs <= distances.farthest()]
+    return kept if len(kept) > OCTAVE else np.append(kept, distances.farthest() * (1.0 - 1e-9))
 
 
-def largest(found: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
+def largest(around: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
     """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
     `stress` is that of all nodes, (n,). Those of the largest are looked at first, all of them only for distances
@@ -103,7 +103,7 @@ def largest(found: Distances, distances: Array, angle: int, stress: Array) -> tu
     chosen = np.zeros(len(distances), np.int64)
     missing = np.ones(len(distances), bool)
     for nodes in (np.sort(np.argpartition(stress, -count)[-count:]), np.arange(len(stress))):
-        here, apart = stress[nodes], found.at(angle, nodes)
+        here, apart = stress[nodes], around.at(angle, nodes)
         for rung in np.flatnonzero(missing):
             beyond = apart >= distances[rung]
             missing[rung] = not beyond.any()

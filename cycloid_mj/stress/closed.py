@@ -59,5 +59,5 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
 @cache
 def largest_von_mises(poisson: float) -> tuple[float, float]:
     """Find the largest von Mises stress below a line contact over p0, and its depth over b: 0.558 at 0.70 for 0.3."""
-    found = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, DEEPEST), method="bounded")
-    return float(-found.fun), float(found.x)
+    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, DEEPEST), method="bounded")
+    return float(-deepest.fun), float(deepest.x)

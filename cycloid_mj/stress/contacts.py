@@ -209,7 +209,7 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
     on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), turn.reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
-    found = []
+    contacts = []
     for lobe in range(gear.ring_teeth):
         name = numbered(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
@@ -219,8 +219,8 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
             place, action = place + on_teeth.origin, action.reaction()
         width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
         pressed = line(turn.reducer, "tooth", action.size, curvature)
-        found.append(Contact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
-    return found
+        contacts.append(Contact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
+    return contacts
 
 
 def _pin_on_gear(turn: Turn, pin: int, disc: int) -> Contact:
@@ -245,60 +245,60 @@ def _holes(turn: Turn, disc: int) -> list[Contact]:
     """List the output pins in a disc's holes."""
     output, seat = turn.reducer.design.output, _disc(turn, disc)
     radius = output.hole_radius + turn.reducer.design.clearance.output
-    found = []
+    contacts = []
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
     for number, centre in enumerate(centres, start=1):
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
         place, pressed = action.on_hole(centre, radius, width), line(turn.reducer, "output", action.size)
-        found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
-    return found
+        contacts.append(Contact(_called(turn, name, disc), action, place, width, pressed))
+    return contacts
 
 
 def _of_output(turn: Turn) -> list[Contact]:
     """List the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
     output, seat = turn.reducer.design.output, frame(turn, "output")
     radius = output.root_radius
-    found = []
+    contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line(turn.reducer, "output", action.size)
-        found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
-    return found
+        contacts.append(Contact(_called(turn, name, disc), action, place, width, pressed))
+    return contacts
 
 
 def _of_shaft(turn: Turn) -> list[Contact]:
-    gear, seat, made = turn.reducer.design.gear, frame(turn, "shaft"), turn.reducer.deviations
-    found = []
+    gear, seat, errors = turn.reducer.design.gear, frame(turn, "shaft"), turn.reducer.deviations
+    contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
         action = _in(seat, _on_gear(turn, CAM, disc).reaction())
         width = _cam_width(turn, action)
-        centre = (gear.eccentricity + made.eccentricity) * unit(-phase) + made.cam_place[disc]
+        centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
         place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.reducer, "cam", action.size)
-        found.append(Contact(_called(turn, CAM, disc), action, place, width, pressed))
-    return found
+        contacts.append(Contact(_called(turn, CAM, disc), action, place, width, pressed))
+    return contacts
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
     """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
     gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
-    radius, found, sockets = gear.pin_radius, [], []
+    radius, contacts, sockets = gear.pin_radius, [], []
     for disc, name in enumerate(gears(turn.reducer.design.gear.discs)):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
         curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
         pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
-        found.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
+        contacts.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
         sockets.append(_in(seat, _by_socket(turn, 0, disc)))
     free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
     for disc, held in enumerate(sockets[:1] if free else sockets):
         wide, pressed = _socket_width(turn, held), line(turn.reducer, "pin_socket", held.size)
         name = SOCKET if free else _called(turn, SOCKET, disc)
-        found.append(Contact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
-    return found
+        contacts.append(Contact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
+    return contacts
 
 
 def _socket(turn: Turn, pin: int, disc: int) -> Contact:
@@ -349,7 +349,7 @@ def _nested_width(turn: Turn, kind: str, action: Action, inner: float, outer: fl
     return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
-def total(found: Sequence[Contact]) -> Action:
+def total(contacts: Sequence[Contact]) -> Action:
     """Sum the actions of contacts."""
-    force = np.sum([contact.action.force for contact in found], axis=0)
-    return Action(force, np.sum([contact.action.moment for contact in found], axis=0))
+    force = np.sum([contact.action.force for contact in contacts], axis=0)
+    return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))

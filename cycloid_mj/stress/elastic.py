@@ -128,22 +128,22 @@ def weighed(part: ElasticBody, fields: Array) -> Array:
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
-    found = np.zeros(loads.shape)
+    moved = np.zeros(loads.shape)
     for start in range(0, loads.shape[1], CHUNK):
         some = slice(start, start + CHUNK)
-        found[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
-    return found
+        moved[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
+    return moved
 
 
-def reactions(part: ElasticBody, found: Array, loads: Array) -> Array:
+def reactions(part: ElasticBody, moved: Array, loads: Array) -> Array:
     """Compute the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
 
     They are what fixed nodes must add for equilibrium, and what springs push back.
     """
-    held = part.hold @ found - loads[part.fixed]
-    resultants = held.T @ part.motions[part.fixed]
+    support = part.hold @ moved - loads[part.fixed]
+    resultants = support.T @ part.motions[part.fixed]
     if part.springs is not None:
-        resultants = resultants - (part.springs @ found).T @ part.motions
+        resultants = resultants - (part.springs @ moved).T @ part.motions
     return np.asarray(resultants)
 
 

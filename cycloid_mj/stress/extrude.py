@@ -128,10 +128,10 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]
     node, height = np.concatenate(nodes), np.concatenate(heights)
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
-    mesh, found = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
+    mesh, grid = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
     at = np.full((len(z), len(section.points)), -1, np.int64)
     at[::2, : section.mesh.nvertices] = corner
-    at[height, node] = found
+    at[height, node] = grid
     held = at[:, section.held]
     pressed = [at[2 * part.start : 2 * part.stop - 1] for part in loaded]
     unknowns = 3 * len(mesh.doflocs.T)

@@ -186,14 +186,14 @@ def _maxima(
 ) -> PartStress:
     """Compute the maxima of stress, of the answers at all angles in turn and the stress components of displacements."""
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
-    found: list[tuple[Array, ...]] = []
+    maxima: list[tuple[Array, ...]] = []
     angle = count()
     for answer in answers:
         stress = von_mises(components(answer.moved))
         here = [largest(apart, rungs, next(angle), of_angle) for of_angle in stress.T]
         sizes, nodes = map(np.array, zip(*here, strict=True))
-        found.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
-    sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*found, strict=True))
+        maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
+    sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
     rung = plateau(sizes.max(axis=0), OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
@@ -222,15 +222,15 @@ def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, f
     if not len(grid.keep_off):
         return ()
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
-    found = []
+    bulk = []
     for factor in CORNERS:
         apart = distances_of(
             replace(grid, corner_distance=factor * grid.corner_distance), part.case, len(part.loads.angle)
         )
         kept = min(distance, apart.farthest() * (1.0 - 1e-9))
         sizes, _ = largest(apart, np.array([kept]), index, stress)
-        found.append((factor * grid.corner_distance, float(sizes[0])))
-    return tuple(found)
+        bulk.append((factor * grid.corner_distance, float(sizes[0])))
+    return tuple(bulk)
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:

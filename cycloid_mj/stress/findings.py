@@ -90,8 +90,8 @@ class Refinement:
     @property
     def change(self) -> float:
         """Change of the largest stress from the study's grid to the finer one, relative; 0 without stress."""
-        own, finer = self.stress.max(axis=1)
-        return float(abs(own / finer - 1.0)) if finer > 0.0 else 0.0
+        coarse, finer = self.stress.max(axis=1)
+        return float(abs(coarse / finer - 1.0)) if finer > 0.0 else 0.0
 
     @property
     def scatter(self) -> float:
@@ -295,7 +295,7 @@ class StressFindings:
 
     def __getitem__(self, part: str) -> PartFindings:
         """Return the findings of a part."""
-        return next(found for found in self.parts if found.part == part)
+        return next(each for each in self.parts if each.part == part)
 
     def published(self, part: str) -> float | None:
         """Compute the stress that a paper's figure of this part stays below [Pa], if this is its load."""
@@ -304,7 +304,7 @@ class StressFindings:
 
     def __contains__(self, part: str) -> bool:
         """Tell whether a part was studied."""
-        return any(found.part == part for found in self.parts)
+        return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:
         """Convert the findings to dicts, lists, numbers, text and None only."""
@@ -315,7 +315,7 @@ class StressFindings:
             "load_nm": self.load,
             "log": self.log,
             "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
-            "parts": [found.as_json() | {"reference": references.get(found.part)} for found in self.parts],
+            "parts": [each.as_json() | {"reference": references.get(each.part)} for each in self.parts],
             "assumptions": list(ASSUMPTIONS),
             "wall_s": self.wall,
         }

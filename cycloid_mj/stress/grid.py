@@ -168,13 +168,13 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
     mesh, middle = quadratic(points, triangles, ends, np.concatenate([loop.middles for loop in loops]), region.part)
     tables = [np.column_stack([ring, middle[ring], np.roll(ring, -1)]) for ring in rings]
     pairs = list(zip(region.boundaries, tables, strict=True))
-    held = [table[:, :2].ravel() for boundary, table in pairs if boundary.held]
+    clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.held]
     return Grid(
         part=region.part,
         mesh=mesh,
         thickness=region.thickness,
         loops=tuple(table for boundary, table in pairs if boundary.touched),
-        held=np.unique(np.concatenate([np.zeros(0, np.int64), *held])),
+        held=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped])),
         bulk_distance=settings.bulk_distance * length,
         keep_off=np.zeros((0, 2)),
     )
@@ -218,8 +218,8 @@ def middles_of(mesh: Any, ends: Integers) -> Integers:
     known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
     key, wanted = known[0] * mesh.nvertices + known[1], np.sort(ends, axis=-1) @ np.array([mesh.nvertices, 1])
     order = np.argsort(key)
-    found = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
-    return np.where(key[found] == wanted, mesh.nvertices + found, -1)
+    places = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
+    return np.where(key[places] == wanted, mesh.nvertices + places, -1)
 
 
 def _triangulated(

@@ -89,18 +89,18 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     """
     require_part(reducer, part)
     sampled = turn(run, reducer, angles)
-    found = contacts(sampled, part)
+    touching = contacts(sampled, part)
     return PartLoads(
         part=part,
         angle=sampled.angle,
-        place=np.stack([contact.place for contact in found], axis=1),
-        force=np.stack([contact.action.force for contact in found], axis=1),
-        half_width=np.stack([contact.half_width for contact in found], axis=1),
-        pressure=np.stack([contact.line.pressure for contact in found], axis=1),
-        strip=np.stack([contact.line.half_width for contact in found], axis=1),
-        hertz=np.stack([contact.line.holds for contact in found], axis=1),
-        labels=tuple(contact.name for contact in found),
-        **_motion(sampled, part, total(found)),
+        place=np.stack([contact.place for contact in touching], axis=1),
+        force=np.stack([contact.action.force for contact in touching], axis=1),
+        half_width=np.stack([contact.half_width for contact in touching], axis=1),
+        pressure=np.stack([contact.line.pressure for contact in touching], axis=1),
+        strip=np.stack([contact.line.half_width for contact in touching], axis=1),
+        hertz=np.stack([contact.line.holds for contact in touching], axis=1),
+        labels=tuple(contact.name for contact in touching),
+        **_motion(sampled, part, total(touching)),
     )
 
 

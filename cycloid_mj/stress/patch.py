@@ -85,8 +85,8 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         at = np.flatnonzero(active[:, contact])
         if not len(at):
             continue
-        found: Any = tree.query(loads.place[at, contact])
-        distance, nearest = found
+        covered: Any = tree.query(loads.place[at, contact])
+        distance, nearest = covered
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
                 f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface; "

@@ -63,18 +63,18 @@ def recovery(grid: Grid) -> Recovery:
     return Recovery(operators, _nodal_fit(grid, points), points)
 
 
-def stresses_at_points(operators: Recovery, found: Array, material: Material) -> Array:
+def stresses_at_points(operators: Recovery, displacements: Array, material: Material) -> Array:
     """Compute the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the quadrature points.
 
     By Hooke's law; in the plane this is plane stress.
     """
-    return np.stack(list(_at_points(operators, found, material)))
+    return np.stack(list(_at_points(operators, displacements, material)))
 
 
-def _at_points(operators: Recovery, found: Array, material: Material) -> Iterator[Array]:
+def _at_points(operators: Recovery, displacements: Array, material: Material) -> Iterator[Array]:
     """Yield one component (p, c) after the other: of a fine solid all of them take much memory."""
     dimension = len(operators.slopes)
-    moved = [np.ascontiguousarray(found[axis::dimension]) for axis in range(dimension)]
+    moved = [np.ascontiguousarray(displacements[axis::dimension]) for axis in range(dimension)]
     lame, shear = elastic.lame_parameters(material, dimension)
     slope = [[along @ each for along in operators.slopes] for each in moved]
     pressure = lame * sum(slope[axis][axis] for axis in range(dimension))
@@ -82,12 +82,14 @@ def _at_points(operators: Recovery, found: Array, material: Material) -> Iterato
         yield shear * (slope[i][j] + slope[j][i]) + (pressure if i == j else 0.0)
 
 
-def stresses(operators: Recovery, found: Array, material: Material) -> Array:
+def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
     """Compute the stress components [Pa] (components, n, c) of displacements (n d, c) [m] at the nodes.
 
     In single precision, right to some 1e-6 of the largest nearby, in half of the time.
     """
-    return np.stack([operators.fit @ each.astype(np.float32) for each in _at_points(operators, found, material)])
+    return np.stack(
+        [operators.fit @ each.astype(np.float32) for each in _at_points(operators, displacements, material)]
+    )
 
 
 def von_mises(stress: Array) -> Array:

@@ -103,5 +103,5 @@ def _output(reducer: Reducer, rim: Array) -> Region:
         raise UsageError("the output's pins leave no room for a hub of the shaft's radius: lessen shaft.radius_mm")
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
-    held = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
-    return Region("output", (Boundary(rim, "outline"), held, *pins), output.disc_thickness)
+    clamped = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
+    return Region("output", (Boundary(rim, "outline"), clamped, *pins), output.disc_thickness)

@@ -168,14 +168,14 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     def response(block: Integers) -> Response:
         some = shares[:, block]
         freed = np.column_stack([opened(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T])
-        forces, found = units @ some + pads.press @ freed, moved @ some + relief @ freed
-        held = pads.press @ freed - pads.springs @ found
+        forces, displaced = units @ some + pads.press @ freed, moved @ some + relief @ freed
+        on_pads = pads.press @ freed - pads.springs @ displaced
         return Response(
             forces=forces,
-            moved=found,
+            moved=displaced,
             imbalance=some.T @ imbalances,
-            reaction=held.T @ part.motions,
-            moments=section_moments(grid.points, units @ some + held, shaft.stations),
+            reaction=on_pads.T @ part.motions,
+            moments=section_moments(grid.points, units @ some + on_pads, shaft.stations),
         )
 
     return LoadCase(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
@@ -250,14 +250,14 @@ def section_moments(points: Array, forces: Array, places: Array) -> Array:
     """
     x, y, z = points.T
     fx, fy, fz = forces[0::3], forces[1::3], forces[2::3]
-    found = []
+    moments = []
     for place in places:
         before = z < place - ROUNDING
         arm = (z[before] - place)[:, np.newaxis]
         about_x = y[before] @ fz[before] - np.sum(arm * fy[before], axis=0)
         about_y = np.sum(arm * fx[before], axis=0) - x[before] @ fz[before]
-        found.append(np.stack([about_x, about_y, x[before] @ fy[before] - y[before] @ fx[before]], axis=-1))
-    return np.stack(found, axis=1)
+        moments.append(np.stack([about_x, about_y, x[before] @ fy[before] - y[before] @ fx[before]], axis=-1))
+    return np.stack(moments, axis=1)
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:

@@ -75,14 +75,14 @@ class ShaftDimensions:
     def shoulders(self) -> tuple[Shoulder, ...]:
         """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cams, at their lowest."""
         lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
-        found = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
-        found = found if self.weighted else []
+        shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
+        shoulders = shoulders if self.weighted else []
         for number, (z0, z1) in enumerate(self.cams):
             cam = f"cam {number + 1}" if last else "the cam"
-            found.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", z0, lowest))
+            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", z0, lowest))
             if number < last or self.straddles:
-                found.append(Shoulder(f"{'neck' if number < last else 'far journal'} at {cam}", z1, lowest))
-        return tuple(found)
+                shoulders.append(Shoulder(f"{'neck' if number < last else 'far journal'} at {cam}", z1, lowest))
+        return tuple(shoulders)
 
     @property
     def stations(self) -> Array:
@@ -98,9 +98,9 @@ class ShaftDimensions:
 def shaft_measures(reducer: Reducer) -> ShaftDimensions:
     """Measure a design's balanced crank, without the spacers of a built-up one."""
     design = reducer.design
-    found = crank_stretches(reducer)
-    journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
-    cams = [(one.z0, one.z1) for name, one in found.items() if names.family(name) == names.CAM]
+    prisms = crank_stretches(reducer)
+    journal, weight = prisms[JOURNAL], prisms.get(COUNTERWEIGHT)
+    cams = [(one.z0, one.z1) for name, one in prisms.items() if names.family(name) == names.CAM]
     end = min(journal.z1, near_face(reducer))
     return ShaftDimensions(
         radius=design.shaft.radius,
@@ -108,11 +108,11 @@ def shaft_measures(reducer: Reducer) -> ShaftDimensions:
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
         end=journal.z0,
-        far_end=found[FAR].z1 if FAR in found else cams[-1][1],
+        far_end=prisms[FAR].z1 if FAR in prisms else cams[-1][1],
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
         phases=reducer.phases,
-        bearings=bearing_seats(reducer, found),
+        bearings=bearing_seats(reducer, prisms),
     )
 
 

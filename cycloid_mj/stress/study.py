@@ -162,12 +162,12 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start, found = time.perf_counter(), []
+    start, studied = time.perf_counter(), []
     for number, part in enumerate(in_order(names)):
         told(part, number, len(names))
-        found.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
+        studied.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
-    studies = tuple(sorted(found, key=lambda study: order.index(study.findings.part)))
+    studies = tuple(sorted(studied, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
@@ -265,11 +265,11 @@ def _refined(reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartL
     """Solve some crank angles on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    found = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
+    solved = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
-        unknowns=(stress.unknowns, found.unknowns),
+        unknowns=(stress.unknowns, solved.unknowns),
         angle=loads.angle[rows],
-        stress=np.stack([stress.bulk_stress[rows], found.bulk_stress]),
+        stress=np.stack([stress.bulk_stress[rows], solved.bulk_stress]),
     )
 
 
@@ -295,13 +295,13 @@ def _variants(
     key, choices = SUPPORTS[part]
     table, name = key.split(".")
     some = at_angles(loads, _checked_rows(stress.bulk_stress, VARIED))
-    found = []
+    variants = []
     for choice in choices:
         if choice != getattr(getattr(reducer.design, table), name):
             other = override(reducer.design, [f'{key}="{choice}"'])
             solved = solve(other, part_grid(other, part, settings.grid(part)), some)
-            found.append((f"{key} = {choice}", float(solved.bulk_stress.max())))
-    return tuple(found)
+            variants.append((f"{key} = {choice}", float(solved.bulk_stress.max())))
+    return tuple(variants)
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
@@ -332,8 +332,8 @@ def _choice(stress: PartStress) -> float:
 def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
     """Find by what share the bulk changes from its distance from corners to half and twice that; 0 without corners."""
     sizes = [size for _, size in corners]
-    own = sizes[len(sizes) // 2] if sizes else 0.0
-    return max(abs(size / own - 1.0) for size in sizes) if own > 0.0 else 0.0
+    base = sizes[len(sizes) // 2] if sizes else 0.0
+    return max(abs(size / base - 1.0) for size in sizes) if base > 0.0 else 0.0
 
 
 def _largest(values: Array) -> Array:
@@ -344,8 +344,8 @@ def _largest(values: Array) -> Array:
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
     """Compute the largest stress below a contact; not a number where all are conformal."""
-    told = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
-    row, contact = np.unravel_index(int(np.argmax(told)), told.shape)
+    stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
+    row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
     size = float(lines.von_mises[row, contact])
     place = loads.place[row, contact]
     return Peak(

@@ -61,10 +61,10 @@ def swing(part: Loaded, distance: float) -> Swing:
 
 def _states(part: Loaded, block: Integers, distance: float) -> Array:
     """Compute the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
-    found = part.components(part.case.response(block).moved)
-    nodes = np.arange(found.shape[1])
+    stresses = part.components(part.case.response(block).moved)
+    nodes = np.arange(stresses.shape[1])
     near = np.stack([part.apart.at(int(angle), nodes) < distance for angle in block])
-    return np.where(near[:, np.newaxis], np.nan, np.moveaxis(found, -1, 0)).astype(np.float32)
+    return np.where(near[:, np.newaxis], np.nan, np.moveaxis(stresses, -1, 0)).astype(np.float32)
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:

@@ -130,9 +130,9 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
     step = swept / max(rows.size - 1, 1)
     if swept < 2 * np.pi - step:
-        held = float(np.ptp(run.time[rows])) if rows.size else 0.0
+        span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
-            f"the settled hold lasts {held:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but one whole turn is "
+            f"the settled hold lasts {span:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but one whole turn is "
             "needed; simulate it with a longer --hold-s"
         )
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]

@@ -11,7 +11,7 @@ from cycloid_mj.stress.packages import package
 NAMES = {3: ("xx", "yy", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
 
 
-def as_vtu(found: StressMap) -> bytes:
+def as_vtu(stress_map: StressMap) -> bytes:
     """Encode a stress map as a VTU file: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk.
 
     Raises
@@ -20,17 +20,17 @@ def as_vtu(found: StressMap) -> bytes:
         The package meshio is not installed.
     """
     meshio = package("meshio")
-    flat = np.zeros((len(found.points), 3 - found.points.shape[1]))
-    components = dict(zip(NAMES[found.stress.shape[1]], found.stress.T, strict=True))
+    flat = np.zeros((len(stress_map.points), 3 - stress_map.points.shape[1]))
+    components = dict(zip(NAMES[stress_map.stress.shape[1]], stress_map.stress.T, strict=True))
     mesh = meshio.Mesh(
-        points=np.hstack([found.points, flat]),
-        cells=[("triangle6" if found.points.shape[1] == 2 else "tetra10", _outward(found))],
+        points=np.hstack([stress_map.points, flat]),
+        cells=[("triangle6" if stress_map.points.shape[1] == 2 else "tetra10", _outward(stress_map))],
         point_data={
-            "displacement": np.hstack([found.displacement, flat]),
-            "von_mises": found.von_mises,
-            **{f"principal_{i + 1}": values for i, values in enumerate(found.principal.T)},
+            "displacement": np.hstack([stress_map.displacement, flat]),
+            "von_mises": stress_map.von_mises,
+            **{f"principal_{i + 1}": values for i, values in enumerate(stress_map.principal.T)},
             **{f"stress_{name}": values for name, values in components.items()},
-            "bulk": found.bulk.astype(np.int8),
+            "bulk": stress_map.bulk.astype(np.int8),
         },
     )
     with tempfile.TemporaryDirectory() as folder:
@@ -39,11 +39,11 @@ def as_vtu(found: StressMap) -> bytes:
         return path.read_bytes()
 
 
-def _outward(found: StressMap) -> np.ndarray:
+def _outward(stress_map: StressMap) -> np.ndarray:
     """Order the nodes of each cell as VTK wants them: with a positive area or volume."""
-    cells = found.cells.copy()
-    dimension = found.points.shape[1]
-    corners = found.points[cells[:, : dimension + 1]]
+    cells = stress_map.cells.copy()
+    dimension = stress_map.points.shape[1]
+    corners = stress_map.points[cells[:, : dimension + 1]]
     inverted = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0.0
     swapped = [0, 2, 1, 5, 4, 3] if dimension == 2 else [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
     cells[inverted] = cells[inverted][:, swapped]

@@ -100,18 +100,18 @@ def state_rows(built: str) -> list[ValidationRow]:
     springs, exact = pressed(Reducer(made(built)))
     number = springs.slope.shape[2]
     z, load = way(number, NEAR), 100.0 * way(number, 1.0)
-    found = state(springs, 0, load, z)
+    computed = state(springs, 0, load, z)
     energy, force = exact.energy(z) - load @ z, load + exact.push(z)
     return [
         deviation(
             f"energy of displaced parts, {built}",
-            np.array([1e3 * found.energy]),
+            np.array([1e3 * computed.energy]),
             np.array([1e3 * energy]),
             "mJ",
             SOURCE,
             0.02,
         ),
-        deviation(f"forces on displaced parts, {built}", found.residual, force, "N", SOURCE, 0.02),
+        deviation(f"forces on displaced parts, {built}", computed.residual, force, "N", SOURCE, 0.02),
         *(stiffness_row(springs, built, size) for size in (NEAR, FAR)),
     ]
 
@@ -155,11 +155,11 @@ def gradient_rows() -> list[ValidationRow]:
 
 def _gradients(springs: KernelSprings, z: Array, step: float) -> Array:
     """Compute the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
-    ways, found = step * np.eye(z.size), []
+    ways, gradients = step * np.eye(z.size), []
     for i in range(springs.disc.size):
         ahead, behind = (np.array([gap(springs, 0, i, z + side).width for side in sides]) for sides in (ways, -ways))
-        found.append([gap(springs, 0, i, z).ahead, (ahead - behind) / (2.0 * step)])
-    return np.concatenate(found, axis=1)
+        gradients.append([gap(springs, 0, i, z).ahead, (ahead - behind) / (2.0 * step)])
+    return np.concatenate(gradients, axis=1)
 
 
 def normal_rows() -> list[ValidationRow]:
@@ -171,10 +171,10 @@ def normal_rows() -> list[ValidationRow]:
     z, step = way(springs.slope.shape[2], 2.5 * NEAR), 1e-9
     ways, rates, turns = step * np.eye(z.size)[:2], [], []
     for i in range(springs.disc.size):
-        found = gap(springs, 0, i, z)
-        aside = np.array(found.aside[:2])
+        computed = gap(springs, 0, i, z)
+        aside = np.array(computed.aside[:2])
         ahead, behind = (np.array([gap(springs, 0, i, z + side).ahead for side in sides]) for sides in (ways, -ways))
-        rates.append(found.rate * np.outer(aside, aside))
+        rates.append(computed.rate * np.outer(aside, aside))
         turns.append((ahead - behind)[:, :2] / (2.0 * step))
     ours, exact, source = 1e-3 * np.ravel(rates), 1e-3 * np.ravel(turns), "differences of normals"
     return [deviation("rate at which normals turn", ours, exact, "1/mm", source, 1.5e-4)]
@@ -195,12 +195,12 @@ def closed_rows() -> list[ValidationRow]:
         springs._replace(distance=draw(-size, size, shape) - springs.room, shift=draw(-aside, aside, shape))
         for size, aside in ((1e-9, 0.0), (5e-11, 5e-7))
     ]
-    load, found, exact = np.zeros(springs.slope.shape[2]), [], []
+    load, differences, exact = np.zeros(springs.slope.shape[2]), [], []
     for apart in drawn + touching:
         widths = np.array([gap(apart, 0, i, load).width for i in range(springs.disc.size)])
-        found.append(state(apart, 0, load, load).energy - state(far_apart(apart), 0, load, load).energy)
+        differences.append(state(apart, 0, load, load).energy - state(far_apart(apart), 0, load, load).energy)
         exact.append(0.5 * apart.stiffness[0] @ np.minimum(widths, 0.0) ** 2)
-    ratio = np.array(found) / np.array(exact)
+    ratio = np.array(differences) / np.array(exact)
     return [deviation("energy of gaps at random", ratio, np.ones(ratio.size), "1", "every gap that is closed", 1e-6)]
 
 
@@ -217,9 +217,9 @@ def tight_rows() -> list[ValidationRow]:
     for reach in reaches:
         z = np.zeros(springs.slope.shape[2])
         z[:2] = springs.cam_place[0, 0] + reach * push
-        found = state(springs, 0, np.zeros(z.size), z)
-        forces.append(-found.residual[:2])
-        energies.append(found.energy)
+        computed = state(springs, 0, np.zeros(z.size), z)
+        forces.append(-computed.residual[:2])
+        energies.append(computed.energy)
     near, far = (np.maximum(tight + side * reaches, 0.0) for side in (1.0, -1.0))
     exact = springs.cam_stiffness * np.outer(near - far, push)
     stored = 0.5 * springs.cam_stiffness * (near**2 + far**2)
@@ -251,9 +251,9 @@ def balance_rows(
     reducer = Reducer(design)
     springs = springs_of(reducer, [crank], friction=False)
     _, exact = pressed(reducer, crank)
-    found = loads(reducer, springs, torque)
-    z, load = found.departures[0], springs.load(share(design) * torque)[0]
-    ours = np.concatenate([found.teeth[0], found.output[0]])
+    contact_loads = loads(reducer, springs, torque)
+    z, load = contact_loads.departures[0], springs.load(share(design) * torque)[0]
+    ours = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
     name = ", ".join((built, *changes, *([] if torque == rig.RATED_LOAD else [f"{torque:.5g} N m"])))
     return [
         deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1),
@@ -264,15 +264,15 @@ def balance_rows(
 def sample_rows() -> list[ValidationRow]:
     """Hold the figures of a sample of two discs over some crank angles against the balances of exact gaps."""
     design, count = made(TWO), len(TURN)
-    given = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
-    design = design.but(stiffness=given)
+    stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
+    design = design.but(stiffness=stiffness)
     figures = solve_samples(Reducer(design), alike(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
     springs = springs_of(Reducer(design), TURN, friction=False)
-    found, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
+    contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     z, force = [], []
     for number, crank in enumerate(TURN):
         _, exact = pressed(Reducer(design), crank)
-        z.append(exact.balance(load[number], found.departures[number]))
+        z.append(exact.balance(load[number], contact_loads.departures[number]))
         force.append(exact.forces(z[-1]))
     places, pushes = np.array(z), np.array(force)
     gear, output = places[:, [2, 5]].mean(axis=1), places[:, -1]
@@ -367,11 +367,11 @@ def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Validat
     load = np.stack([np.interp(when, range(len(path)), course) for course in path.T], axis=1)
     left = load + np.array(list(_pushes(exact, rubbing, z)))
     most, name = np.abs(load).max(), f"{built}, {rows} steps"
-    found = [deviation(f"a loop with friction, {name}", load + most, load + most - left, "N", SOURCE, 0.1)]
+    deviations = [deviation(f"a loop with friction, {name}", load + most, load + most - left, "N", SOURCE, 0.1)]
     if spare > len(path):
         beyond = 1e6 * max(np.abs(np.diff(z[:, -1])).max() - reach, 0.0)
-        found.append(absolute(f"way beyond reach in a step, {name}", beyond, 0.0, "um", "no step is longer", 0.0))
-    return found
+        deviations.append(absolute(f"way beyond reach in a step, {name}", beyond, 0.0, "um", "no step is longer", 0.0))
+    return deviations
 
 
 def floating_rows() -> list[ValidationRow]:

@@ -75,10 +75,10 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | floa
 
 def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
     """Compute the gaps of pins or arcs to a disc [m] and their gradients: moved along its normal, it closes one."""
-    gear, made, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
+    gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + aside
     mesh = pin_gaps(gear, pose, pins, flanks_of(reducer))
-    grown = reducer.profile_offset - made.disc_radius[disc] - gear.pin_radius - made.pin_radius
+    grown = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
     slopes = np.zeros((mesh.distance.size, z.size))
     slopes[:, 3 * disc : 3 * disc + 2] = -mesh.normals
     slopes[:, 3 * disc + 2] = (
@@ -110,10 +110,10 @@ def _moment(arms: Array, forces: Array) -> Array:
 def cam_ways(reducer: Reducer, crank: float, z: Array) -> Array:
     """Compute the way of each disc's centre from its cam's [m], shape (D, 2)."""
     design = reducer.design
-    made, ways = reducer.deviations, []
+    errors, ways = reducer.deviations, []
     for disc in range(design.gear.discs):
         out = kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
-        ways.append(z[3 * disc : 3 * disc + 2] - made.eccentricity * out - rotate(made.cam_place[disc], crank))
+        ways.append(z[3 * disc : 3 * disc + 2] - errors.eccentricity * out - rotate(errors.cam_place[disc], crank))
     return np.array(ways)
 
 

@@ -40,25 +40,25 @@ class EnergyBalance:
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """List the row of one kind of ring."""
     course = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
-    found = balance(_logged_at_every_step(kind, *course))
+    works = balance(_logged_at_every_step(kind, *course))
     source = "output + friction + normal + stored"
-    return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1e-5)]
+    return [relative(f"input work, {kind}", works.supplied, works.accounted, "J", source, 1e-5)]
 
 
 def idle_rows(quick: bool) -> list[ValidationRow]:
     """List the row of free pins without a load, which leave the walls of their sockets and meet the edges."""
-    found = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
+    works = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
     source = "friction + normal + stored"
-    return [relative(f"input work, idle {FREE}", 1e3 * found.supplied, 1e3 * found.accounted, "mJ", source, 1e-3)]
+    return [relative(f"input work, idle {FREE}", 1e3 * works.supplied, 1e3 * works.accounted, "mJ", source, 1e-3)]
 
 
 def jolt_rows(quick: bool) -> list[ValidationRow]:
     """List the row of a load with a jolt: the work of the normal forces."""
     jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
-    found = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
-    missing = found.supplied - found.delivered - found.stored
+    works = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
+    missing = works.supplied - works.delivered - works.stored
     source = "input - output - stored"
-    return [relative("work of the normal forces in a jolt", 1e3 * found.normal, 1e3 * missing, "mJ", source, 1e-4)]
+    return [relative("work of the normal forces in a jolt", 1e3 * works.normal, 1e3 * missing, "mJ", source, 1e-4)]
 
 
 def _logged_at_every_step(kind: str, *changes: str) -> Run:

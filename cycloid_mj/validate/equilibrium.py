@@ -168,8 +168,8 @@ def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
     def imbalance(x: Array) -> Array:
         return _imbalance(locked, _SCALE * x)
 
-    found = root(imbalance, start / _SCALE, method="hybr", tol=1e-10)
-    return _SCALE * np.asarray(found.x), float(np.abs(found.fun).max())
+    solution = root(imbalance, start / _SCALE, method="hybr", tol=1e-10)
+    return _SCALE * np.asarray(solution.x), float(np.abs(solution.fun).max())
 
 
 def _least_energy(locked: Locked) -> Array:
@@ -185,10 +185,10 @@ def _least_energy(locked: Locked) -> Array:
         return _energy(locked, _SCALE * x) / _SCALE
 
     start = np.zeros(locked.load.size)
-    found = minimize(
+    minimum = minimize(
         energy, start, jac=slope, hess=hessian, method="trust-exact", options={"gtol": 1e-2, "maxiter": _DESCENTS}
     )
-    return _SCALE * np.asarray(found.x)
+    return _SCALE * np.asarray(minimum.x)
 
 
 def _locked(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> Locked:
@@ -223,8 +223,8 @@ def _stiffness_matrix(locked: Locked, z: Array) -> Array:
 
 
 def _solution(locked: Locked, z: Array) -> Equilibrium:
-    found = _springs(locked, z, False)
-    ring, cam = found["ring"], found["cam"]
+    springs = _springs(locked, z, False)
+    ring, cam = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
     np.add.at(forces, _mesh(locked, z).owner, ring.force[:, np.newaxis] * ring.push)
     lever = locked.design.output.pin_circle_radius

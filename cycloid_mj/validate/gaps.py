@@ -222,17 +222,17 @@ def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks
     sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)
     row, inner = np.nonzero((sampled[:, 1:-1] < sampled[:, :-2]) & (sampled[:, 1:-1] <= sampled[:, 2:]))
     columns = [inner, inner + 1, inner + 2]
-    found = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
-    places = offset_root(gear, roots[row], found)
+    vertices = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
+    places = offset_root(gear, roots[row], vertices)
     distance, normals, t = flank_distance(flanks, pose.to_gear(places))
     return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=places,
         t=t,
-        owner=(roots[row] - (found > np.pi)) % gear.ring_teeth,
-        B=found,
-        ring_curvature=-1 / envelope.sigma_radius(gear, found),
+        owner=(roots[row] - (vertices > np.pi)) % gear.ring_teeth,
+        B=vertices,
+        ring_curvature=-1 / envelope.sigma_radius(gear, vertices),
     )
 
 

@@ -118,9 +118,9 @@ def climb(
         yield order[place], rows
 
 
-def in_order(found: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
+def in_order(rung_rows: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
     """List all rows in the order of the ladder."""
-    return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
+    return [row for _, rows in sorted(rung_rows, key=lambda one: one[0]) for row in rows]
 
 
 def _run(work: tuple[RungPart, bool]) -> tuple[list[ValidationRow], list[str]]:

@@ -90,10 +90,10 @@ def fatigue_rows(quick: bool) -> list[ValidationRow]:
     def mises(bent: float, twisted: float) -> float:
         return per_moment * math.hypot(2.2 * bent, math.sqrt(3.0) * 0.5 * 1.8 * twisted)
 
-    found = Fatigue(mises(600.0, 400.0), mises(500.0, 300.0), 30.0 * KPSI, 100.0 * KPSI)
+    fatigue = Fatigue(mises(600.0, 400.0), mises(500.0, 300.0), 30.0 * KPSI, 100.0 * KPSI)
     limit = endurance_limit(1226e6, 22e-3, "machined", reliability=0.5, turns=True)
     return [
-        relative("Goodman, a shaft of 1.073 in", found.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
+        relative("Goodman, a shaft of 1.073 in", fatigue.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
         relative("endurance limit, SAE 2340", limit / 1e6, 375.0, "MPa", source.format("7-2", 179), 1.0),
     ]
 

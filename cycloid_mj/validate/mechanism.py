@@ -85,10 +85,10 @@ def gap_rows(kind: str) -> list[ValidationRow]:
     design = made(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
     reducer = Reducer(design)
     springs = springs_of(reducer, CRANK, friction=False).contacts
-    found = [gap(springs, 0, i, WAY) for i in range(springs.disc.size)]
+    computed = [gap(springs, 0, i, WAY) for i in range(springs.disc.size)]
     sides = [[exact_gaps(reducer, CRANK, WAY + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
     slope = (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP)
-    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    width, ours = np.array([one.width for one in computed]), np.array([one.ahead for one in computed])
     exact, source = exact_gaps(reducer, CRANK, WAY), "exact curves"
     return [
         deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", source, 0.08),
@@ -102,11 +102,11 @@ def hole_rows() -> list[ValidationRow]:
     reducer = Reducer(design)
     springs = springs_of(reducer, CRANK, friction=False).contacts
     holes = range(design.ring.teeth, springs.disc.size)
-    found, z = [gap(springs, 0, i, FAR_WAY) for i in holes], FAR_WAY
+    computed, z = [gap(springs, 0, i, FAR_WAY) for i in holes], FAR_WAY
     sides = [[exact_gaps(reducer, CRANK, z + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
     slope = ((np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP))[design.ring.teeth :]
     exact, source = exact_gaps(reducer, CRANK, z)[design.ring.teeth :], "exact circles"
-    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    width, ours = np.array([one.width for one in computed]), np.array([one.ahead for one in computed])
     return [
         deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3),
         deviation("gradient of these gaps, output pins", ours.ravel(), slope.ravel(), "", source, 2.5e-3),
@@ -117,13 +117,13 @@ def curvature_rows(kind: str) -> list[ValidationRow]:
     """Hold the relative curvature of ideal contacts, and how it changes along a pin's path, against both surfaces."""
     design = reducer_of(kind)
     reducer = Reducer(design)
-    found, gear, output = gaps(reducer, CRANK), tooth_profile(design), design.output
+    mesh_gaps, gear, output = gaps(reducer, CRANK), tooth_profile(design), design.output
     mesh = pin_gaps(
         gear, pose_of(reducer, CRANK, np.zeros(4)), gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
     )
     teeth = 1.0 / gear.pin_radius + profile.curvature(gear, mesh.t)
     holes = np.full(output.pins, 1.0 / output.pin_radius - 1.0 / output.hole_radius)
-    ours = found.relative_curvature[_arcs_and_output(reducer, found.kind)]
+    ours = mesh_gaps.relative_curvature[_arcs_and_output(reducer, mesh_gaps.kind)]
     exact = np.concatenate([teeth, holes])
     (before, _), (_, rate), (after, _) = (_bend(gear, mesh.t + step) for step in (-_TURN, 0.0, _TURN))
     twist = (after - before) / (2.0 * _TURN * rate)
@@ -131,7 +131,7 @@ def curvature_rows(kind: str) -> list[ValidationRow]:
         deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3),
         deviation(
             f"rate of curvature, {kind}",
-            1e-6 * found.twist[: twist.size],
+            1e-6 * mesh_gaps.twist[: twist.size],
             1e-6 * twist,
             "1/mm2",
             "a pin's path",
@@ -151,11 +151,11 @@ def flank_rows(*changes: str) -> list[ValidationRow]:
     """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
     design = reducer_of(NONPIN, *changes)
     reducer = Reducer(design)
-    gear, found = tooth_profile(design), gaps(reducer, CRANK)
+    gear, mesh_gaps = tooth_profile(design), gaps(reducer, CRANK)
     z = 1e-1 * np.append(np.tile(WAY[:3], design.gear.discs), WAY[3])
-    flank = np.logical_not(_arcs_and_output(reducer, found.kind))
-    widths, exact = found.width + found.slope @ z, []
-    for disc, root, width in zip(found.disc[flank], found.owner[flank], widths[flank], strict=True):
+    flank = np.logical_not(_arcs_and_output(reducer, mesh_gaps.kind))
+    widths, exact = mesh_gaps.width + mesh_gaps.slope @ z, []
+    for disc, root, width in zip(mesh_gaps.disc[flank], mesh_gaps.owner[flank], widths[flank], strict=True):
         mesh = ring_gaps(gear, pose_of(reducer, CRANK, z, disc), np.array([root]))
         inside = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
         exact.append(inside[np.abs(inside - width).argmin()])
@@ -173,8 +173,8 @@ def sliding_rows(kind: str, *changes: str) -> list[ValidationRow]:
     """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
     design = reducer_of(kind, *changes)
     reducer = Reducer(design)
-    found = gaps(reducer, CRANK)
-    ours = (found.slip_slope @ ideal_motion(reducer, CRANK))[_arcs_and_output(reducer, found.kind)]
+    mesh_gaps = gaps(reducer, CRANK)
+    ours = (mesh_gaps.slip_slope @ ideal_motion(reducer, CRANK))[_arcs_and_output(reducer, mesh_gaps.kind)]
     slid = [_slid(reducer, disc) for disc in range(design.gear.discs)]
     exact = np.concatenate([of_disc[part] for part in (0, 1) for of_disc in slid])
     name = ", ".join(("sliding of the contacts", kind, *changes))
@@ -229,8 +229,8 @@ def model_rows(pins: str) -> list[ValidationRow]:
     number = {frozenset(compiled.model.geom(one).id for one in (pair.on, pair.by)): pair for pair in compiled.pairs}
     mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
     # a pin may lie between both edges of its socket: the deeper one is its distance
-    found = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
-    ours = np.array([found.get(pair.name, 0.0) for pair in compiled.pairs])
+    by_pair = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
+    ours = np.array([by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
     exact, teeth = exact_gaps(reducer, CRANK, z, ASIDE if moving else 0.0), design.gear.discs * larger.size
     if design.ring.has_massless_pins:
         exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
@@ -257,7 +257,7 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
     reducer = Reducer(design)
     rated = at_rated_load(reducer)
     stiffness = {pair: pair_stiffness(rated, pair) for pair in rated.design.pair_kinds}
-    found = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
+    contact_loads = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
     solved = [equilibrium.solve(reducer, stiffness, crank) for crank in turn]
     cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))
     # An arc and a flank that close as one patch are one spring here, and up to two in the search.
@@ -265,11 +265,13 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
     forces = []
     if kind != NONPIN:
         exact = np.array([rig.sizes(one.ring_forces) for one in solved]).ravel()
-        forces = [deviation(f"teeth in statics, {kind}", found.teeth.ravel(), exact, "N", SEARCH, 0.08)]
+        forces = [deviation(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact, "N", SEARCH, 0.08)]
     return [
         *forces,
-        deviation(f"cam in statics, {kind}", found.cam[:, 0], cam, "N", SEARCH, bounds[0]),
-        deviation(f"turn of the output, {kind}", 1e6 * found.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]),
+        deviation(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam, "N", SEARCH, bounds[0]),
+        deviation(
+            f"turn of the output, {kind}", 1e6 * contact_loads.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]
+        ),
     ]
 
 
@@ -280,12 +282,16 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     design = reducer_of(FIXED, *rubs, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     reducer = Reducer(design)
     gear, springs = tooth_profile(design), springs_of(reducer, TURN)
-    found, speed = loads(reducer, springs, rig.RATED_LOAD), design.drive.speed
+    contact_loads, speed = loads(reducer, springs, rig.RATED_LOAD), design.drive.speed
     turned = np.add.outer(TURN, phases(design))
     going = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
-    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam, axis=2)
-    driven = np.sum(found.cam * going, axis=(1, 2)) - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
-    rubbed = FRICTION * np.sum(np.concatenate([found.teeth, found.output], axis=1) * np.abs(springs.slip), axis=1)
+    slow, pressed = speed / gear.lobes, np.linalg.norm(contact_loads.cam, axis=2)
+    driven = (
+        np.sum(contact_loads.cam * going, axis=(1, 2)) - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
+    )
+    rubbed = FRICTION * np.sum(
+        np.concatenate([contact_loads.teeth, contact_loads.output], axis=1) * np.abs(springs.slip), axis=1
+    )
     return [
         deviation(
             f"power through friction, {name}",
@@ -314,12 +320,12 @@ def aside_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
     design = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
-    found, teeth = best_fit(reducer, CRANK), design.ring.teeth
-    seen, z = in_workshop(reducer, CRANK, found.shift, found.gear_turn, found.output_turn)
-    moved = np.any(found.pin_shift, axis=1)
-    of_discs = exact_gaps(reducer, seen, z, found.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
+    fit, teeth = best_fit(reducer, CRANK), design.ring.teeth
+    seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    moved = np.any(fit.pin_shift, axis=1)
+    of_discs = exact_gaps(reducer, seen, z, fit.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
     ahead = of_discs.min(axis=0)[moved]
-    behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(found.pin_shift, axis=1))[moved]
+    behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[moved]
     name = ", ".join(("pins that give way, both sides", *changes))
     return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
 
@@ -330,14 +336,14 @@ def stop_rows(kind: str) -> list[ValidationRow]:
     Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
     """
     design = made(kind, *ROOM)
-    held = design
+    variant = design
     if kind == FREE:
         design = rig.changed(Reducer(design), "errors.pin_radius_um=0.0").design
         play = design.clearance.pin_gear + design.clearance.pin_socket
-        held = rig.changed(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
+        variant = rig.changed(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
     ours = 1e6 * np.array(stops(Reducer(design), CRANK))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
-    ways = [rig.changed(Reducer(held), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    ways = [rig.changed(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
     solved = 1e6 * np.array([equilibrium.solve(way, stiffness, CRANK).output_turn for way in ways])
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 

@@ -142,11 +142,11 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
     )
     reducer = Reducer(design)
     crank = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
-    found = loads(reducer, springs_of(reducer, crank, friction=False), design.rated_torque / 100.0)
-    cam = 100.0 * np.linalg.norm(found.cam, axis=-1)
+    contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), design.rated_torque / 100.0)
+    cam = 100.0 * np.linalg.norm(contact_loads.cam, axis=-1)
     values = (
-        ("largest force on a pin", 100.0 * found.teeth.max(), 213.14),
-        ("largest force on an output pin", 100.0 * found.output.max(), 1705.9),
+        ("largest force on a pin", 100.0 * contact_loads.teeth.max(), 213.14),
+        ("largest force on an output pin", 100.0 * contact_loads.output.max(), 1705.9),
         ("largest force of a cam", cam.max(), 2460.0),
         ("least force of a cam", cam.min(), 1967.0),
     )

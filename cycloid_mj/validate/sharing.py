@@ -172,13 +172,13 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     pose = GearPose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
     deflection = design.contact.working_force / design.contact.stiffness
     middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2
-    arcs, own = np.ones(gear.ring_teeth), np.empty(roots.B.size)
+    arcs, owners = np.ones(gear.ring_teeth), np.empty(roots.B.size)
     for place, (root, owner) in enumerate(zip(roots.lobe, _owner(gear, roots), strict=True)):
         half_way = offset_root(gear, int(root), middle[place : place + 1])
         rise = trochoid_distance(gear, pose.to_gear(half_way))[0][0]
-        own[place] = (1.0 + min(1.0, rise / deflection)) / 2.0
-        arcs[owner] *= own[place]
-    return np.concatenate([arcs, own])
+        owners[place] = (1.0 + min(1.0, rise / deflection)) / 2.0
+        arcs[owner] *= owners[place]
+    return np.concatenate([arcs, owners])
 
 
 def _by_lobe(gear: CycloidGear, lobes: Integers, sizes: Array, normals: Array) -> Array:

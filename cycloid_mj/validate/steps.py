@@ -68,18 +68,18 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
     default = default_step(kind)
     shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
     study = {share * default: _figures(kind, share * default, quick) for share in shares}
-    told = judged(kind, study, default)
+    rows = judged(kind, study, default)
     if kind == FREE:
-        told += massless_rows(study[default], quick)
-    return told + light_rows(kind)
+        rows += massless_rows(study[default], quick)
+    return rows + light_rows(kind)
 
 
 def light_rows(kind: str) -> list[ValidationRow]:
     """Hold the step that is chosen under a light load against half of it."""
     load = f"load.torque_nm={LIGHT}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
-    found, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
-    rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", found, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
+    figures, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
+    rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
     return _held(rows)
 
 
@@ -89,8 +89,8 @@ def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationR
         raise real
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
-    found = _run(FREE, _periods(FREE, quick), changes)
-    return _held(_compared(FREE, f"massless, {step:g} us", found, real, "real pins", WITHOUT_INERTIA))
+    figures = _run(FREE, _periods(FREE, quick), changes)
+    return _held(_compared(FREE, f"massless, {step:g} us", figures, real, "real pins", WITHOUT_INERTIA))
 
 
 def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
@@ -99,24 +99,24 @@ def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
     reference = study[finest]
     if isinstance(reference, RunError):
         raise reference
-    told = []
-    for step, found in study.items():
+    rows = []
+    for step, figures in study.items():
         if step == finest:
             continue
         source = f"{finest:g} us"
-        if isinstance(found, RunError):
+        if isinstance(figures, RunError):
             bound = HELD.efficiency if step <= default else None
-            told.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(found)))
+            rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
             continue
         bounds = MOVING if _is_moving(kind) else HELD if step >= default else FINER
-        compared = _compared(kind, f"{step:g} us", found, reference, source, bounds)
+        compared = _compared(kind, f"{step:g} us", figures, reference, source, bounds)
         if step <= default:
-            told += compared
+            rows += compared
         else:
             worst = max(compared, key=lambda row: row.difference / (row.bound or math.inf))
             measured = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
-            told.append(replace(worst, measured=measured, bound=None))
-    return [*told, *_order_rows(kind, study)]
+            rows.append(replace(worst, measured=measured, bound=None))
+    return [*rows, *_order_rows(kind, study)]
 
 
 def default_step(kind: str) -> float:
@@ -167,10 +167,10 @@ def _is_moving(kind: str) -> bool:
 
 
 def _compared(
-    kind: str, which: str, found: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
+    kind: str, which: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
     compared = []
-    values = (astuple(each) for each in (found, reference, bounds))
+    values = (astuple(each) for each in (figures, reference, bounds))
     for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):
         judge = absolute if unit == "%" else relative
         compared.append(judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound))

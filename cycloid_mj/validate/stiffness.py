@@ -44,9 +44,9 @@ def _shared(
         arc = arcs.get(int(mesh.owner[row]))
         if arc is None:
             continue
-        own = mesh.B[row] <= np.pi
-        number = mesh.owner[row] if own else (mesh.owner[row] + 1) % gear.ring_teeth
-        middle = np.array([(mesh.B[row] + (low if own else 2 * np.pi - low)) / 2])
+        same_lobe = mesh.B[row] <= np.pi
+        number = mesh.owner[row] if same_lobe else (mesh.owner[row] + 1) % gear.ring_teeth
+        middle = np.array([(mesh.B[row] + (low if same_lobe else 2 * np.pi - low)) / 2])
         between = flank_distance(flanks, pose.to_gear(offset_root(gear, int(number), middle)))[0][0]
         rise = between - max(mesh.distance[row], mesh.distance[arc])
         apart = float(np.clip(rise / deflection, 0.0, 1.0))

@@ -85,16 +85,16 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     turned, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
     bounds = _bounds(kind)
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
-    held = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
+    forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
     added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
     vectors = [np.array([[one.real, one.imag]]) for one in added]
     means = [float(np.mean(transmission_error(run, reducer))) for run in (down, off)]
     shares = 100.0 * efficiency(down), 100.0 * efficiency(off)
     return [
-        relative(f"gravity: upward force on the gear, {kind}", held["down"][1], weight, "N", "m g", bounds.upward),
-        relative(f"gravity turned: sideward force, {kind}", -held["turned"][0], weight, "N", "m g", bounds.sideward),
+        relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
+        relative(f"gravity turned: sideward force, {kind}", -forces["turned"][0], weight, "N", "m g", bounds.sideward),
         absolute(
-            f"gravity off: force, {kind}", float(np.hypot(*held["off"])), 0.0, "N", "nothing", bounds.still * weight
+            f"gravity off: force, {kind}", float(np.hypot(*forces["off"])), 0.0, "N", "nothing", bounds.still * weight
         ),
         deviation(
             f"gravity turned: its ripple, {kind}",

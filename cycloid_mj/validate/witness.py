@@ -86,11 +86,11 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 
 def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:
     """Compute figures: of the output's error [rad], cam's force [N], powers in and out [W], gear's error [rad/s]."""
-    supplied, given = (float(power.mean()) for power in powers)
+    supplied, power_in = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),
         ARCSECONDS * float(np.ptp(error)),
         float(np.hypot(cam[:, 0], cam[:, 1]).mean()),
-        -100.0 * given / supplied,
+        -100.0 * power_in / supplied,
         1e3 * float(np.sqrt(np.mean(speed**2))),
     )

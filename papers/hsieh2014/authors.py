@@ -106,9 +106,9 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
             (SOFTER, design, replace(GENERIC, stiffness=0.1 * stiff), 0.0, PHASES[:FEWER]),
         )
         wanted += [(name, of, law, error, phase) for name, of, law, error, phases in ways for phase in phases]
-    found = each(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
+    turned = each(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
     cases: dict[str, dict[str, list[PeakForces]]] = {}
-    for (name, of, *_), forces in zip(wanted, found, strict=True):
+    for (name, of, *_), forces in zip(wanted, turned, strict=True):
         cases.setdefault(name, {}).setdefault(of.name, []).append(forces)
     return cases
 
@@ -138,7 +138,7 @@ def _features(stress: Mapping[str, Mapping[str, float]]) -> list[Feature]:
             "Fig. 6",
             "the gear's speed fluctuates more with pins",
             _rms,
-            lambda found: _mean_rms(found, "pin") > _mean_rms(found, "nonpin"),
+            lambda forces: _mean_rms(forces, "pin") > _mean_rms(forces, "nonpin"),
         ),
     ]
     return features + [
@@ -153,41 +153,41 @@ def _features(stress: Mapping[str, Mapping[str, float]]) -> list[Feature]:
 
 
 def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
-    return lambda found: ", ".join(f"{angle:.0f}" for angle in maxima(mean_curve(found[name]))) + " deg"
+    return lambda forces: ", ".join(f"{angle:.0f}" for angle in maxima(mean_curve(forces[name]))) + " deg"
 
 
-def _two_peaks(found: Mapping[str, Sequence[PeakForces]]) -> bool:
-    angles = maxima(mean_curve(found["pin"]))
+def _two_peaks(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
+    angles = maxima(mean_curve(forces["pin"]))
     return len(angles) == len(SHAFT_PEAKS) and all(
         abs(angle - wanted) <= NEAR for angle, wanted in zip(angles, SHAFT_PEAKS, strict=True)
     )
 
 
-def _flatter(found: Mapping[str, Sequence[PeakForces]]) -> bool:
-    pin, nonpin = (mean_curve(found[name]) for name in ("pin", "nonpin"))
+def _flatter(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
+    pin, nonpin = (mean_curve(forces[name]) for name in ("pin", "nonpin"))
     flatter = np.ptp(nonpin) / np.mean(nonpin) < np.ptp(pin) / np.mean(pin)
     return bool(flatter) and len(maxima(nonpin)) > len(maxima(pin))
 
 
-def _mean_rms(found: Mapping[str, Sequence[PeakForces]], name: str) -> float:
-    return float(np.mean([one.rms for one in found[name]]))
+def _mean_rms(forces: Mapping[str, Sequence[PeakForces]], name: str) -> float:
+    return float(np.mean([one.rms for one in forces[name]]))
 
 
-def _rms(found: Mapping[str, Sequence[PeakForces]]) -> str:
-    return f"{_mean_rms(found, 'pin'):.2g} to {_mean_rms(found, 'nonpin'):.2g} rad/s"
+def _rms(forces: Mapping[str, Sequence[PeakForces]]) -> str:
+    return f"{_mean_rms(forces, 'pin'):.2g} to {_mean_rms(forces, 'nonpin'):.2g} rad/s"
 
 
 def _height(part: str, name: str, stress: float) -> tuple[Any, Any]:
     """Tell the stress that forces make of a part, so much [MPa] for each newton, and whether it is the paper's."""
 
-    def size(found: Mapping[str, Sequence[PeakForces]]) -> float:
+    def size(forces: Mapping[str, Sequence[PeakForces]]) -> float:
         acting = {"shaft": "cam", "ring": "seat", "gear": "cam"}[part]
-        return stress * float(np.mean([getattr(one, acting) for one in found[name]]))
+        return stress * float(np.mean([getattr(one, acting) for one in forces[name]]))
 
     wanted = HEIGHTS[part, name]
     return (
-        lambda found: f"{size(found):.2g} MPa",
-        lambda found: LEAST * wanted <= size(found) <= MOST * wanted,
+        lambda forces: f"{size(forces):.2g} MPa",
+        lambda forces: LEAST * wanted <= size(forces) <= MOST * wanted,
     )
 
 
@@ -211,7 +211,7 @@ def _as_json(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], one: Featu
         "figure": one.figure,
         "feature": one.words,
         "brought_by": brought_by({name: one.holds(cases[name]) for name in CHANGES}),
-        "cases": {name: {"found": one.tell(found), "holds": one.holds(found)} for name, found in cases.items()},
+        "cases": {name: {"found": one.tell(forces), "holds": one.holds(forces)} for name, forces in cases.items()},
     }
 
 
@@ -235,8 +235,8 @@ def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
 
 def _torque(design: Design) -> float:
     """Compute the output torque [N m] at the rated input torque."""
-    own = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
-    return rated_test(own, whole_periods(own, PERIODS)).output
+    steady = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
+    return rated_test(steady, whole_periods(steady, PERIODS)).output
 
 
 def _plates(
@@ -246,8 +246,8 @@ def _plates(
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
 
-    for law, found in (("line contacts", ours), ("IMPACT", soft)):
-        motions, key = [at_degrees(one) for one in found.values()], law.partition(" ")[0].lower()
+    for law, forces in (("line contacts", ours), ("IMPACT", soft)):
+        motions, key = [at_degrees(one) for one in forces.values()], law.partition(" ")[0].lower()
         words = f"no load, {law}:"
         yield PaperFigure(f"authors_fig6_{key}", "Fig. 6", f"{words} speed of the gear.", speeds_figure(motions))
         yield PaperFigure(

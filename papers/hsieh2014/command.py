@@ -103,7 +103,7 @@ def reproduce(
     start = monotonic()
     plan = QUICK if quick else FULL
     stages = run_steps(plan, logs, _reporter(quiet), only)
-    found = with_warnings(
+    content = with_warnings(
         {
             "quick": quick,
             "stages": [stage.as_json() for stage in stages],
@@ -111,8 +111,8 @@ def reproduce(
             "errata": errata(),
         }
     )
-    page = _written(stages, found, into, plan, monotonic() - start)
-    _report(stages, found, page, json)
+    page = _written(stages, content, into, plan, monotonic() - start)
+    _report(stages, content, page, json)
     return FAILURE if any(stage.error for stage in stages) else 0
 
 
@@ -130,7 +130,7 @@ def _reporter(quiet: bool) -> "Report":
     return report
 
 
-def _written(stages: "Sequence[StageRun]", found: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
+def _written(stages: "Sequence[StageRun]", content: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
     """Write the figures, the JSON file and the page; give the page's path."""
     from cycloid_mj.plots.save import pictures
     from hsieh2014.page import reproduction_page
@@ -141,7 +141,7 @@ def _written(stages: "Sequence[StageRun]", found: dict[str, Any], into: Path, pl
     smaller = {
         name: min((figures[into / "figures" / f"{name}.{form}"] for form in FORMATS), key=len) for name in drawings
     }
-    result = js.dumps(finite(found), indent=1, ensure_ascii=False) + "\n"
+    result = js.dumps(finite(content), indent=1, ensure_ascii=False) + "\n"
     sample = 1.0 / main_runs(plan)[0].settings.log_rate
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
@@ -150,16 +150,16 @@ def _written(stages: "Sequence[StageRun]", found: dict[str, Any], into: Path, pl
         f"settled turn at one degree ({sample * LOGGED:.6g} s), from runs at a step of {1e6 * sample / plan.steps:.4g} "
         "us.",
     )
-    page = reproduction_page(stages, found["errata"], smaller, about)
+    page = reproduction_page(stages, content["errata"], smaller, about)
     write_whole({**figures, into / RESULT: result.encode(), into / PAGE: page.encode()})
     return into / PAGE
 
 
-def _report(stages: "Sequence[StageRun]", found: dict[str, Any], page: Path, json: bool) -> None:
+def _report(stages: "Sequence[StageRun]", content: dict[str, Any], page: Path, json: bool) -> None:
     from hsieh2014.page import error_words
 
     if json:
-        say_json(found | {"page": str(page)})
+        say_json(content | {"page": str(page)})
     else:
         claims = [claim for stage in stages for claim in stage.found.claims]
         rows = [

@@ -90,10 +90,10 @@ def second(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -
     return (16 * one - two - 30 * function(x)) / (12 * step**2)
 
 
-def relative_error(found: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
+def relative_error(computed: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
     """Compute the largest difference of two arrays as a share of the largest value wanted."""
-    found, wanted = np.asarray(found, float), np.asarray(wanted, float)
-    return float(np.abs(found - wanted).max() / np.abs(wanted).max())
+    computed, wanted = np.asarray(computed, float), np.asarray(wanted, float)
+    return float(np.abs(computed - wanted).max() / np.abs(wanted).max())
 
 
 def misses(printed: npt.ArrayLike, right: npt.ArrayLike, wanted: npt.ArrayLike) -> tuple[float, float]:

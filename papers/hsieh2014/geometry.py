@@ -51,8 +51,8 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Return every value in which the two designs differ, and the conditions that they share."""
     both = designs()
     names = tuple(design.name for design in both)
-    found = differences(both)
-    rows = tuple((key, *map(str, each)) for key, each in found.items())
+    different = differences(both)
+    rows = tuple((key, *map(str, each)) for key, each in different.items())
     shared = tuple((key, str(value)) for key, value in conditions(Reducer(both[0])).items())
     return StageResult(
         tables=(
@@ -60,7 +60,7 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),
         ),
         claims=(_poisson(),),
-        findings={"differences": {key: list(each) for key, each in found.items()}},
+        findings={"differences": {key: list(each) for key, each in different.items()}},
         notes=("Friction, clearance, stiffness law, damping, drive and step are the same for both designs.",),
     )
 

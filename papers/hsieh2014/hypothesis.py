@@ -39,8 +39,8 @@ def soft_cases(plan: Plan) -> list[Case]:
 def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
     """Turn every case."""
     cases = soft_cases(plan)
-    found = each(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
-    return dict(zip(cases, found, strict=True))
+    forces = each(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
+    return dict(zip(cases, forces, strict=True))
 
 
 def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str) -> dict[str, float]:
@@ -57,11 +57,11 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
 
 
 def reached(
-    found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]
+    forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]
 ) -> dict[tuple[str, str], dict[str, float]]:
     """Compute the stress that the forces of every case make: (part, design) -> case -> stress [MPa]."""
     stresses: dict[tuple[str, str], dict[str, float]] = {}
-    for (name, contact, error), one in found.items():
+    for (name, contact, error), one in forces.items():
         words = f"{contact.name}, facets of {1e6 * error:g} um" if error else f"{contact.name}, exact flanks"
         acting = {"shaft": one.cam, "ring": one.seat, "gear": max(one.cam, one.tooth)}
         for part, force in acting.items():
@@ -69,11 +69,11 @@ def reached(
     return stresses
 
 
-def table(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
+def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
     """Put the forces of every case beside those that the paper's stress would take."""
     rows: list[tuple[str | float, ...]] = [
         (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{one.tooth:.3g}", f"{one.cam:.3g}", f"{one.output:.3g}")
-        for (name, contact, error), one in found.items()
+        for (name, contact, error), one in forces.items()
     ]
     rows += [
         (f"{name}: what the paper's heights would take", "", f"{one['ring']:.3g}", f"{one['shaft']:.3g}", "")
@@ -83,15 +83,15 @@ def table(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, fl
     return Table("hypothesis: largest idle forces with the contact of a commercial motion solver", head, tuple(rows))
 
 
-def sentences(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
+def sentences(loads: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Say what the cases show."""
     lines = []
     for name, forces in wanted.items():
-        exact = found[name, STEEL, EXACT]
-        case = max((each for each in found if each[0] == name), key=lambda each: found[each].tooth)
+        exact = loads[name, STEEL, EXACT]
+        case = max((each for each in loads if each[0] == name), key=lambda each: loads[each].tooth)
         lines.append(
             f"{name}: soft springs on exact flanks give {exact.tooth:.3g} N at a tooth, {exact.cam:.3g} N at the cam; "
-            f"with facets of {1e6 * case[2]:g} um chord error {found[case].tooth:.3g} and {found[case].cam:.3g} N. The "
+            f"with facets of {1e6 * case[2]:g} um chord error {loads[case].tooth:.3g} and {loads[case].cam:.3g} N. The "
             f"paper's heights would take {forces['ring']:.3g} and {forces['shaft']:.3g} N."
         )
     return [
@@ -105,7 +105,7 @@ def sentences(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str
     ]
 
 
-def as_json(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
+def as_json(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
     """Convert the cases to JSON values."""
     return {
         "status": "hypothesis",
@@ -122,7 +122,7 @@ def as_json(found: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, 
                 "output_pin_n": one.output,
                 "cam_sampled_n": one.sampled,
             }
-            for (name, contact, error), one in found.items()
+            for (name, contact, error), one in forces.items()
         ],
         "needed_for_the_papers_heights_n": {name: dict(one) for name, one in wanted.items()},
     }

@@ -39,9 +39,9 @@ def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
 
 def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
     """Measure runs: name of a design -> its runs."""
-    measured = {name: [_levels(run) for run in found] for name, found in starts.items()}
+    measured = {name: [_levels(run) for run in levels] for name, levels in starts.items()}
     return {
-        each.key: {name: StartSpread.of(one[each.key] for one in found) for name, found in measured.items()}
+        each.key: {name: StartSpread.of(one[each.key] for one in level) for name, level in measured.items()}
         for each in RANKED
     }
 

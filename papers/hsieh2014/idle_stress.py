@@ -76,8 +76,8 @@ class IdleStress:
         """Find crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
         if part not in self.starts:
             return None
-        found = self.study.findings[part]
-        return np.degrees(found.angle), found.bulk / MEGAPASCAL
+        findings = self.study.findings[part]
+        return np.degrees(findings.angle), findings.bulk / MEGAPASCAL
 
     def soft_curve(self, part: str) -> tuple[Array, Array] | None:
         """Compute the same with the contact law IMPACT."""
@@ -85,8 +85,8 @@ class IdleStress:
 
     def error(self, part: str) -> float:
         """Find by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
-        found = self.study.findings[part]
-        return max(found.refinement.change, found.choice)
+        findings = self.study.findings[part]
+        return max(findings.refinement.change, findings.choice)
 
 
 def idle_stress(
@@ -146,13 +146,13 @@ def _heavy(
     """Return the heaviest loads of each start on several parts, each with other output pins or none; run by run."""
     from cycloid_mj.stress.loads import part_loads
 
-    found: list[list[PartLoads]] = [[] for _ in parts]
+    heavy: list[list[PartLoads]] = [[] for _ in parts]
     for run in starts:
         peaks = at_peaks(run, window)
-        for loads, (part, pins) in zip(found, parts, strict=True):
+        for loads, (part, pins) in zip(heavy, parts, strict=True):
             ran = with_output(peaks, pins)
             loads.append(heaviest(part_loads(ran, Reducer(design_of(ran)), part, turn), HEAVIEST))
-    return found
+    return heavy
 
 
 def with_output(run: Run, pins: OutputPins) -> Run:

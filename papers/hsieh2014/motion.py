@@ -46,8 +46,8 @@ def motions(plan: Plan, runs: Runs) -> list[Series]:
     return [settled(run) for run in runs(main_runs(plan))]
 
 
-def _rated(found: Sequence[Series], design: Design) -> Series:
-    return next(one for one in found if one.design.name == design.name and one.design.load.torque)
+def _rated(compared: Sequence[Series], design: Design) -> Series:
+    return next(one for one in compared if one.design.name == design.name and one.design.load.torque)
 
 
 def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
@@ -55,7 +55,7 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     from cycloid_mj.plots.motion import input_figure
 
     cases = [ramped(plan, design) for design in designs()] if plan.ramp else main_runs(plan)[:2]
-    found = [series(run) for run in runs(cases)]
+    compared = [series(run) for run in runs(cases)]
     what = "ramp of 1 s, then constant" if plan.ramp else "QUICK: from full speed, without the ramp"
     plates = [
         PaperFigure(
@@ -64,9 +64,9 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             f"{one.design.name}: speed of the crank, {what}; below, how far the servo is off the law.",
             input_figure(one),
         )
-        for one in found
+        for one in compared
     ]
-    errors = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in found}
+    errors = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in compared}
     note = "The paper's law: 0 to 1640 rpm (9840 deg/s, 171.74 rad/s) in a linear ramp of 1 s, then constant."
     return StageResult(tuple(plates), findings={"largest_error_rad_s": errors, "ramp": plan.ramp}, notes=(note,))
 
@@ -75,15 +75,15 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 6: the angular velocity of the cycloid gear."""
     from hsieh2014.paper_figures import speeds_figure
 
-    found = motions(plan, runs)
+    compared = motions(plan, runs)
     words = "angular velocity of the cycloid gear over a crank turn, with -omega_i/35 (Eq. 12)"
-    judged = {_key(one): judge(one) for one in found}
-    head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in found))
+    judged = {_key(one): judge(one) for one in compared}
+    head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in compared))
     rows: list[tuple[str | float, ...]] = [(name, *map(number, judged.values())) for _, name, number in NUMBERS]
     return StageResult(
-        _plates(found, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
+        _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
-        tuple(_ratio(over_starts(plan, runs, design, mean_speed), _rated(found, design)) for design in designs()),
+        tuple(_ratio(over_starts(plan, runs, design, mean_speed), _rated(compared, design)) for design in designs()),
         {name: {key: number(one) for key, _, number in NUMBERS} for name, one in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
     )
@@ -97,10 +97,10 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     words = "path of q, the centre of hole 1, with Eq. 16, and its distance from that"
     magnified = "path of q with Eq. 16 and the place where they differ most, magnified"
     note = "The paper magnifies its path to show that the simulated point strays from the closed form, more with pins."
-    found = motions(plan, runs)
-    claims = [_strays(over_starts(plan, runs, design, _strayed), _rated(found, design)) for design in designs()]
-    plates = _plates(found, "fig7_q_path", "Fig. 7", words, paths_figure)
-    near = _each(found[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
+    compared = motions(plan, runs)
+    claims = [_strays(over_starts(plan, runs, design, _strayed), _rated(compared, design)) for design in designs()]
+    plates = _plates(compared, "fig7_q_path", "Fig. 7", words, paths_figure)
+    near = _each(compared[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
     return StageResult((*plates, *near), claims=tuple(claims), notes=(note,))
 
 
@@ -120,27 +120,27 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import pins_figure
 
-    found = [one for one in motions(plan, runs) if one.pin_1]
+    compared = [one for one in motions(plan, runs) if one.pin_1]
     words = "centre of pin 1 in its socket (dashed: the clearance), its distance from the middle, and its spin"
-    plates = _each(found, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
-    shown = pins_figure({_load(one): at_degrees(one) for one in found})
+    plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
+    shown = pins_figure({_load(one): at_degrees(one) for one in compared})
     words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; ways magnified, turns not."
     plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
         over_starts(plan, runs, design, pin_motion, lambda changed: changed.ring.has_moving_pins),
-        pin_motion(_rated(found, design)),
+        pin_motion(_rated(compared, design)),
     )
     return StageResult(plates, claims=claims, notes=(note,))
 
 
 def _plates(
-    found: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Sequence[Series]], Any]
+    compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Sequence[Series]], Any]
 ) -> tuple[PaperFigure, ...]:
     """Draw the runs of each load together, at the paper's sampling."""
     loads: dict[str, list[Series]] = {}
-    for one in found:
+    for one in compared:
         loads.setdefault(_load(one), []).append(at_degrees(one))
     return tuple(
         PaperFigure(
@@ -151,12 +151,12 @@ def _plates(
 
 
 def _each(
-    found: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Series], Any]
+    compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Series], Any]
 ) -> tuple[PaperFigure, ...]:
     """Draw each run by itself at the paper's sampling."""
     return tuple(
         PaperFigure(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
-        for one in found
+        for one in compared
     )
 
 
@@ -187,13 +187,13 @@ def _strayed(motion: Series) -> float:
     return judge(motion).gear_transmission_error.peak_to_peak_arcsec
 
 
-def _ratio(found: OverStarts[float], rated: Series) -> Claim:
+def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
     """Hold the mean gear speed of a design against the ratio, over the starts at no load."""
-    design, speeds = rated.design, StartSpread.of(found.base)
+    design, speeds = rated.design, StartSpread.of(evidence.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
     judged = ruling(
-        found,
+        evidence,
         lambda speed: abs(speed - exact) <= SPEED_ERROR * exact,
         lambda some: f"{StartSpread.of(some).mean:.5g} rad/s",
         "the number of teeth",
@@ -203,16 +203,16 @@ def _ratio(found: OverStarts[float], rated: Series) -> Claim:
         found=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
         error=spread_error(speeds, "rad/s"),
         rated=Value(f"{mean_speed(rated):.5g} rad/s", mean_speed(rated), "rad/s"),
-        searched=found.ranges,
+        searched=evidence.ranges,
         **vars(replace(judged, removals=(lobe, *judged.removals))),
     )
 
 
-def _strays(found: OverStarts[float], rated: Series) -> Claim:
+def _strays(evidence: OverStarts[float], rated: Series) -> Claim:
     """Judge whether the gear has a transmission error, over the starts at no load."""
-    sizes, under = StartSpread.of(found.base), _strayed(rated)
+    sizes, under = StartSpread.of(evidence.base), _strayed(rated)
     judged = ruling(
-        found,
+        evidence,
         lambda size: size >= SEEN_ERROR,
         lambda some: f"{StartSpread.of(some).words} arcsec",
         "the clearances: within them an idle gear floats",
@@ -221,6 +221,6 @@ def _strays(found: OverStarts[float], rated: Series) -> Claim:
         found=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),
         error=spread_error(sizes, "arcsec"),
         rated=Value(f"{under:.3g} arcsec", under, "arcsec"),
-        searched=found.ranges,
+        searched=evidence.ranges,
         **vars(judged),
     )

@@ -46,10 +46,10 @@ def claims(studies: Sequence[StressFindings]) -> tuple[Claim, ...]:
     """
     studies = [findings for findings in studies if findings.load == no_load().load]
     by_ring = {findings.ring: findings for findings in reversed(studies)}
-    found = [claim for findings in studies for claim in _alone(findings)]
+    judged = [claim for findings in studies for claim in _alone(findings)]
     if by_ring.keys() >= {"pin", "nonpin"}:
-        found += _against(by_ring["pin"], by_ring["nonpin"])
-    return tuple(found)
+        judged += _against(by_ring["pin"], by_ring["nonpin"])
+    return tuple(judged)
 
 
 def _alone(findings: StressFindings) -> Iterator[Claim]:
@@ -62,19 +62,19 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
             yield judge(findings)
 
 
-def _judged(statement: Statement, name: str, found: str, holds: bool, decided_by: str) -> Claim:
+def _judged(statement: Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
     """Judge what the paper states of a design of some name; the tables of the study have the numerical errors."""
-    own = replace(statement, claim=f"{name}: {statement.claim}")
-    return own.judged(Value(found), Value("one more refinement"), most([holds]), decided_by)
+    renamed = replace(statement, claim=f"{name}: {statement.claim}")
+    return renamed.judged(Value(value), Value("one more refinement"), most([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:
-    name, bound, found = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
-    ratio = found / bound
+    name, bound, height = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
+    ratio = height / bound
     return _judged(
         replace(stress_height(part.part, findings.ring), claim=f"the {part.part}'s stress stays below {bound:g} MPa"),
         name,
-        f"bulk {found:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
+        f"bulk {height:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
         LEAST <= ratio <= MOST,
         f"{findings.load:.4g} N m at the output and the assumed dimensions (stress goes with the load: the paper's "
         f"value would take {1 / ratio:.2g} times as much), and {_near(part)}",
@@ -128,12 +128,12 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
 def _output(findings: StressFindings) -> Claim:
     output = findings["output"]
     others = [findings[part].governing for part in ORDER if part in findings]
-    found, share = output.governing, np.ptp(output.bulk) / output.bulk.mean()
+    governing, share = output.governing, np.ptp(output.bulk) / output.bulk.mean()
     return _judged(
         stress_of_output(findings.ring),
         findings.design,
-        f"at most {found / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
-        not others or found < max(others),
+        f"at most {governing / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
+        not others or governing < max(others),
         OUTPUT[output.dimension],
     )
 

@@ -37,7 +37,7 @@ class OverStarts(Generic[T]):
     @property
     def searched(self) -> dict[Variation, Sequence[T]]:
         """What was changed of all that the paper leaves open."""
-        return {one: found for one, found in self.varied.items() if one.parameter in LEFT_OPEN}
+        return {one: evidence for one, evidence in self.varied.items() if one.parameter in LEFT_OPEN}
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def over_starts(
 
 
 def ruling(
-    found: OverStarts[T],
+    evidence: OverStarts[T],
     holds: Callable[[T], bool],
     words: Callable[[Sequence[T]], str],
     decisive: str = "",
@@ -80,7 +80,7 @@ def ruling(
 
     Parameters
     ----------
-    found
+    evidence
         The figure of every start.
     holds
         Whether a start shows it.
@@ -95,13 +95,13 @@ def ruling(
     def of(starts: Sequence[T]) -> Verdict:
         return judged([holds(one) for one in starts])
 
-    own = of(found.base)
-    others = {one: of(starts) for one, starts in found.varied.items()}
-    given = any(others[one] == Verdict.AGREES for one in found.searched)
-    turned = ", ".join(f"{one.words} ({verdict})" for one, verdict in others.items() if verdict != own)
+    reference = of(evidence.base)
+    others = {one: of(starts) for one, starts in evidence.varied.items()}
+    agrees = any(others[one] == Verdict.AGREES for one in evidence.searched)
+    turned = ", ".join(f"{one.words} ({verdict})" for one, verdict in others.items() if verdict != reference)
     return Ruling(
-        Verdict.DEPENDS if own == Verdict.DISAGREES and given else own,
-        most_chance([holds(one) for one in found.base]),
+        Verdict.DEPENDS if reference == Verdict.DISAGREES and agrees else reference,
+        most_chance([holds(one) for one in evidence.base]),
         "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes it"))),
-        tuple(Removal(one.words, words(starts), others[one]) for one, starts in found.varied.items()),
+        tuple(Removal(one.words, words(starts), others[one]) for one, starts in evidence.varied.items()),
     )

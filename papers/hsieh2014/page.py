@@ -54,8 +54,8 @@ def reproduction_page(
     ]
     shared = environment()
     assert shared.loader
-    own = shared.overlay(loader=ChoiceLoader([PackageLoader("hsieh2014", "assets"), shared.loader]))
-    return own.get_template("reproduction.html").render(
+    templates = shared.overlay(loader=ChoiceLoader([PackageLoader("hsieh2014", "assets"), shared.loader]))
+    return templates.get_template("reproduction.html").render(
         title=TITLE,
         about=about,
         stages=stages,

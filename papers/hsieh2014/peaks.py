@@ -106,10 +106,10 @@ def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str
     }
     turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(Reducer(motion.design)), 2 * np.pi)
     number = np.minimum((turned * BINS / (2 * np.pi)).astype(int), BINS - 1)
-    found = {part: np.zeros(BINS) for part in forces}
+    largest = {part: np.zeros(BINS) for part in forces}
     for part, force in forces.items():
-        np.maximum.at(found[part], number, force)
-    return found
+        np.maximum.at(largest[part], number, force)
+    return largest
 
 
 def middle(number: int) -> float:
@@ -137,8 +137,8 @@ def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
         return ()
     # twice round from the least on, so that no maximum lies at an end
     least = int(np.argmin(smooth))
-    found, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=PROMINENCE * swing)
-    return tuple(sorted(middle((int(place) + least) % BINS) for place in found))
+    peaks, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=PROMINENCE * swing)
+    return tuple(sorted(middle((int(place) + least) % BINS) for place in peaks))
 
 
 def share_near(force: Array, reach: float) -> float:

@@ -99,17 +99,17 @@ def _rolling(motion: Series, spin: Array) -> float:
 Motions = OverStarts[PinMotion]
 
 
-def pin_claims(found: Motions, rated: PinMotion) -> tuple[Claim, ...]:
+def pin_claims(motions: Motions, rated: PinMotion) -> tuple[Claim, ...]:
     """Judge every claim on pin 1, by its motion in the idle starts; that under the rated load stands beside."""
-    return tuple(judged(found, rated) for judged in (sway, spin, turns, slides))
+    return tuple(judged(motions, rated) for judged in (sway, spin, turns, slides))
 
 
-def sway(found: Motions, rated: PinMotion) -> Claim:
+def sway(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 moves about in its clearance, and does not leave it but by the give of the contact."""
-    starts, clearance = found.base, found.base[0].clearance
+    starts, clearance = motions.base, motions.base[0].clearance
     reach, span = _spread(starts, lambda one: one.reach), _spread(starts, lambda one: one.span)
     judged = ruling(
-        found,
+        motions,
         lambda one: one.span > SWAYS * one.clearance and one.reach <= (1.0 + GIVE) * one.clearance,
         lambda some: f"{_um(_spread(some, lambda one: one.reach))} um from the middle",
     )
@@ -121,7 +121,7 @@ def sway(found: Motions, rated: PinMotion) -> Claim:
             (1e3 * reach.low, 1e3 * reach.high),
         ),
         error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
-        searched=found.ranges,
+        searched=motions.ranges,
         rated=Value(
             f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket",
             1e3 * rated.reach,
@@ -136,12 +136,12 @@ def _one_way(ahead: Sequence[bool]) -> Verdict:
     return Verdict.AGREES if most(ahead) != Verdict.NOT_DETERMINED else Verdict.NOT_DETERMINED
 
 
-def spin(found: Motions, rated: PinMotion) -> Claim:
+def spin(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 turns on: whether its mean spin has one sign in most starts."""
-    means = _spread(found.base, lambda one: one.mean_spin)
-    rocking = _spread(found.base, lambda one: one.rms_spin)
+    means = _spread(motions.base, lambda one: one.mean_spin)
+    rocking = _spread(motions.base, lambda one: one.rms_spin)
     judged = ruling(
-        found,
+        motions,
         lambda one: one.mean_spin > 0.0,
         lambda some: f"mean {_spread(some, lambda one: one.mean_spin).words} rad/s",
         judged=_one_way,
@@ -149,7 +149,7 @@ def spin(found: Motions, rated: PinMotion) -> Claim:
     return statements.PIN_1_SPIN.judged(
         found=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
-        searched=found.ranges,
+        searched=motions.ranges,
         rated=Value(
             f"mean {rated.mean_spin:.3g} rad/s, which the creep speed of the friction law alone sets (a factor of 5 "
             "between 20 and 1 mm/s): not determined",
@@ -160,29 +160,29 @@ def spin(found: Motions, rated: PinMotion) -> Claim:
     )
 
 
-def turns(found: Motions, rated: PinMotion) -> Claim:
+def turns(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 is seen turned at the crank angles of Fig. 9(a)."""
-    widest = _spread(found.base, lambda one: one.seen_turned)
-    first = ", ".join(f"{angle:.2g}" for angle in found.base[0].turned)
+    widest = _spread(motions.base, lambda one: one.seen_turned)
+    first = ", ".join(f"{angle:.2g}" for angle in motions.base[0].turned)
     judged = ruling(
-        found,
+        motions,
         lambda one: one.seen_turned >= SEEN_TURN,
         lambda some: f"{_spread(some, lambda one: one.seen_turned).words} deg",
     )
     return statements.PIN_1_TURNS.judged(
         found=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
         error=spread_error(widest, "deg"),
-        searched=found.ranges,
+        searched=motions.ranges,
         rated=Value(", ".join(f"{angle:.3g}" for angle in rated.turned) + " deg"),
         **vars(judged),
     )
 
 
-def slides(found: Motions, rated: PinMotion) -> Claim:
+def slides(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 slides on the gear away from crank angle 0: one that rolls would turn as the gear passes."""
-    shares = _spread(found.base, lambda one: one.rolling)
+    shares = _spread(motions.base, lambda one: one.rolling)
     judged = ruling(
-        found,
+        motions,
         lambda one: one.rolling < ROLLS,
         lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
     )
@@ -193,7 +193,7 @@ def slides(found: Motions, rated: PinMotion) -> Claim:
             "1",
         ),
         error=spread_error(shares, "1"),
-        searched=found.ranges,
+        searched=motions.ranges,
         rated=Value(f"{100 * rated.rolling:.3g} %", rated.rolling, "1"),
         **vars(judged),
     )

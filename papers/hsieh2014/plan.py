@@ -198,9 +198,9 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
     """List the rated runs with one parameter varied; what it does not concern stays the main run."""
-    found = []
+    varied = []
     for design in designs():
         changed = variation.of(Reducer(design))
         turns = plan.turns if changed == design else plan.varied_turns
-        found.append(at_speed(changed, loads()[1], turns, plan.steps))
-    return found
+        varied.append(at_speed(changed, loads()[1], turns, plan.steps))
+    return varied

@@ -50,15 +50,15 @@ def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()
     """
     steps = [step for step in (*STEPS, AUTHORS) if step.key in (chosen or [each.key for each in STEPS])]
     shares = [step.quick if plan.quick else step.full for step in steps]
-    start, found = monotonic(), []
+    start, stages = monotonic(), []
     for number, step in enumerate(steps):
         rate = pace(monotonic() - start, sum(shares[:number]), sum(shares))
         ends, later = monotonic() + rate * shares[number], rate * sum(shares[number + 1 :])
         progress = partial(_progress, report, step, ends, later)
         progress("")
-        found.append(run_step(step, plan, runs, progress))
+        stages.append(run_step(step, plan, runs, progress))
         give_back()
-    return found
+    return stages
 
 
 def pace(passed: float, done: float, whole: float) -> float:
@@ -78,7 +78,7 @@ def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRu
     """Run one step."""
     start = monotonic()
     try:
-        found, error = step.work(plan, runs, progress), ""
+        result, error = step.work(plan, runs, progress), ""
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
-        found, error = StageResult(), f"{type(problem).__name__}: {problem}"
-    return StageRun(step, found, monotonic() - start, error)
+        result, error = StageResult(), f"{type(problem).__name__}: {problem}"
+    return StageRun(step, result, monotonic() - start, error)

@@ -142,9 +142,9 @@ def soft_idle(
     )
     turn = 2.0 * math.pi / abs(design.drive.speed)
     steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
-    found = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
-    tooth, seat, cam, output_force, sampled, rms = found[:6].tolist()
-    return PeakForces(tooth, seat, cam, output_force, sampled, rms, tuple(found[6:].tolist()))
+    turned = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
+    tooth, seat, cam, output_force, sampled, rms = turned[:6].tolist()
+    return PeakForces(tooth, seat, cam, output_force, sampled, rms, tuple(turned[6:].tolist()))
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:
@@ -200,11 +200,11 @@ def _turned(
             spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, whole)
             if free:
                 out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], 0.0, socket)
-                seat, held = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
+                seat, normal = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
                 # dampers act on the speed at the end of the step: a pin is too light for them otherwise
-                axx = pin_mass + timestep * (damper * nx * nx + held * sx * sx)
-                ayy = pin_mass + timestep * (damper * ny * ny + held * sy * sy)
-                axy = timestep * (damper * nx * ny + held * sx * sy)
+                axx = pin_mass + timestep * (damper * nx * nx + normal * sx * sx)
+                ayy = pin_mass + timestep * (damper * ny * ny + normal * sy * sy)
+                axy = timestep * (damper * nx * ny + normal * sx * sy)
                 pushed = spring + damper * (gx * nx + gy * ny)
                 bx = pin_mass * (pins[i, 2] + timestep * gravity_x) + timestep * (pushed * nx - seat * sx)
                 by = pin_mass * (pins[i, 3] + timestep * gravity_y) + timestep * (pushed * ny - seat * sy)
@@ -215,7 +215,7 @@ def _turned(
                 pins[i, 0] += timestep * wx
                 pins[i, 1] += timestep * wy
                 if counts:
-                    largest[1] = max(largest[1], seat + held * (wx * sx + wy * sy))
+                    largest[1] = max(largest[1], seat + normal * (wx * sx + wy * sy))
             else:
                 force = max(spring + damper * (gx * nx + gy * ny), 0.0)
             if force > 0.0:

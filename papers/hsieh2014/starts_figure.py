@@ -32,13 +32,13 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], 
     panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]
     names = list(next(iter(next(iter(cases.values())).values())))
     for panel, quantity in zip(panels, quantities, strict=True):
-        for place, found in enumerate(cases.values()):
+        for place, case in enumerate(cases.values()):
             for number, name in enumerate(names):
-                values = found[quantity.key][name].values
+                values = case[quantity.key][name].values
                 x = place + BESIDE * (2 * number - len(names) + 1)
                 look = {"color": COLORS[number], "markersize": 3.0, "alpha": 0.7, "linestyle": ""}
                 panel.plot([x] * len(values), values, marker="o", **look)
-        if any(value > 0.0 for found in cases.values() for one in found[quantity.key].values() for value in one.values):
+        if any(value > 0.0 for each in cases.values() for one in each[quantity.key].values() for value in one.values):
             panel.set_yscale("log")
             panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=TICKS))
             panel.yaxis.set_minor_locator(NullLocator())

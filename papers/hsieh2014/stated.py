@@ -85,8 +85,8 @@ def torques(design: Design) -> "list[Published]":
     """Return the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
     from cycloid_mj.measure.published import Published
 
-    own = PRESETS[design.ring.kind]
-    cut = [(one.ring.teeth, one.gear.eccentricity, one.ring.pin_circle_radius) for one in (design, own)]
+    preset = PRESETS[design.ring.kind]
+    cut = [(one.ring.teeth, one.gear.eccentricity, one.ring.pin_circle_radius) for one in (design, preset)]
     if cut[0] != cut[1] or not math.isclose(design.rated_torque, IDEAL, rel_tol=1e-3):
         return []
     ways = TORQUES[design.ring.kind]

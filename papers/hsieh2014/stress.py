@@ -33,25 +33,25 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
     starts = {design.name: runs(idle_runs(plan, design)) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
-    found = {}
+    studies = {}
     for design in designs():
         name = design.name
         begins = partial(_part_begins, progress, name)
         impact = runs(varied_idle_runs(plan, IMPACT, design))[0]
-        found[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
+        studies[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
     varied = {
         one: {design.name: runs(varied_idle_runs(plan, one, design)) for design in designs()}
         for one in variations(plan)
     }
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
-    wanted = {name: _needed(name, one, rated[name]) for name, one in found.items()}
+    wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
     return StageResult(
-        tuple(_plates(found)),
-        (_stress_table(found), _force_table(starts, rated), hypothesis.table(soft, wanted)),
-        tuple(stress_claims(found, starts, rated, Searched(ranges(plan), varied, hypothesis.reached(soft, wanted)))),
-        {name: _numbers(one) for name, one in found.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
-        (*hypothesis.sentences(soft, wanted), *_notes(found)),
+        tuple(_plates(studies)),
+        (_stress_table(studies), _force_table(starts, rated), hypothesis.table(soft, wanted)),
+        tuple(stress_claims(studies, starts, rated, Searched(ranges(plan), varied, hypothesis.reached(soft, wanted)))),
+        {name: _numbers(one) for name, one in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
+        (*hypothesis.sentences(soft, wanted), *_notes(studies)),
     )
 
 
@@ -65,10 +65,10 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, of: in
     progress(f"{design}, {part}, {number + 1} of {of} parts")
 
 
-def _plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
+def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
     from cycloid_mj.plots.stress import grid_figure, map_figure, refinement_figure
 
-    for name, one in found.items():
+    for name, one in studies.items():
         parts = {each.findings.part: each for each in one.study.parts}
         grids = {part: each.grid for part, each in parts.items()}
         maps = {part: each.map for part, each in parts.items()}
@@ -77,13 +77,13 @@ def _plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
         )
         yield PaperFigure(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
         yield PaperFigure(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
-    findings = [one.study.findings for one in found.values()]
-    yield from height_plates(found)
+    findings = [one.study.findings for one in studies.values()]
+    yield from height_plates(studies)
     words = "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
     yield PaperFigure("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
 
 
-def height_plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
+def height_plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
     """Draw Figs 12-16 by both contact laws, with the paper's heights."""
     from hsieh2014.paper_figures import heights_figure
 
@@ -92,11 +92,11 @@ def height_plates(found: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
         words += " turn, by line contacts of steel and, short dashes, by the soft contact of motion solvers (IMPACT)"
         curves = {
             f"{name}, {law}": curve
-            for name, one in found.items()
+            for name, one in studies.items()
             for law, curve in (("line contacts", one.curve(part)), ("IMPACT", one.soft_curve(part)))
             if curve is not None
         }
-        heights = {name: HEIGHTS[part, name] for name in found if (part, name) in HEIGHTS}
+        heights = {name: HEIGHTS[part, name] for name in studies if (part, name) in HEIGHTS}
         words += "; long dashes: up to about where the paper's curve reaches." if heights else "."
         marks = SHAFT_PEAKS if part == "shaft" else ()
         yield PaperFigure(f"fig{number}_stress_{part}", figure, words, heights_figure(curves, heights, marks))
@@ -106,8 +106,8 @@ def settings(plan: Plan) -> "StudySettings":
     """Return how much a study computes."""
     from cycloid_mj.stress.study import QUICK, StudySettings
 
-    own = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
-    return replace(own, map_angle=MAP_ANGLE)
+    chosen = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
+    return replace(chosen, map_angle=MAP_ANGLE)
 
 
 def per_newton(one: IdleStress, rated: Run) -> dict[str, float]:
@@ -115,11 +115,11 @@ def per_newton(one: IdleStress, rated: Run) -> dict[str, float]:
     return {part: one.rated[part].high / largest_force(rated, pairs_on(rated, part)) for part in ORDER}
 
 
-def _stress_table(found: Mapping[str, IdleStress]) -> Table:
+def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
     """Tabulate the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
     rows = [
         (f"{name}, {part}", one.starts[part].words, HEIGHTS.get((part, name), ""), f"{one.rated[part].high:.3g}")
-        for name, one in found.items()
+        for name, one in studies.items()
         for part in one.starts
     ]
     head = ("largest bulk stress [MPa]", f"no load, {STARTS} starts", "the paper, no load, up to about", "rated load")
@@ -156,12 +156,12 @@ def _numbers(one: IdleStress) -> dict[str, dict[str, object]]:
     }
 
 
-def _notes(found: Mapping[str, IdleStress]) -> tuple[str, ...]:
+def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
     from cycloid_mj.stress.findings import ASSUMPTIONS
 
     rough = [
         f"{name} {part.part}"
-        for name, one in found.items()
+        for name, one in studies.items()
         for part in one.study.findings.parts
         if not part.refinement.holds
     ]

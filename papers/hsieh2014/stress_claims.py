@@ -43,7 +43,7 @@ TREATMENT = (
 
 
 def stress_claims(
-    found: Mapping[str, IdleStress],
+    studies: Mapping[str, IdleStress],
     starts: Mapping[str, Sequence[Run]],
     rated: Mapping[str, Run],
     searched: Searched | None = None,
@@ -52,7 +52,7 @@ def stress_claims(
 
     Parameters
     ----------
-    found
+    studies
         Design name -> its stress.
     starts, rated
         Design name -> its runs at no load, and its run under the rated load.
@@ -60,8 +60,8 @@ def stress_claims(
         What else was tried.
     """
     searched = searched or Searched()
-    evidence = Evidence(found, forces_of(starts), {one: forces_of(runs) for one, runs in searched.varied.items()})
-    for name, one in found.items():
+    evidence = Evidence(studies, forces_of(starts), {one: forces_of(runs) for one, runs in searched.varied.items()})
+    for name, one in studies.items():
         for part in ORDER:
             yield height(name, part, one, evidence, searched)
         yield parts_in_order(name, evidence, searched)
@@ -171,12 +171,12 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         for words, reached in _treatments(design, searched).items()
     ]
     left_open = [*of_contact, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
-    given = [each.what for each in left_open if each.verdict == Verdict.AGREES]
+    agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_parts(design).judged(
         found=Value(f"{_of_parts(sizes(None))} MPa"),
         error=stress_error(one, ORDER),
-        verdict=Verdict.DEPENDS if given and verdict == Verdict.DISAGREES else verdict,
-        decided_by=f"left open by the paper: {', '.join(given)}" if given else "nothing that was varied gives it",
+        verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
+        decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
         rated=Value(", ".join(f"{part} {one.rated[part].high:.3g}" for part in ORDER) + " MPa"),
         searched=(*searched.ranges, *CONTACT_RANGES),
         removals=[*of_runs.values(), *of_contact],

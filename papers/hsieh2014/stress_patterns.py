@@ -125,12 +125,12 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     of_pins = [removed(what, sizes, None) for what, sizes in one.outputs.items()]
     of_runs = {each: removed(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
-    given = [each.what for each in left_open if each.verdict == Verdict.AGREES]
+    agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_output(design).judged(
         found=spread_value(words(ours, None), ours, "MPa"),
         error=stress_error(one, [OUTPUT]),
-        verdict=Verdict.DEPENDS if given and verdict == Verdict.DISAGREES else verdict,
-        decided_by=f"left open by the paper: {', '.join(given)}" if given else "nothing that was varied gives it",
+        verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
+        decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
         rated=rated_value(one, OUTPUT),
         searched=(*ranges, *OUTPUT_RANGES),
         removals=[*of_pins, *of_runs.values()],

@@ -40,7 +40,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     from cycloid_mj.measure import torque as measure_torque
     from cycloid_mj.plots.measure import measurement_figure
 
-    found = {
+    measurements = {
         design.name: measure_torque(design, plan.quick, _steps(progress, design.name), torques(design))
         for design in designs()
     }
@@ -56,20 +56,25 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             "paper's rates, where one friction of all that slides gives them.",
             measurement_figure(one),
         )
-        for name, one in found.items()
+        for name, one in measurements.items()
     )
     views, missing = pictures(runs(rated_runs(plan)[:2]))
     return StageResult(
         (*views, *plates),
         (
-            _columns(found, alike),
+            _columns(measurements, alike),
             _search_table(searches),
-            *(_named(table, name) for name, one in found.items() for table in one.tables),
+            *(_named(table, name) for name, one in measurements.items() for table in one.tables),
         ),
-        (*claims(found, searches), torque_order(found, searches), precision(runs(rated_runs(plan))), capacity()),
-        {name: {key: each.as_json() for key, each in one.quantities.items()} for name, one in found.items()}
+        (
+            *claims(measurements, searches),
+            torque_order(measurements, searches),
+            precision(runs(rated_runs(plan))),
+            capacity(),
+        ),
+        {name: {key: each.as_json() for key, each in one.quantities.items()} for name, one in measurements.items()}
         | {equalised().name: {"output_torque_nm": alike}},
-        (*dict.fromkeys(sentence for one in found.values() for sentence in one.assumptions), *missing),
+        (*dict.fromkeys(sentence for one in measurements.values() for sentence in one.assumptions), *missing),
     )
 
 
@@ -82,9 +87,9 @@ def _at_equal_play(plan: Plan) -> float:
     return rated_test(design, whole_periods(design, QUICK_PERIODS if plan.quick else PERIODS)).output
 
 
-def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
+def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
     """Put the output torques side by side: the design's effect apart from that of clearance and compliance."""
-    torques = {name: one["output_torque"] for name, one in found.items()} | {equalised().name: alike}
+    torques = {name: one["output_torque"] for name, one in measurements.items()} | {equalised().name: alike}
     return Table(
         "output torque at equal friction, 1.048 N m in; the third has the pin design's total play and series stiffness",
         ("", *torques),
@@ -115,10 +120,10 @@ def _named(table: Table, name: str) -> Table:
     return Table(f"{name}: {table.title}", table.header, table.rows)
 
 
-def claims(found: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
+def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
     """Hold each output torque against ours: by number, and else by whether anything left open gives it."""
     for name, ways in TORQUES.items():
-        one = found[name]
+        one = measurements[name]
         ours, error = one["output_torque"], one.quantities["output_torque"].error
         for way, paper in ways.items():
             solutions = searches[name].solutions[way]
@@ -154,10 +159,10 @@ def _told(solutions: Sequence[Solution]) -> str:
     return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
-def torque_order(found: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
+def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
     """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
-    ours = {name: one["output_torque"] for name, one in found.items()}
-    error = max(one.quantities["output_torque"].error or 0.0 for one in found.values())
+    ours = {name: one["output_torque"] for name, one in measurements.items()}
+    error = max(one.quantities["output_torque"].error or 0.0 for one in measurements.values())
     ahead = ours["nonpin"] - ours["pin"]
     grids = searches["pin"].grid, searches["nonpin"].grid
     alike = {case: IDEAL * (grids[1][case] - grids[0][case]) for case in grids[0]}

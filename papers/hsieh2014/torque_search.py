@@ -53,9 +53,9 @@ class Bearings:
 
     def of(self, design: Design) -> Design:
         """Return a design with these bearings; None leaves its own."""
-        given = {"cam_rolling": self.cam, "output_rolling": self.output}
-        own = {key: value for key, value in given.items() if value is not None}
-        return design.but(friction=own, drag={"crank": self.seals})
+        frictions = {"cam_rolling": self.cam, "output_rolling": self.output}
+        stated = {key: value for key, value in frictions.items() if value is not None}
+        return design.but(friction=stated, drag={"crank": self.seals})
 
 
 AS_DESIGNED = Bearings("with cam and output pins as designed", None, None)
@@ -106,16 +106,16 @@ class TorqueSearch:
 def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
     """Search one design for rates by their ways."""
     grid = rates(design, [(bearings, friction) for bearings in SEARCHED for friction in GRID])
-    found = {way: _solutions(design, grid, target) for way, target in targets.items()}
-    return TorqueSearch(grid, found, _removed(design))
+    solutions = {way: _solutions(design, grid, target) for way, target in targets.items()}
+    return TorqueSearch(grid, solutions, _removed(design))
 
 
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     """Run the torque test of each case; give the output torque as a share of that without losses."""
-    own = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
-    periods = whole_periods(own, PERIODS)
+    steady = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
+    periods = whole_periods(steady, PERIODS)
     wanted = list(dict.fromkeys(cases))
-    tested = each(lambda case: _rate(own.design, case, periods), wanted)
+    tested = each(lambda case: _rate(steady.design, case, periods), wanted)
     return dict(zip(wanted, tested, strict=True))
 
 
@@ -127,8 +127,8 @@ def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tup
         if math.isfinite(friction := friction_for({mu: grid[bearings, mu] for mu in GRID}, target))
     ]
     tested = rates(design, inside)
-    found = [Solution(bearings, friction, tested[bearings, friction]) for bearings, friction in inside]
-    return tuple(one for one in found if abs(one.rate - target) <= REACHED)
+    solutions = [Solution(bearings, friction, tested[bearings, friction]) for bearings, friction in inside]
+    return tuple(one for one in solutions if abs(one.rate - target) <= REACHED)
 
 
 def _removed(design: Design) -> dict[str, float]:
@@ -138,8 +138,8 @@ def _removed(design: Design) -> dict[str, float]:
         ("friction of the cam", (WITHOUT_CAM, None)),
         ("friction of the output pins", (WITHOUT_OUTPUT, None)),
     )
-    found = rates(design, [case for _, case in parts])
-    return {what: found[case] for what, case in parts}
+    tested_rates = rates(design, [case for _, case in parts])
+    return {what: tested_rates[case] for what, case in parts}
 
 
 def _rate(design: Design, case: Case, periods: int) -> float:

@@ -50,12 +50,12 @@ def rank_order(one: StartSpread, other: StartSpread) -> int:
     return 1 if middles[0] > middles[1] else -1
 
 
-def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple[str, ...]]:
+def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple[str, ...]]:
     """Judge a claim that the first of two quantities is the larger.
 
     Parameters
     ----------
-    found
+    order
         As `rank_order` gives it.
     varied
         The same with something changed that the paper leaves open, by its name.
@@ -68,14 +68,14 @@ def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     deciding
         The names of what turns it round, or leaves none.
     """
-    if found == 0:
+    if order == 0:
         return Verdict.NOT_DETERMINED, ()
-    turned, none = (tuple(name for name, each in varied.items() if each == wanted) for wanted in (-found, 0))
+    turned, none = (tuple(name for name, each in varied.items() if each == wanted) for wanted in (-order, 0))
     if turned:
         return Verdict.DEPENDS, turned
-    if found < 0 and none:
+    if order < 0 and none:
         return Verdict.NOT_DETERMINED, none
-    return (Verdict.AGREES if found > 0 else Verdict.DISAGREES), ()
+    return (Verdict.AGREES if order > 0 else Verdict.DISAGREES), ()
 
 
 def order_decided(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:

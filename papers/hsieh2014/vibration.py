@@ -65,7 +65,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
     rated = {"as it is": _rated(runs(rated_runs(plan)))} | _varied_rated(plan, runs)
-    cases = {"as it is": base} | {one.words: found for one, found in sweep.items()}
+    cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs(starts) for name, starts in finer.items()})}
     return StageResult(
@@ -79,8 +79,8 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         tuple(_claim(plan, each, base, sweep, rated["as it is"]) for each in RANKED),
         {
             "idle": {
-                name: {key: {design: list(one.values) for design, one in each.items()} for key, each in found.items()}
-                for name, found in cases.items()
+                name: {key: {design: list(one.values) for design, one in each.items()} for key, each in levels.items()}
+                for name, levels in cases.items()
             },
             "chaos": {
                 name: {"foldings_per_turn": each.foldings, "turns_to_a_tenth": each.turns}
@@ -110,7 +110,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
 def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
-    turned_by = {one.words: pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
+    turned_by = {one.words: pin_over_nonpin(levels, key) for one, levels in sweep.items() if one.parameter in LEFT_OPEN}
     verdict, deciding = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
@@ -127,14 +127,14 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         decided_by=_decided(key, base, sweep, verdict, deciding),
         rated=_beside(quantity, rated[key]),
         searched=ranges(plan),
-        removals=[_varied(one, found[key], quantity.unit) for one, found in sweep.items()],
+        removals=[_varied(one, levels[key], quantity.unit) for one, levels in sweep.items()],
         p=chance(pin, nonpin),
     )
 
 
-def _varied(variation: Variation, found: Mapping[str, StartSpread], unit: str) -> Removal:
+def _varied(variation: Variation, spreads: Mapping[str, StartSpread], unit: str) -> Removal:
     """Judge one quantity with one parameter changed alone."""
-    pin, nonpin = found["pin"], found["nonpin"]
+    pin, nonpin = spreads["pin"], spreads["nonpin"]
     words = f"{pin.words} with pins, {nonpin.words} {unit} without, p = {chance(pin, nonpin):.2g}"
     return Removal(variation.words, words, order_verdict(rank_order(pin, nonpin), {})[0])
 
@@ -143,13 +143,13 @@ def _decided(
     key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]
 ) -> str:
     """Tell what turns the order round among all that is varied, and what of that the paper leaves open."""
-    given = [
+    agreeing = [
         one.words
-        for one, found in sweep.items()
-        if one.parameter not in LEFT_OPEN and pin_over_nonpin(found, key) not in (0, pin_over_nonpin(base, key))
+        for one, levels in sweep.items()
+        if one.parameter not in LEFT_OPEN and pin_over_nonpin(levels, key) not in (0, pin_over_nonpin(base, key))
     ]
     words = order_decided(verdict, deciding, "nothing varied that the paper leaves open")
-    return f"{words}; given by the paper: {', '.join(given)}" if given else words
+    return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
 
 
 def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
@@ -194,8 +194,8 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     )
 
 
-def _spins(found: Sequence[Run]) -> str:
-    means = StartSpread.of(pin_motion(settled(run)).mean_spin for run in found) if found else None
+def _spins(runs: Sequence[Run]) -> str:
+    means = StartSpread.of(pin_motion(settled(run)).mean_spin for run in runs) if runs else None
     return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
 
 
@@ -205,7 +205,7 @@ def _idle_table(cases: Mapping[str, Levels]) -> Table:
     rows = [
         (
             f"{each.name} [{each.unit}]",
-            *(" | ".join(one.words for one in found[each.key].values()) for found in cases.values()),
+            *(" | ".join(one.words for one in levels[each.key].values()) for levels in cases.values()),
         )
         for each in RANKED
     ]
@@ -216,7 +216,7 @@ def _rated_table(cases: Mapping[str, Levels]) -> Table:
     """Tabulate rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
     third = equalised().name
     head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
-    rows = [(f"{each.name} [{each.unit}]", *(_cell(found[each.key]) for found in cases.values())) for each in RANKED]
+    rows = [(f"{each.name} [{each.unit}]", *(_cell(levels[each.key]) for levels in cases.values())) for each in RANKED]
     title = "fluctuations under the rated load; the third design has the pin design's total play and series stiffness"
     return Table(title, head, tuple(rows))
 
@@ -237,17 +237,17 @@ def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
         f"more than 5 % apart; else it is not determined. {STARTS} starts of each design find a difference that "
         f"{100 * SUPERIORITY:g} % of all pairs of starts show with a power of {100 * POWER:g} % (Noether 1987)."
     )
-    for name, found in chaos.items():
-        if math.isfinite(found.turns):
+    for name, pair in chaos.items():
+        if math.isfinite(pair.turns):
             yield (
                 f"{name}, no load: two runs whose gravity differs by a part in 10^9 part by a factor of e "
-                f"{found.foldings:.0f} times a crank turn, and differ by a tenth of the motion after {found.turns:.2f} "
+                f"{pair.foldings:.0f} times a crank turn, and differ by a tenth of the motion after {pair.turns:.2f} "
                 "turns: the motion is chaotic, and only its spread over starts means something."
             )
-        elif math.isfinite(found.foldings):
+        elif math.isfinite(pair.foldings):
             yield (
                 f"{name}, no load: two runs whose gravity differs by a part in 10^9 part by a factor of e "
-                f"{found.foldings:.1f} times a crank turn, not yet by a tenth of the motion in the turns that were run."
+                f"{pair.foldings:.1f} times a crank turn, not yet by a tenth of the motion in the turns that were run."
             )
         else:
             yield f"{name}, no load: runs whose gravity differs by a part in 10^9 stay together: no chaos was found."

@@ -118,13 +118,13 @@ def _require_workers(client: Any, scheduler: str) -> None:
     except TimeoutError as problem:
         raise RunError(f"the cluster at {scheduler} has no workers: start some with `dask worker`") from problem
     try:
-        found = client.run(versions)
+        worker_versions = client.run(versions)
     except Exception as problem:  # whatever a worker fails with, such as a missing package
-        own = dict(versions())["cycloid_mj"]
+        local = dict(versions())["cycloid_mj"]
         raise RunError(
-            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {own} on all of them"
+            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {local} on all of them"
         ) from problem
-    for address, theirs in found.items():
+    for address, theirs in worker_versions.items():
         require_same(theirs, f"the worker {address}")
 
 

@@ -102,11 +102,11 @@ class Engine:
     def each(self, work: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
         """Do the same, and give all results in the order of the items."""
         items = list(items)
-        found: dict[int, R] = {}
+        results: dict[int, R] = {}
         for place, result in self.stream(work, items):
-            found[place] = result
-            progress(len(found), len(items))
-        return [found[place] for place in range(len(items))]
+            results[place] = result
+            progress(len(results), len(items))
+        return [results[place] for place in range(len(items))]
 
 
 def _piece(work: Callable[[T], R], item: T) -> R:

@@ -18,8 +18,8 @@ def versions() -> Versions:
     """Return the versions of this process."""
     from cycloid_mj import __version__
 
-    own = (("python", platform.python_version()), ("cycloid_mj", __version__))
-    return own + tuple((name, version(name)) for name in PACKAGES)
+    local = (("python", platform.python_version()), ("cycloid_mj", __version__))
+    return local + tuple((name, version(name)) for name in PACKAGES)
 
 
 def require_same(theirs: Versions, whose: str) -> None:

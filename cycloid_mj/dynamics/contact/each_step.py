@@ -206,11 +206,11 @@ class EachStep:
             "sum": self._sum,
             "peak": self._peak,
         }
-        made = np.zeros((), KEPT)
-        made["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
+        record = np.zeros((), KEPT)
+        record["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
         for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
-            made[name] = place
-        return made
+            record[name] = place
+        return record
 
 
 @contextmanager

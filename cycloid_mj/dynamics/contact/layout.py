@@ -122,10 +122,10 @@ def discover_steps() -> StepLayout:
     data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
     if not (contacts and all(rows.values()) and numbers and data and sizes) or first.fields != second.fields:
         raise _strange("the contacts, their forces or the user data were not found")
-    found = {name: places[0] for name, places in rows.items()}
+    offsets = {name: places[0] for name, places in rows.items()}
     of_contact = dict(zip(("stride", *FIELDS), first.fields, strict=True))
     return StepLayout(
-        contact=contacts[-1], userdata=data[-1], ncon=numbers[0], nuserdata=sizes[0], **found, **of_contact
+        contact=contacts[-1], userdata=data[-1], ncon=numbers[0], nuserdata=sizes[0], **offsets, **of_contact
     )
 
 

@@ -30,8 +30,10 @@ def library() -> ctypes.CDLL:
         It was not found.
     """
     folders = [Path(folder) for folder in mujoco.__path__]
-    found = [path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))]
-    for path in found:
+    candidates = [
+        path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))
+    ]
+    for path in candidates:
         opened = ctypes.CDLL(str(path))
         opened.mj_versionString.restype = ctypes.c_char_p
         if opened.mj_versionString().decode() == mujoco.mj_versionString():

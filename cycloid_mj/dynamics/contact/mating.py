@@ -80,14 +80,14 @@ def _write(out: int, touch: Touch, z: float, sign: float) -> None:
 @njit
 def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float) -> int:
     """Bring a pin and the gear's teeth in contact."""
-    own = _user(model, at, pin)
+    user = _user(model, at, pin)
     seated = RingPin(
         _radius(model, at, pin),
-        read_float(own),
-        read_float(own + 8),
-        read_float(own + 16),
-        read_float(own + 24),
-        read_float(own + 32),
+        read_float(user),
+        read_float(user + 8),
+        read_float(user + 16),
+        read_float(user + 24),
+        read_float(user + 32),
     )
     px, py, _ = _place(data, at, pin)
     touch = pin_touch(_teeth(model, at, teeth), seated, _pose(data, at, teeth), px, py, margin)
@@ -117,8 +117,8 @@ def inner_in_outer(
     """Bring a circle and the circle around it in contact, which may be open."""
     # a pin through all discs meets the hole of one where that disc is
     (x, y, _), (outer_x, outer_y, z) = _place(data, at, inner), _place(data, at, outer)
-    own, seat = _user(model, at, outer), _pose(data, at, outer)
-    around = PartialCircle(_radius(model, at, outer), -seat.sine, seat.cosine, read_float(own), read_float(own + 8))
+    user, seat = _user(model, at, outer), _pose(data, at, outer)
+    around = PartialCircle(_radius(model, at, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8))
     count = inner_touches(out, x - outer_x, y - outer_y, x, y, _radius(model, at, inner), around, margin)
     for place in range(out, out + STRIDE * count, STRIDE):
         _write(place, read_touch(place), z, sign)

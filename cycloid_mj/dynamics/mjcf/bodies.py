@@ -44,10 +44,10 @@ def add_bodies(spec: Any, mechanism: Mechanism, masses: Mapping[str, MassPropert
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in mechanism.bodies:
         carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
-        made = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
-        _add_joints(made, body, Reducer(mechanism.design))
+        element = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
+        _add_joints(element, body, Reducer(mechanism.design))
         if body.joints:
-            set_inertia(made, masses[body.part])
+            set_inertia(element, masses[body.part])
 
 
 def add_shapes(spec: Any, mechanism: Mechanism) -> None:
@@ -128,13 +128,13 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
     body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
 
 
-def _add_joints(made: Any, body: Body, reducer: Reducer) -> None:
+def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     *slides, last = body.joints or [""]
     for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):
-        made.add_joint(name=name, type=slide, axis=axis, ref=origin)
+        element.add_joint(name=name, type=slide, axis=axis, ref=origin)
     if last:
-        made.add_joint(name=last, type=hinge, axis=_Z, **_drag(reducer, last))
+        element.add_joint(name=last, type=hinge, axis=_Z, **_drag(reducer, last))
 
 
 def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
@@ -171,12 +171,12 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
     """Compute what the collider must know of a disc's teeth."""
-    law, gear, made = curvature_law(reducer), reducer.gear_profile, reducer.deviations
-    offset = reducer.profile_offset - float(made.disc_radius[disc])
+    law, gear, errors = curvature_law(reducer), reducer.gear_profile, reducer.deviations
+    offset = reducer.profile_offset - float(errors.disc_radius[disc])
     rotation = reducer.design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
     curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     corners = (ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
-    flank = Flank(curve, offset, rotation, *corners, made.waves_in_use)
+    flank = Flank(curve, offset, rotation, *corners, errors.waves_in_use)
     ring = curve._replace(radius=reducer.design.ring.pin_circle_radius)
     return Teeth(flank, law.reference, law.constant, law.deflection, ring)

@@ -66,20 +66,20 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
         Figures of runs of this model may not be those of the design.
     """
     settings, reducer = settings or ConvexSettings(), for_slices(reducer)
-    made = mesh_spec(reducer, settings)
-    measured = {surface.key: _checked(surface, settings) for surface in made.surfaces}
+    mesh = mesh_spec(reducer, settings)
+    measured = {surface.key: _checked(surface, settings) for surface in mesh.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, rest in enumerate(rests, start=1):
-        add_rest(made.spec, reducer, number, rest)
-    gains = _add_drive(made, reducer)
-    add_sensors(made.spec, reducer)
-    add_keyframes(made.spec, reducer)
-    made.spec.meshdir = ASSETS
-    compiled = reducer_model(made, reducer, gains)
+        add_rest(mesh.spec, reducer, number, rest)
+    gains = _add_drive(mesh, reducer)
+    add_sensors(mesh.spec, reducer)
+    add_keyframes(mesh.spec, reducer)
+    mesh.spec.meshdir = ASSETS
+    compiled = reducer_model(mesh, reducer, gains)
     warn(reducer.design.name, compiled.warnings)
-    files = {f"{ASSETS}/{name}": content for name, content in sorted(made.spec.assets.items())}
+    files = {f"{ASSETS}/{name}": content for name, content in sorted(mesh.spec.assets.items())}
     files[DESIGN] = dump(reducer.design).encode()
-    files[REDUCER] = _reducer_xml(made.spec, reducer).encode()
+    files[REDUCER] = _reducer_xml(mesh.spec, reducer).encode()
     files[SCENE] = scene_xml(reducer, REDUCER).encode()
     files[MANIFEST] = _manifest(reducer, settings, compiled.model, measured, rests, files).encode()
     return files
@@ -110,22 +110,22 @@ def _checked(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
     return surface_quality(surface)
 
 
-def _add_drive(made: MeshSpec, reducer: Reducer) -> tuple[float, float]:
+def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
     """Add the speed servo of the crank, and give its gains kp and kv; add the torque of the load."""
     joint = mujoco.mjtTrn.mjTRN_JOINT
-    drive = made.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
-    gain = made.crank_inertia * DRIVE_BANDWIDTH
+    drive = mesh.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
+    gain = mesh.crank_inertia * DRIVE_BANDWIDTH
     drive.set_to_velocity(kv=gain)
     drive.forcelimited = True
     drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * reducer.design.drive.torque
-    load = made.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
+    load = mesh.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
     load.set_to_motor()
     return 0.0, gain
 
 
 def _reducer_xml(spec: Any, reducer: Reducer) -> str:
     """Write the MJCF, each number as the shortest that reads back the same."""
-    text = _NUMBER.sub(lambda found: repr(float(found.group())), xml(spec))
+    text = _NUMBER.sub(lambda match: repr(float(match.group())), xml(spec))
     name = reducer.design.name
     note = f"<!-- {name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
     return note + text.rstrip() + "\n"
@@ -159,21 +159,21 @@ def _manifest(
         "geoms": model.ngeom,
         "meshes": model.nmesh,
         "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
-        "surfaces": {name: quality_um(found) for name, found in measured.items()},
+        "surfaces": {name: quality_um(figures) for name, figures in measured.items()},
         "rest": [{"part": rest.sector.part, "copies": rest.sector.count, **quality_um(rest.quality)} for rest in rests],
         "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def quality_um(found: Quality) -> dict[str, float]:
+def quality_um(quality: Quality) -> dict[str, float]:
     """Compute the figures of a decomposition with micrometres, rounded."""
     return {
-        "parts": found.parts,
-        "max_overfill_um": round(1e6 * found.max_overfill, 4),
-        "rms_overfill_um": round(1e6 * found.rms_overfill, 4),
-        "max_underfill_um": round(1e6 * found.max_underfill, 4),
-        "rms_underfill_um": round(1e6 * found.rms_underfill, 4),
-        "volume_error": round(found.volume_error, 7),
-        "normals": found.samples,
+        "parts": quality.parts,
+        "max_overfill_um": round(1e6 * quality.max_overfill, 4),
+        "rms_overfill_um": round(1e6 * quality.rms_overfill, 4),
+        "max_underfill_um": round(1e6 * quality.max_underfill, 4),
+        "rms_underfill_um": round(1e6 * quality.rms_underfill, 4),
+        "volume_error": round(quality.volume_error, 7),
+        "normals": quality.samples,
     }

@@ -88,17 +88,17 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
             f'{design.name}: contact.law = "impact" acts on exact profiles alone, not on convex meshes: run it with '
             '--contact profile, or set contact.law = "line"'
         )
-    made = mesh_spec(reducer, settings or ConvexSettings())
-    gains = add_actuators(made.spec, made.crank_inertia)
-    add_sensors(made.spec, reducer)
-    each_step.add_sensor(made.spec)
-    return reducer_model(made, reducer, gains)
+    mesh = mesh_spec(reducer, settings or ConvexSettings())
+    gains = add_actuators(mesh.spec, mesh.crank_inertia)
+    add_sensors(mesh.spec, reducer)
+    each_step.add_sensor(mesh.spec)
+    return reducer_model(mesh, reducer, gains)
 
 
-def reducer_model(made: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
+def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
     """Compile a mesh model that has its actuators, with the servo's gains, and judge it."""
-    model, pairs = made.spec.compile(), reducer.mechanism.pairs
-    return judged(ReducerModel(made.spec, model, pairs, made.laws, gains, made.crank_inertia), reducer)
+    model, pairs = mesh.spec.compile(), reducer.mechanism.pairs
+    return judged(ReducerModel(mesh.spec, model, pairs, mesh.laws, gains, mesh.crank_inertia), reducer)
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
@@ -220,8 +220,8 @@ def _add_surface(
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
     for disc in discs:
         # the holes of each disc have errors of their own
-        own = gear_holes(Reducer(mechanism.design), settings, disc) if surface.name == "hole" and disc else surface
-        _add_slices(spec, mechanism, own, disc, laws, weights)
+        holes = gear_holes(Reducer(mechanism.design), settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, mechanism, holes, disc, laws, weights)
 
 
 def _add_slices(
@@ -236,7 +236,7 @@ def _add_slices(
     design, carriers, discs = mechanism.design, mechanism.carriers, mechanism.design.gear.discs
     reducer = Reducer(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
-    own = discs if surface.name in _OF_DISCS else 1
+    copies = discs if surface.name in _OF_DISCS else 1
     curve, force = curvature_law(reducer), working_force(reducer, kind)
     mating = mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
@@ -249,7 +249,7 @@ def _add_slices(
         name = f"{surface.name}_{number + 1}"
         factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
         parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio)
-        default = _sub_default(spec, names.of_disc(name, disc, own))
+        default = _sub_default(spec, names.of_disc(name, disc, copies))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if rubs:
             _meet_by_pair(default.pair, parameters)
@@ -260,7 +260,7 @@ def _add_slices(
     counts: dict[int, int] = {}
     for place in surface.places:
         counts[place.member] = counts.get(place.member, 0) + 1
-        called = names.of_disc(stem(surface.name, place.member), disc, own)
+        called = names.of_disc(stem(surface.name, place.member), disc, copies)
         name = f"{called}/{place.member}/{counts[place.member]}"
         pose = {"pos": [*place.centre, 0.0], "quat": _pose(place, ahead)}
         spec.body(carriers[called]).add_geom(classes[place.slice], name=name, **pose)

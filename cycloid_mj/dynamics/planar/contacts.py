@@ -131,8 +131,8 @@ def find(
             if lobes is not None:
                 cosine, sine = outwards(ring, math.cos(system.angle[i]), -math.sin(system.angle[i]))
                 for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, _MARGIN)):
-                    found = read_touch(out + STRIDE * k)
-                    _fill(contacts[count], meeting, found, -1.0, q, v, half)
+                    touch = read_touch(out + STRIDE * k)
+                    _fill(contacts[count], meeting, touch, -1.0, q, v, half)
                     count += 1
                 continue
             pin = RingPin(

@@ -16,7 +16,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
     import coacd
 
     coacd.set_log_level("error")
-    found = coacd.run_coacd(
+    hulls = coacd.run_coacd(
         coacd.Mesh(shape.vertices, shape.faces),
         threshold=settings.threshold,
         preprocess_mode="off",
@@ -26,7 +26,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
         mcts_iterations=settings.mcts_iterations,
         mcts_max_depth=settings.mcts_max_depth,
     )
-    pieces = [Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.int32)) for vertices, faces in found]
+    pieces = [Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.int32)) for vertices, faces in hulls]
     return tuple(sorted(pieces, key=lambda piece: tuple(piece.vertices.mean(axis=0).round(9))))
 
 

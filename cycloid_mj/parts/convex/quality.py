@@ -119,9 +119,9 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     start, reach = 0.5 * surface.depth, surface.depth
     ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, reach)
     area = math.fsum(area_moments(outline).area for outline in outlines)
-    found = quality(ends, len(outlines), area / surface.strip_area - 1.0)
-    require_within(surface.name, found, surface.overfill_bound, surface.underfill_bound)
-    return found
+    measured = quality(ends, len(outlines), area / surface.strip_area - 1.0)
+    require_within(surface.name, measured, surface.overfill_bound, surface.underfill_bound)
+    return measured
 
 
 def quality(ends: Array, parts: int, volume_error: float) -> Quality:
@@ -138,9 +138,9 @@ def quality(ends: Array, parts: int, volume_error: float) -> Quality:
     )
 
 
-def require_within(name: str, found: Quality, overfill: float, underfill: float) -> None:
+def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
     """Raise DesignError if a decomposition leaves its surface by more than the bounds [m]."""
-    for what, value, bound in (("over", found.max_overfill, overfill), ("under", found.max_underfill, underfill)):
+    for what, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
         if not value <= bound:
             raise DesignError(
                 f"the convex pieces of the {name} {what}fill it by {1e6 * value:.4g} um, more than the "
@@ -152,7 +152,7 @@ def _intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], reach: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
     """Return where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
-    found = []
+    intervals = []
     for body in bodies:
         near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + reach)
         if not len(near):
@@ -165,6 +165,6 @@ def _intervals(
         high = np.where(slope > _PARALLEL, crossing, np.inf).min(axis=1)
         outside = ((np.abs(slope) <= _PARALLEL) & (room < -SEAM)).any(axis=1)
         inside = (low <= high) & ~outside
-        found.append((near[inside], low[inside], high[inside]))
-    sample, low, high = (np.concatenate(column) for column in zip(*found, strict=True))
+        intervals.append((near[inside], low[inside], high[inside]))
+    sample, low, high = (np.concatenate(column) for column in zip(*intervals, strict=True))
     return sample, low, high

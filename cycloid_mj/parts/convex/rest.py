@@ -76,12 +76,12 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
     for _ in range(CUTS):
         pieces = coacd_pieces(shape, coacd)
-        found = pieces_quality(sector.region, pieces, *walls)
-        if found.max_overfill <= sector.bound:
+        measured = pieces_quality(sector.region, pieces, *walls)
+        if measured.max_overfill <= sector.bound:
             break
         coacd = replace(coacd, threshold=0.5 * coacd.threshold)
-    require_within(sector.part, found, sector.bound, sector.bound)
-    return Rest(sector, pieces, found)
+    require_within(sector.part, measured, sector.bound, sector.bound)
+    return Rest(sector, pieces, measured)
 
 
 def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:

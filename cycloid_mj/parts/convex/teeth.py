@@ -39,14 +39,14 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
             "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
             "set it to 0, or use the contact profile"
         )
-    made = reducer.deviations
-    if made.waves.any():
+    errors = reducer.deviations
+    if errors.waves.any():
         raise DesignError(
             "errors.profile_cos_um and errors.profile_sin_um have no convex slices, which are the same on every lobe: "
             "waves of the profile meet by its exact form only; set them to 0, or use the contact profile"
         )
     gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
-    offset = reducer.profile_offset - float(made.disc_radius[disc])
+    offset = reducer.profile_offset - float(errors.disc_radius[disc])
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
     face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)

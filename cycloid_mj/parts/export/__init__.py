@@ -100,9 +100,10 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     """
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
-    made = _exported(widened(reducer, offset), file_format, chord_error)
+    exported = _exported(widened(reducer, offset), file_format, chord_error)
     return Export(
-        made.files, tuple(replace(one, asked=getattr(reducer.design.clearance, one.pair)) for one in made.clearances)
+        exported.files,
+        tuple(replace(one, asked=getattr(reducer.design.clearance, one.pair)) for one in exported.clearances),
     )
 
 

@@ -56,10 +56,10 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
     DesignError
         A clearance is not what was asked for.
     """
-    found = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
+    clearances = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
         OutlineClearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
-        for pair in zip(*found, strict=True)
+        for pair in zip(*clearances, strict=True)
     )
 
 
@@ -89,14 +89,14 @@ def measure(
     asked = design.clearance
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
-    found: Mapping[str, Array] = {
+    points: Mapping[str, Array] = {
         teeth: _flank_clearance(reducer, _turned(outline, -reducer.phases[disc] / design.lobes)),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
     if design.ring.has_sockets:
-        found = {**found, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
-    measured = tuple(OutlineClearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
+        points = {**points, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
+    measured = tuple(OutlineClearance(pair, getattr(asked, pair), *_range(values)) for pair, values in points.items())
     for one in measured:
         if max(one.asked - one.least, one.most - one.asked) > TOLERANCE:
             raise DesignError(
@@ -131,6 +131,6 @@ def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
     """Distances from the nearest pin's centre [m] of the points that lie in a socket, not on the wall between."""
     ring = reducer.design.ring
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
-    found, _ = cKDTree(centres).query(ring_loop)
+    distance, _ = cKDTree(centres).query(ring_loop)
     radius = np.linalg.norm(ring_loop, axis=1)
-    return np.asarray(found, dtype=np.float64)[radius > radius.min() * (1.0 + WALL_ROUNDING)]
+    return np.asarray(distance, dtype=np.float64)[radius > radius.min() * (1.0 + WALL_ROUNDING)]

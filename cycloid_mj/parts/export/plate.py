@@ -57,8 +57,8 @@ class PrintPlate:
     @property
     def counts(self) -> dict[str, int]:
         """How many of each part lie on it."""
-        found = [place.part for place in self.places]
-        return {part: found.count(part) for part in dict.fromkeys(found)}
+        parts = [place.part for place in self.places]
+        return {part: parts.count(part) for part in dict.fromkeys(parts)}
 
 
 def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintPlate:

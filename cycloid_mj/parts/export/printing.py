@@ -86,20 +86,20 @@ def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[st
         solids |= _seated(reducer, solids, chord_error, cam_seat)
     housing = solids[names.HOUSING]
     wheel, *pressed = housing.prisms
-    found = {names.HOUSING: PrintedPart(1, Solid(housing.name, (wheel,), housing.density))}
-    found |= {name: PrintedPart(1, solids[name]) for name in names.gears(discs)}
+    printed = {names.HOUSING: PrintedPart(1, Solid(housing.name, (wheel,), housing.density))}
+    printed |= {name: PrintedPart(1, solids[name]) for name in names.gears(discs)}
     if discs > 1:
-        found |= {name: PrintedPart(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
-        found[names.SPACER] = PrintedPart(discs - 1, solids[names.SPACER])
+        printed |= {name: PrintedPart(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
+        printed[names.SPACER] = PrintedPart(discs - 1, solids[names.SPACER])
     if discs == 1 or is_printed(reducer, names.SHAFT):
-        found[names.SHAFT] = PrintedPart(1, solids[names.SHAFT])
+        printed[names.SHAFT] = PrintedPart(1, solids[names.SHAFT])
     if names.PIN in solids and is_printed(reducer, names.PIN):
-        found[names.PIN] = PrintedPart(design.ring.teeth, solids[names.PIN])
+        printed[names.PIN] = PrintedPart(design.ring.teeth, solids[names.PIN])
         if pressed:
             core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
             solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
-            found[PRESSED_PIN] = PrintedPart(design.ring.teeth, solid)
-    return found | _output(reducer, solids[names.OUTPUT], chord_error)
+            printed[PRESSED_PIN] = PrintedPart(design.ring.teeth, solid)
+    return printed | _output(reducer, solids[names.OUTPUT], chord_error)
 
 
 def output_pin_length(reducer: Reducer) -> float:
@@ -125,11 +125,11 @@ def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat
         stretches = zip(crank_stretches(reducer), solids[names.SHAFT].prisms, strict=True)
         prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
         return {names.SHAFT: Solid(names.SHAFT, tuple(prisms), solids[names.SHAFT].density)}
-    found = {}
+    seated = {}
     for name, phase in zip(names.all_numbered(names.CAM, discs), reducer.phases, strict=True):
         (one,) = solids[name].prisms
-        found[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
-    return found
+        seated[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
+    return seated
 
 
 def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, PrintedPart]:
@@ -142,11 +142,11 @@ def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, Pri
         discs[SECOND_OUTPUT] = drawn.prisms[-1]
     pin = circle(output.root_radius, chord_error)
     bores = tuple(pin + centre for centre in output_centres(reducer))
-    found = {
+    printed = {
         name: PrintedPart(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
         for name, disc in discs.items()
     }
     if is_printed(reducer, names.OUTPUT):
         solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(reducer)),), density)
-        found[OUTPUT_PIN] = PrintedPart(output.pins, solid)
-    return found
+        printed[OUTPUT_PIN] = PrintedPart(output.pins, solid)
+    return printed

@@ -62,14 +62,14 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSec
         name: (PartSection("gear", (_ahead(reducer, teeth, phase), *_gear_holes(reducer)), -width, width),)
         for name, phase in zip(names.gears(design.gear.discs), reducer.phases, strict=True)
     }
-    found = {"housing": (wheel, *_cores(reducer, half)), **_crank(reducer), **gears, "output": _output(reducer)}
+    sections = {"housing": (wheel, *_cores(reducer, half)), **_crank(reducer), **gears, "output": _output(reducer)}
     if design.ring.kind == "pin":
         bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
-        found["pin"] = (PartSection("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
+        sections["pin"] = (PartSection("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
     if names.ROLLER in solids:
         tube = ((_circle(design.output.pin_radius),), (_circle(design.output.core_radius),))
-        found[names.ROLLER] = (PartSection("roller", tube, -width, width),)
-    return found
+        sections[names.ROLLER] = (PartSection("roller", tube, -width, width),)
+    return sections
 
 
 def _cores(reducer: Reducer, half: float) -> tuple[PartSection, ...]:
@@ -168,12 +168,12 @@ def _crank(reducer: Reducer) -> dict[str, tuple[PartSection, ...]]:
     for name, phase in zip(names.all_numbered(names.CAM, design.gear.discs), reducer.phases, strict=True):
         (cam,) = solids[name].prisms
         rings[name] = (cam, _circle(design.gear.bore_radius, design.gear.eccentricity * profile.unit(-phase)))
-    found: dict[str, tuple[PartSection, ...]] = {
+    sections: dict[str, tuple[PartSection, ...]] = {
         names.SHAFT: (PartSection("journal", ((_circle(radius),),), shaft.z0, shaft.z1),)
     }
     for name, (ring, outline) in rings.items():
-        found[name] = (PartSection(names.family(name), ((outline,), (_circle(radius),)), ring.z0, ring.z1),)
-    return found
+        sections[name] = (PartSection(names.family(name), ((outline,), (_circle(radius),)), ring.z0, ring.z1),)
+    return sections
 
 
 def _shaft(reducer: Reducer) -> tuple[PartSection, ...]:
