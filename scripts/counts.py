@@ -20,8 +20,12 @@ PACKAGES = ("cycloid_mj", "papers/hsieh2014")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
-TURNING_RING = frozenset({"turns_ring", "seen_from_ring", "columns_from_ring"})
-"""Names whose use tells that the output is the ring; the module that defines them does not count."""
+TURNING_RING = frozenset({"turns_ring", "ring_turns", "seen_from_ring", "columns_from_ring"})
+"""Names whose use tells that the output is the ring; the module that defines them does not count.
+
+So does a comparison of ``turning``, the body that the load is on, with the name of a body. Angles of ring, carrier and
+gear, and the carrier's `share` in the torque, are the same functions of either member and tell nothing.
+"""
 
 RING_MODULE = "cycloid_mj/reducer/member.py"
 
@@ -110,9 +114,16 @@ def ring_conversions(of: Iterable[Module]) -> tuple[str, ...]:
             continue
         for node in ast.walk(one.tree):
             name = node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
-            if name in TURNING_RING and isinstance(node, ast.expr):
+            if isinstance(node, ast.expr) and (name in TURNING_RING or _compares_member(node)):
                 places[one.place(node)] = None
     return tuple(places)
+
+
+def _compares_member(node: ast.AST) -> bool:
+    """Tell whether a node compares the body that the load is on with one of a certain name."""
+    if not isinstance(node, ast.Compare) or not isinstance(node.ops[0], ast.Eq | ast.NotEq):
+        return False
+    return any(isinstance(side, ast.Attribute) and side.attr == "turning" for side in (node.left, *node.comparators))
 
 
 def homonyms(of: Iterable[Module]) -> tuple[str, ...]:

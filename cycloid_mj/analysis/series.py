@@ -161,7 +161,7 @@ class Series:
     def whole_periods(self) -> slice:
         """Samples over which means are taken: whole crank turns of what is judged, or else whole mesh periods."""
         first = int(np.argmax(self.judged))
-        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.design.mesh_periods)
+        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / Reducer(self.design).mesh_periods)
         return slice(first, first + part.stop)
 
     @property

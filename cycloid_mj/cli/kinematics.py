@@ -73,15 +73,16 @@ def kinematics(
 def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
     import numpy as np
 
-    from cycloid_mj.geometry.kinematics import CrankLaw, point_path
-    from cycloid_mj.parts.gear import tooth_profile
+    from cycloid_mj.analysis.series import point_path
+    from cycloid_mj.geometry.kinematics import CrankLaw
+    from cycloid_mj.reducer import Reducer
 
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
     step = _step(design, step)
     t = step * np.arange(_rows(until, step))
-    crank, turning = law.angle_at(t), not design.output.turns_ring
-    path = point_path(tooth_profile(design), q, crank, law.speed_at(t), law.acceleration_at(t), turning)
+    crank = law.angle_at(t)
+    path = point_path(Reducer(design), np.array(q), 0, crank, law.speed_at(t), law.acceleration_at(t))
     (x, y), (vx, vy), (ax, ay) = (1e3 * v.T for v in (path.position, path.velocity, path.acceleration))
     names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))

@@ -788,11 +788,6 @@ class Design(Section):
         return abs(self.ratio)
 
     @property
-    def mesh_periods(self) -> int:
-        """Times that the mesh repeats in a turn of the crank: N, or N - 1 where the ring runs ahead of the crank."""
-        return self.ring.teeth - self.output.turns_ring
-
-    @property
     def tooth_pair(self) -> str:
         """Kind of mating pair between gear and ring: pin_gear or tooth."""
         return "tooth" if self.ring.kind == "nonpin" else "pin_gear"

@@ -56,6 +56,7 @@ from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.dynamics.timestep import Step, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import ring_and_carrier
 from cycloid_mj.statics.impact import impact_of
 from cycloid_mj.statics.working import for_slices, working_forces_told
 
@@ -395,7 +396,7 @@ class _Recorder:
         self._has_pins = PINS in groups
         self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
         self._deepest, self._most_iterations = deepest(reducer), stepping.most_iterations
-        self._design = design
+        self._reducer, self._design = reducer, design
         self._jamming = jamming_power(reducer) if driven else math.inf
         mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
         of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
@@ -468,7 +469,7 @@ class _Recorder:
                 ),
             )
         lobes = self._design.lobes
-        ring = seen[:, self._output] if self._design.output.turns_ring else np.zeros(len(rows))
+        ring, _ = ring_and_carrier(self._reducer, seen[:, self._output])
         for number, gear in enumerate(self._gears, start=1):
             error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
             which = f"gear {number}" if len(self._gears) > 1 else "the gear"

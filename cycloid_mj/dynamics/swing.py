@@ -8,10 +8,8 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base import names
-from cycloid_mj.design import Drive, Friction, Settings
 from cycloid_mj.geometry import ideal_loads
-from cycloid_mj.parts import moving_masses, output_inertia
+from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.law import contact_stiffness, pair_stiffness
 from cycloid_mj.statics.structure import wind_up
@@ -52,27 +50,12 @@ def closed_stiffness(reducer: Reducer) -> float:
     return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
 
 
-def moving_inertia(reducer: Reducer) -> float:
-    """Compute the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
-    same = {"drive": Drive(), "settings": Settings(), "friction": Friction(), "name": "shape"}
-    return _inertia(Reducer(reducer.design.model_copy(update=same)))
-
-
-@once
-def _inertia(reducer: Reducer) -> float:
-    design = reducer.design
-    if design.output.turns_ring:
-        return output_inertia(reducer)
-    gear = moving_masses(reducer)[names.of_disc(names.GEAR, 0, design.gear.discs)]
-    return design.gear.discs * float(gear.inertia[2, 2]) + output_inertia(reducer)
-
-
 def swing_period(reducer: Reducer) -> float:
     """Find the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
 
     With wide clearances, of which fewer teeth carry, it is longer by half.
     """
-    return 2.0 * math.pi * math.sqrt(moving_inertia(reducer) / closed_stiffness(at_rated_load(reducer)))
+    return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(at_rated_load(reducer)))
 
 
 @once

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cycloid_mj.base import names
-from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.member import against_ring
@@ -155,7 +154,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     two. What the load is on gives way by its turning: forces on the ring pass its axis at c N at most.
     """
     design = reducer.design
-    gear, output, pin = _masses(reducer)
+    gear, output, pin = _masses(reducer.shape)
     arms = {"carrier": design.output.pin_circle_radius, "ring": design.gear.eccentricity * design.ring.teeth}
     turning = {
         member: design.gear.discs * (member == design.output.member) * arms[member] ** 2 / output for member in arms
@@ -168,14 +167,9 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
 
 
-def _masses(reducer: Reducer) -> tuple[float, float, float]:
-    """Compute a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none."""
-    same = {"drive": Drive(), "load": Load(), "settings": Settings(), "friction": Friction(), "name": "shape"}
-    return _masses_of(Reducer(reducer.design.model_copy(update=same)))
-
-
 @once
-def _masses_of(reducer: Reducer) -> tuple[float, float, float]:
+def _masses(reducer: Reducer) -> tuple[float, float, float]:
+    """Compute a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none, of a shape."""
     masses = moving_masses(reducer)
     pin = masses[names.PIN].mass if reducer.design.ring.has_pin_bodies else 0.0
     return masses[names.of_disc(names.GEAR, 0, reducer.design.gear.discs)].mass, output_inertia(reducer), pin

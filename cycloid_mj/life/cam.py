@@ -35,7 +35,7 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
         life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
         return Give(name, stiffness, load, life)
 
-    linear, rows = pair_stiffness(at_rated_load(reducer.seen_from_ring), "cam"), []
+    linear, rows = pair_stiffness(at_rated_load(reducer), "cam"), []
     for factor in GIVES:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
         if factor == 1.0 and design.stiffness.cam:

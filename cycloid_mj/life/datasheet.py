@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family
+from cycloid_mj.base.names import PIN, SHAFT
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design
@@ -15,7 +15,7 @@ from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import STOPS, is_bearing_life, rated_torque
-from cycloid_mj.parts import body_solids, mass_properties
+from cycloid_mj.parts import body_solids, mass_properties, moving_masses, turning_inertia
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
@@ -108,7 +108,7 @@ def _ratings(
     reducer: Reducer, life: float, lasting: tuple[float, RatedItem], once: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
     design = reducer.design
-    speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
+    speed, way = design.drive.speed, "forwards" if design.ratio > 0 else "backwards"
     at = f"{abs(speed) / RPM:.0f} rpm input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = lasting, once
@@ -188,27 +188,15 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def input_inertia(reducer: Reducer) -> float:
-    """Find the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
+    """Compute the inertia at the input [kg m2]: of crank, discs on their orbit, and what turns slowly over the ratio^2.
 
-    Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
+    Pins that spin in a ring that is held are left out: some 1e-4 of it.
     """
-    design = reducer.design
-    inertia, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
-    for name, solid in body_solids(reducer).items():
-        properties = mass_properties(solid)
-        about_axis = properties.inertia[2, 2] + properties.mass * float(np.sum(properties.centroid[:2] ** 2))
-        kind = family(name)
-        if kind == SHAFT:
-            inertia += about_axis
-        elif kind == GEAR:
-            inertia += properties.mass * design.gear.eccentricity**2 + (
-                0.0 if ring_turns else properties.inertia[2, 2] / slow
-            )
-        elif kind == (HOUSING if ring_turns else OUTPUT):
-            inertia += about_axis / slow
-        elif kind == PIN and ring_turns:
-            inertia += design.ring.teeth * properties.mass * design.ring.pin_circle_radius**2 / slow
-    return inertia
+    design, masses = reducer.design, moving_masses(reducer)
+    shaft, discs = masses[SHAFT], [masses[disc.part] for disc in reducer.mechanism.discs]
+    crank = shaft.inertia[2, 2] + shaft.mass * float(np.sum(shaft.centroid[:2] ** 2))
+    orbit = sum(disc.mass for disc in discs) * design.gear.eccentricity**2
+    return float(crank) + orbit + turning_inertia(reducer) / design.reduction**2
 
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:

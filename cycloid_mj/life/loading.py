@@ -12,6 +12,7 @@ from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
@@ -79,12 +80,12 @@ class Loading:
 
 def relative_speed(reducer: Reducer, speed: float) -> float:
     """Compute the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
-    return abs(speed) * (1.0 if reducer.design.output.turns_ring else 1.0 + 1.0 / reducer.design.lobes)
+    return abs(float(speed - gear_angle(reducer.design, speed)))
 
 
 def speed_past_ring(reducer: Reducer, speed: float) -> float:
     """Compute the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
-    return abs(speed) * (1.0 - 1.0 / reducer.design.reduction if reducer.design.output.turns_ring else 1.0)
+    return abs(float(against_ring(reducer.design, speed)))
 
 
 def loading(reducer: Reducer, point: DutyPoint) -> Loading:

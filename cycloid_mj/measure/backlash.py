@@ -17,11 +17,11 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Design, Errors, Modification
-from cycloid_mj.dynamics.swing import moving_inertia
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.statics.working import at_rated_load, working_forces_told
 
@@ -161,7 +161,7 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
 def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
     """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
     low, high = limits.stops(reducer, crank)
-    return math.sqrt(2.0 * moving_inertia(reducer) * (high - low) / torque)
+    return math.sqrt(2.0 * turning_inertia(reducer) * (high - low) / torque)
 
 
 def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:

@@ -56,8 +56,8 @@ DAMPING_RATIO = 1.0
 
 def crank_angles(reducer: Reducer, count: int) -> Array:
     """Find crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
-    period = np.round(reducer.design.mesh_periods * np.arange(count) / count)
-    return np.asarray(2.0 * np.pi / reducer.design.mesh_periods * (period + np.arange(count) / count))
+    period = np.round(reducer.mesh_periods * np.arange(count) / count)
+    return np.asarray(2.0 * np.pi / reducer.mesh_periods * (period + np.arange(count) / count))
 
 
 def ideal(reducer: Reducer) -> Reducer:

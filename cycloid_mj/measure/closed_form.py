@@ -7,7 +7,6 @@ import numpy as np
 
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import seen_from_ring
 from cycloid_mj.statics.friction import ideal_losses
 
 CRANK_ANGLES = 360
@@ -37,14 +36,9 @@ def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
     """
     design = reducer.design
     carried = load + design.drag.output
-    loaded = seen_from_ring(reducer.but(load={"torque": carried}).design)
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
-    lost = sum(ideal_losses(Reducer(loaded), crank, design.mesh_friction))
-    if design.output.turns_ring:
-        # the crank adds its own torque to that of the carrier
-        supplied = carried * design.ring.teeth / (1.0 + design.lobes / (1.0 + lost))
-    else:
-        supplied = carried * (1.0 + lost)
+    lost = sum(ideal_losses(reducer.but(load={"torque": carried}), crank, design.mesh_friction))
+    supplied = carried / of_output(reducer, 1.0 / (1.0 + lost))
     return Closed(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 
 
@@ -79,5 +73,12 @@ def wang_efficiency(reducer: Reducer) -> Closed:
     pins = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
     output = 1.0 - 4.0 * design.friction_of("output") * pins / math.pi
     carrier = meshing / (1.0 + lobes * (1.0 - meshing)) * output
-    efficiency = (1.0 + lobes * carrier) / ring.teeth if design.output.turns_ring else carrier
-    return Closed(efficiency, "Wang et al. 2016")
+    return Closed(of_output(reducer, carrier), "Wang et al. 2016")
+
+
+def of_output(reducer: Reducer, carrier: float) -> float:
+    """Compute the efficiency of a drive from that where the carrier turns, eta; where the ring does, 1-(1-eta)(N-1)/N.
+
+    Of the power of a ring that turns, the carrier's torque has the share (N-1)/N; the crank's passes no mesh.
+    """
+    return 1.0 - reducer.share * (1.0 - carrier)

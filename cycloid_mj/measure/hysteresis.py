@@ -17,8 +17,9 @@ from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics import course
-from cycloid_mj.dynamics.swing import closed_stiffness, moving_inertia
+from cycloid_mj.dynamics.swing import closed_stiffness
 from cycloid_mj.measure import bench
+from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics.structure import wind_up
@@ -167,7 +168,7 @@ def slow_period(reducer: Reducer, rated: float) -> float:
     (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
-    inertia = moving_inertia(reducer)
+    inertia = turning_inertia(reducer)
     low, high = limits.stops(reducer, 0.0)
     crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
     return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(reducer)))

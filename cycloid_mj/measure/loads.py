@@ -22,7 +22,7 @@ from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.reducer.member import against_ring, ring_and_carrier
 from cycloid_mj.statics.bearings import reaction_quantities, spatial
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
@@ -87,7 +87,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else reducer.design.mesh_periods), (halved(loaded), CHECKED)]
+    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halved(loaded), CHECKED)]
     whole = len(work) + 1
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
     contacts, fine = pressed(run, loaded), pressed(finer, loaded)
@@ -225,7 +225,7 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     shaft, pins, ring = (
         -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
     )
-    carrier = np.zeros(len(run)) if output.turns_ring else run["output_angle"]
+    _, carrier = ring_and_carrier(reducer, run["output_angle"])
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
     moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)

@@ -8,6 +8,7 @@ Where the ring turns, by theta/N, its own repeats at multiples of (N-1)/N, that 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, Literal
 
 import numpy as np
@@ -69,6 +70,15 @@ class Cause:
         return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
 
 
+def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
+    """Compute the base orders of errors that go with the ring, and with the holes, in cycles of a crank turn.
+
+    They are 1 and N/(N-1), or (N-1)/N and 1 where the ring runs ahead of the crank.
+    """
+    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
+    return Fraction(reducer.mesh_periods, teeth), Fraction(reducer.mesh_periods, lobes)
+
+
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
     """List the causes of transmission error that a design can have, with the orders that they give."""
     design = reducer.design
@@ -76,19 +86,17 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
     ring = "pins" if design.ring.kind == "pin" else "lobes"
     of_mesh: Place = "gear"
     of_holes: Place = "stage"
-    mesh, holes, order = 1.0, teeth / lobes, f"{teeth}/{lobes}"
-    times = ""
+    mesh, holes = base_orders(reducer)
+    times = "" if mesh == 1 else f"{mesh} times "
     if design.output.turns_ring:
         # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
         of_mesh, of_holes = of_holes, of_mesh
-        mesh, holes, order = lobes / teeth, 1.0, "1"
-        times = f"{lobes}/{teeth} times "
     return (
         Cause(
             "mesh",
             "mesh",
             of_mesh,
-            mesh,
+            float(mesh),
             lambda k: k % teeth == 0,
             f"{times}{teeth}, {2 * teeth}, ...: the mesh itself, and what all teeth have alike (clearance, elasticity, "
             f"modification, the cam's eccentricity)",
@@ -97,7 +105,7 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             "ring",
             f"ring {ring}",
             of_mesh,
-            mesh,
+            float(mesh),
             lambda k: k % teeth > 0,
             f"{times}whole orders but multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of its "
             f"angle from the crank, so gives all of them; an error that goes m times round the ring gives m, "
@@ -107,18 +115,18 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             "holes",
             "holes and output pins",
             of_holes,
-            holes,
+            float(holes),
             lambda k: (k % pins > 0) & (k % lobes > 0),
-            f"multiples of {order}: the eccentric's direction goes round the gear so often in a crank turn, "
+            f"multiples of {holes}: the eccentric's direction goes round the gear so often in a crank turn, "
             f"past each hole, each output pin and each of the gear's lobes",
         ),
         Cause(
             "eccentricity",
             "stage of output pins",
             of_holes,
-            holes,
+            float(holes),
             lambda k: k % pins == 0,
-            f"multiples of {pins} x {order} = {pins * holes:.4g}: what all {pins} output pins have "
+            f"multiples of {pins} x {holes} = {pins * float(holes):.4g}: what all {pins} output pins have "
             f"alike (clearance, elasticity, the cam's eccentricity)",
         ),
     )

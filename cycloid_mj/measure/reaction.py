@@ -59,7 +59,7 @@ class Reaction:
 def masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank and what the load is on, under the name of the output."""
     solids = {GEAR: gear_solid(reducer), SHAFT: body_solids(reducer)[SHAFT]}
-    output = moving_masses(reducer)[HOUSING if reducer.design.output.turns_ring else OUTPUT]
+    output = moving_masses(reducer)[reducer.mechanism.turning]
     return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
 
 

@@ -54,7 +54,7 @@ def steady(
         The run went wrong.
     """
     settled *= slowness(reducer)
-    run = simulate(reducer.steady(settled, periods / reducer.design.mesh_periods).design, compiled, course)
+    run = simulate(reducer.steady(settled, periods / reducer.mesh_periods).design, compiled, course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(reducer.design.name, unbalanced(run, reducer))
     return run

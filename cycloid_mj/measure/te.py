@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, own, trace
 from cycloid_mj.reducer import Reducer
@@ -104,7 +104,7 @@ def _traces(
     half = halved(reducer)
     models = {1.0: (reducer, build(reducer.design), turns)}
     if check:
-        models[0.5] = (half, build(half.design), CHECKED / reducer.design.mesh_periods)
+        models[0.5] = (half, build(half.design), CHECKED / reducer.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [
         (reducer, own(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
@@ -125,8 +125,9 @@ def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     design = reducer.design
-    teeth, lobes = design.ring.teeth, design.lobes
-    multiples, apart_from = (f"{lobes}/{teeth}", "holes") if design.output.turns_ring else (f"{teeth}/{lobes}", "ring")
+    lobes = design.lobes
+    ring, holes = base_orders(reducer)
+    multiples, apart_from = (holes, "ring") if ring == 1 else (ring, "holes")
     apart = (
         f"orders are cycles in a crank turn; fewer than {lobes} turns cannot tell whole orders from multiples of "
         f"{multiples} in one signal: the gear's error is read in whole orders (of the {apart_from}), the output's "

@@ -212,7 +212,7 @@ def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
     """List the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])
-    teeth, x, y = reducer.design.mesh_periods, "crank angle [deg]", "torque [N m]"
+    teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
         Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
         Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),

@@ -101,7 +101,7 @@ def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Cou
 def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: TraceCondition) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
-    per_second = SAMPLES * reducer.design.mesh_periods * abs(case.speed) / (2.0 * np.pi)
+    per_second = SAMPLES * reducer.mesh_periods * abs(case.speed) / (2.0 * np.pi)
     settling = SETTLING * slowness(reducer)
     reducer = reducer.steady(
         settling,
@@ -124,7 +124,7 @@ def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
 
     order = slice(None, None, int(way))
     crank = run["crank_angle"][order]
-    points = round(SAMPLES * reducer.design.mesh_periods * turns)
+    points = round(SAMPLES * reducer.mesh_periods * turns)
     swept = 2.0 * np.pi * turns
     first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points

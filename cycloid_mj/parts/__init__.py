@@ -8,7 +8,7 @@ from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.mesh import Mesh, mesh
-from cycloid_mj.parts.moving import moving_masses, output_inertia
+from cycloid_mj.parts.moving import moving_masses, output_inertia, turning_inertia
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
 from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, parts
 from cycloid_mj.parts.polygon import circle
@@ -42,4 +42,5 @@ __all__ = [
     "sleeve_core_radius",
     "spacer_radius",
     "stretches",
+    "turning_inertia",
 ]

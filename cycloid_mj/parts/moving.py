@@ -1,4 +1,4 @@
-"""What moves how heavily: the masses of the bodies of a simulation, and the inertia of what the load is on."""
+"""What moves how heavily: the masses of the bodies of a simulation, and the inertia of what turns with the output."""
 
 from dataclasses import replace
 
@@ -7,7 +7,8 @@ import numpy as np
 from cycloid_mj.base.digits import significant, significant_tensor
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.parts import body_solids
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.bodies import Role
 
 
 def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
@@ -18,16 +19,33 @@ def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     DesignError
         A part cannot be made.
     """
-    design = reducer.design
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
-    if design.output.turns_ring and design.ring.kind == "pin" and not design.ring.has_pin_bodies:
-        masses["housing"] = _with_pins(masses["housing"], masses["pin"], reducer)
+    load = reducer.mechanism.turning
+    if any(load in of.bodies for of in reducer.mechanism.surfaces if of.role == Role.PIN):
+        masses[load] = _with_pins(masses[load], masses["pin"], reducer)
     return masses
 
 
 def output_inertia(reducer: Reducer) -> float:
     """Compute the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
-    return float(moving_masses(reducer)["housing" if reducer.design.output.turns_ring else "output"].inertia[2, 2])
+    return float(moving_masses(reducer)[reducer.mechanism.turning].inertia[2, 2])
+
+
+def turning_inertia(reducer: Reducer) -> float:
+    """Compute the inertia of what turns with the output at a locked crank [kg m2]: carrier and discs, or the ring.
+
+    Pins or sleeves of a ring that are bodies count with it, as if they did not turn in it.
+    """
+    return _turning_inertia(reducer.shape)
+
+
+@once
+def _turning_inertia(reducer: Reducer) -> float:
+    masses, mechanism = moving_masses(reducer), reducer.mechanism
+    along = [masses[body.part] for body in mechanism.turning_along]
+    own = sum(float(one.inertia[2, 2]) for one in (masses[mechanism.turning], *along))
+    carried = sum(masses[pin.part].mass for pin in mechanism.pins if pin.carrier)
+    return own + carried * reducer.design.ring.pin_circle_radius**2
 
 
 def _with_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:

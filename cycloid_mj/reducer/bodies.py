@@ -19,6 +19,7 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import Deviations, deviations
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.reducer.member import turning_and_held
 from cycloid_mj.reducer.sockets import socket_half_angle
 
 
@@ -194,10 +195,19 @@ class Mechanism:
         """The bodies of pins or sleeves, in the order of the ring; none where they do not move."""
         return tuple(body for body in self.bodies if body.part == names.PIN)
 
+    def body(self, name: str) -> Body:
+        """Look up a body by its name."""
+        return next(body for body in self.bodies if body.name == name)
+
     @property
     def turning(self) -> str:
         """Name of the body that the load is on."""
         return next(body.name for body in self.bodies if names.OUTPUT_JOINT in body.joints)
+
+    @property
+    def turning_along(self) -> tuple[Body, ...]:
+        """The bodies that turn with the one that the load is on: discs with their carrier, or pins with their ring."""
+        return {names.OUTPUT: self.discs, names.HOUSING: self.pins}[self.turning]
 
     @property
     def carriers(self) -> dict[str, str]:
@@ -252,9 +262,9 @@ def mechanism(design: Design) -> Mechanism:
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
-    holder, turning, carrier = names.HOUSING, names.OUTPUT, ""
-    if design.output.turns_ring:
-        holder, turning, carrier = names.OUTPUT, names.HOUSING, names.HOUSING
+    turning, holder = turning_and_held(design)
+    # the ring is the housing's: where that turns it takes its pins along
+    carrier = names.HOUSING if turning == names.HOUSING else ""
     yield Body(holder, holder, (), axis, axis)
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):

@@ -55,9 +55,10 @@ def best_fit(reducer: Reducer, crank: float) -> Fit:
     mesh_gaps, pose, least, _ = _most_room(reducer, crank)
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
-    if design.output.turns_ring:
-        turned = turned - carrier
     output = member.sense(design) * reducer.share * carrier
+    ring, _ = member.ring_and_carrier(reducer, output)
+    # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
+    turned = turned + ring * design.ring.teeth / design.lobes
     return Fit(least, discs[:, :2], turned, output, _aside(reducer, mesh_gaps, pose))
 
 

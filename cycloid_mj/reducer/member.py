@@ -8,6 +8,7 @@ ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
 """
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,9 @@ import numpy.typing as npt
 from cycloid_mj.base import names
 from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
 
 
 def gear_angle(design: Design, crank: npt.ArrayLike) -> Array:
@@ -40,6 +44,21 @@ def output_angle(design: Design, crank: npt.ArrayLike) -> Array:
 def against_ring(design: Design, crank: npt.ArrayLike) -> Array:
     """Compute the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
     return np.asarray(np.asarray(crank, dtype=np.float64) - ring_angle(design, crank))
+
+
+def ring_and_carrier(reducer: "Reducer", output: npt.ArrayLike) -> tuple[Array, Array]:
+    """Compute the angles of ring and carrier [rad] from that of the output, which is one of them: the other's is 0.
+
+    Of speeds, speeds.
+    """
+    output = np.asarray(output, dtype=np.float64)
+    still = np.zeros_like(output)
+    return (output, still) if reducer.design.output.turns_ring else (still, output)
+
+
+def turning_and_held(design: Design) -> tuple[str, str]:
+    """Name the body that the load is on, the carrier's ``output`` or the ring's ``housing``, and the other one."""
+    return (names.HOUSING, names.OUTPUT) if design.output.turns_ring else (names.OUTPUT, names.HOUSING)
 
 
 def share(design: Design) -> float:

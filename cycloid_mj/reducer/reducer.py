@@ -77,7 +77,14 @@ class Reducer:
     @property
     def shape(self) -> "Reducer":
         """The reducer as far as its parts are drawn: one and the same at all loads, speeds and contact laws."""
-        return self._variant("shape", _shape)
+
+        def changed() -> Reducer | None:
+            of = Design.model_fields
+            design = self.design.model_copy(update={name: of[name].default for name in SHAPING_NOTHING})
+            return None if design == self.design else Reducer(design)
+
+        # this one is not kept on itself: such a cycle holds all that is kept here till the next garbage collection
+        return self.kept("shape", changed) or self
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -134,28 +141,9 @@ class Reducer:
         return 2.0 * math.pi / self.share
 
     @property
-    def seen_from_ring(self) -> "Reducer":
-        """The reducer as an observer on its ring has it: itself, where the carrier turns; see ``member``."""
-        from cycloid_mj.reducer.member import seen_from_ring
-
-        return self._variant("seen_from_ring", seen_from_ring)
-
-    def _variant(self, key: str, change: Callable[[Design], Design]) -> "Reducer":
-        """Look up the reducer of a changed design, or make it and keep it; this one, where nothing is changed.
-
-        This one is not kept on itself: such a cycle holds all that is kept here till the next garbage collection.
-        """
-
-        def changed() -> Reducer | None:
-            design = change(self.design)
-            return None if design == self.design else Reducer(design)
-
-        return self.kept(key, changed) or self
-
-
-def _shape(design: Design) -> Design:
-    """Leave out of a design what no part depends on."""
-    return design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
+    def mesh_periods(self) -> int:
+        """Times that the mesh repeats in a turn of the crank: N, or N - 1 where the ring runs ahead of the crank."""
+        return round(self.design.ring.teeth * self.share)
 
 
 def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Concatenate[Reducer, Given], Value]:

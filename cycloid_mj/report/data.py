@@ -8,6 +8,7 @@ import numpy as np
 from cycloid_mj.analysis import FIGURES, SIGNALS, Series, SignalFigure
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.encode import decimated, encoded
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import Reviewed
@@ -103,7 +104,7 @@ def _span(time: Array) -> list[float]:
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     """List the order spectra of the output's and the gear's speed; None if there is no whole crank turn of the hold."""
-    motion, teeth = item.motion, item.motion.design.mesh_periods
+    motion, teeth = item.motion, Reducer(item.motion.design).mesh_periods
     if motion.phase != "hold":
         return None
     swept = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)

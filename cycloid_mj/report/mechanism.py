@@ -32,12 +32,12 @@ def mechanism(motion: Series) -> dict[str, Any]:
     """Collect the mechanism's outlines [mm] and its motion over one settled crank turn."""
     rows = _rows(motion)
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
-    seen = seen_from_ring(motion.design)
-    widest = widest_gap(Reducer(seen), gaps(Reducer(seen), columns_from_ring(motion.design, columns)))
+    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.design, columns)
+    widest = widest_gap(reducer, gaps(reducer, seen))
     return _shape(Reducer(motion.design)) | {
-        "usual": fitting_magnification(Reducer(seen), widest, MAGNIFICATIONS),
+        "usual": fitting_magnification(reducer, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
-        "frames": _frames(motion, columns, motion.time[rows]),
+        "frames": _frames(reducer, seen, motion.time[rows]),
     }
 
 
@@ -83,16 +83,14 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
     return shape
 
 
-def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Collect what changes, in mm, rad and N."""
-    design, columns = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
-    reducer = Reducer(design)
+def _frames(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
+    """Compute what changes, in mm, rad and N, from the columns of a run seen from its ring."""
     measured, acting = gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {
         "time": encoded(time - time[0]),
         "start": float(time[0]),
-        "crank": encoded(np.mod(measured.crank_angle, 2 * np.pi * design.lobes)),
+        "crank": encoded(np.mod(measured.crank_angle, 2 * np.pi * reducer.design.lobes)),
         "deviation": encoded(deviation),
         "opening": encoded(1e3 * measured.opening),
         "outputAway": encoded(1e3 * measured.output_away),

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError, RunError
-from cycloid_mj.base.names import HOUSING, OUTPUT, PIN, SHAFT
+from cycloid_mj.base.names import SHAFT
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, RPM
@@ -21,7 +21,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.measure import spread
-from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts import mass_properties, turning_inertia
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.robot.friction import FrictionMap
@@ -203,11 +203,7 @@ def inertias(reducer: Reducer) -> tuple[float, float]:
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     discs = [masses[body.part] for body in reducer.mechanism.discs]
     crank = crank_inertia(reducer, masses[SHAFT]) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
-    if not design.output.turns_ring:
-        return crank, sum(float(one.inertia[2, 2]) for one in (masses[OUTPUT], *discs))
-    ring, pin = design.ring, masses.get(PIN)
-    pins = 0.0 if pin is None else ring.teeth * (float(pin.inertia[2, 2]) + pin.mass * ring.pin_circle_radius**2)
-    return crank, float(masses[HOUSING].inertia[2, 2]) + pins
+    return crank, turning_inertia(reducer)
 
 
 def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
@@ -259,14 +255,13 @@ def _damping(reducer: Reducer) -> float:
     Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
     being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
     """
-    of, reducer = reducer.share, reducer.seen_from_ring
     laws = contact_laws(reducer)
     compliances = [one.series(reducer) for one in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)]
     series = {part: float(np.mean([one[part] for one in compliances])) for part in compliances[0]}
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
-    return sum(times[part] * give for part, give in series.items()) / (of * sum(series.values())) ** 2
+    return sum(times[part] * give for part, give in series.items()) / sum(series.values()) ** 2
 
 
 def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:

@@ -91,7 +91,7 @@ def error(reducer: Reducer, load: float, way: int, on_step: Callable[[], None] =
 def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
     design = reducer.design
     turning = reducer.but(drive={"speed": way * abs(design.drive.speed)})
-    count = design.mesh_periods * PER_MESH_PERIOD
+    count = reducer.mesh_periods * PER_MESH_PERIOD
     springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
     return sense(design) * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn
 

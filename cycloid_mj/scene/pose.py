@@ -11,6 +11,7 @@ from cycloid_mj.base.record import usable
 from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import ring_and_carrier
 
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
@@ -51,12 +52,12 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
             f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
         )
     still = np.zeros_like(columns["crank_angle"])
-    ring = columns["output_angle"] if design.output.turns_ring else still
+    ring, carrier = ring_and_carrier(reducer, columns["output_angle"])
     by_part = {
         HOUSING: _pose(still, still, ring),
         SHAFT: _pose(still, still, columns["crank_angle"]),
         **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
-        OUTPUT: _pose(still, still, columns["output_angle"] - ring),
+        OUTPUT: _pose(still, still, carrier),
     }
     if design.ring.kind == "pin":
         for number, (x, y) in enumerate(ring_places(reducer), start=1):

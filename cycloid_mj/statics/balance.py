@@ -9,6 +9,7 @@ from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics.kernel import BALANCED, Left, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -65,22 +66,25 @@ def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = Fals
     RunError
         No balance was found.
     """
-    if not reducer.design.output.turns_ring:
-        return _balanced(reducer, springs, torque, follow)
-    seen, of = reducer.seen_from_ring, reducer.share
-    carried, speed = of * torque, seen.design.drive.speed
-    balanced = _balanced(seen, springs, carried, follow)
+    balanced = _balanced(reducer, springs, reducer.share * torque, follow)
+    if reducer.design.output.turns_ring:
+        return _on_ring(reducer, springs, torque, balanced, follow)
+    return replace(balanced, output_turn=balanced.output_turn + wind_up(reducer) * torque)
+
+
+def _on_ring(reducer: Reducer, springs: Springs, torque: float, balanced: Loads, follow: bool) -> Loads:
+    """Correct the balance under a torque on a ring [N m] for the losses, and turn it back with the ring."""
+    carried, speed = reducer.share * torque, float(against_ring(reducer.design, reducer.design.drive.speed))
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
-        lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, balanced).values())
+        lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values())
         carried *= torque / (carried + carried / reducer.design.lobes + lost / speed)
-        balanced = _balanced(seen, springs, carried, follow)
-    # what twists is beyond the contacts: the gear has no share in it, whichever member turns
-    gear_turn = balanced.output_turn - wind_up(seen) * carried - balanced.gear_turn
-    return replace(balanced, gear_turn=gear_turn, output_turn=of * balanced.output_turn)
+        balanced = _balanced(reducer, springs, carried, follow)
+    output_turn = reducer.share * balanced.output_turn + wind_up(reducer) * carried / reducer.share
+    return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
 
 
 def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
-    """Compute what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
+    """Compute what the contacts carry under a torque on the carrier [N m], all seen from the ring, and twist aside."""
     contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
@@ -100,7 +104,7 @@ def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -
         cam=-(pressed / distance)[..., np.newaxis] * away,
         departures=z,
         gear_turn=of_discs[..., 2].mean(axis=1) / lever,
-        output_turn=z[:, -1] / lever + wind_up(reducer) * torque,
+        output_turn=z[:, -1] / lever,
         share=moments / moments.sum(axis=1, keepdims=True),
     )
 
@@ -170,7 +174,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     design = reducer.design
     springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
     contact_loads = loads(reducer, springs, float(way) * (torque + design.drag.output))
-    losses = _friction_losses(reducer.seen_from_ring, springs, contact_loads)
+    losses = _friction_losses(reducer, springs, contact_loads)
     seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
     mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
     supplied = torque * speed / design.reduction
@@ -178,10 +182,10 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
 
 def _friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
-    """Compute the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
+    """Compute the powers that friction takes at each crank angle [W], shape (m,)."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
-    turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
+    turning = abs(float(design.drive.speed - gear_angle(design, design.drive.speed)))
     pressed = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     return {
         "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),

@@ -38,9 +38,8 @@ def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
 def _shared(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
     """Share the load of the disc at a `phase`: the ring, the output pins, and the crank's angles against the ring."""
     design = reducer.design
-    seen, turned = reducer.seen_from_ring, against_ring(design, crank)
-    gear, output = reducer.tooth_profile, design.output
-    torque = seen.design.load.torque * math.copysign(1.0, seen.design.drive.speed) / design.gear.discs
+    gear, output, turned = reducer.tooth_profile, design.output, against_ring(design, crank)
+    torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs
     ring = ideal_loads.ideal_load_sharing(gear, torque, turned + phase)
     pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, turned, phase)
     return ring, pins, turned

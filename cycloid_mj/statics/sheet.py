@@ -264,7 +264,7 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
     """Compute the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
-    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.mesh_periods + 1), WAYS[way]
+    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.mesh_periods + 1), WAYS[way]
     turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     contact_loads = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}

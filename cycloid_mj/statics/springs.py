@@ -81,20 +81,16 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = against_ring(reducer.design, crank)
-    reducer = at_rated_load(reducer.seen_from_ring)
+    speed, reducer = float(against_ring(reducer.design, reducer.design.drive.speed)), at_rated_load(reducer)
     mesh_gaps = arc_gaps(reducer, crank)
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     curvature = mesh_gaps.relative_curvature[:, :teeth]
     discs = range(reducer.design.gear.discs)
     holding = np.array([contact_stiffness(reducer, "output", disc) for disc in discs])
     output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
-    motion = ideal_motion(reducer, crank) * reducer.design.drive.speed
+    motion = ideal_motion(reducer, crank) * speed
     radius = reducer.design.output.pin_circle_radius
-    drag = (
-        math.copysign(reducer.design.friction_of("cam"), reducer.design.drive.speed)
-        * reducer.design.gear.bore_radius
-        / radius
-    )
+    drag = math.copysign(reducer.design.friction_of("cam"), speed) * reducer.design.gear.bore_radius / radius
     return Springs(
         crank=crank,
         teeth=teeth,

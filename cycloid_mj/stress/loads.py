@@ -117,10 +117,8 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     still = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment
     world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
-    about = still
-    if turn.reducer.design.output.turns_ring:
-        # all is seen from the ring, where the carrier turns back
-        world, about = turned(world, turn["output_angle"]), turn["output_speed"]
+    # all is seen from the ring, where the world turns back
+    world, about = turned(world, -turn.ring_angle), -turn.ring_speed
     moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
     if part == "ring":
         return moved
@@ -135,7 +133,7 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
         spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
         torque = turn["crank_torque"] - rotor * spin_rate
         return moved | {"spin": turn["crank_speed"] - about, "spin_rate": spin_rate, "torque": torque}
-    if turn.reducer.design.output.turns_ring:
+    if not turn.reducer.mechanism.body(part).joints:  # it is held
         return moved | {"torque": -pushed.moment}
     spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
     return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}

@@ -14,7 +14,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import PARTS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import columns_from_ring
+from cycloid_mj.reducer.member import columns_from_ring, ring_and_carrier
 
 DEGREES = np.radians(np.arange(360.0))
 """Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""
@@ -49,12 +49,16 @@ class Turn:
         Crank angle, from the ring, of each sample [rad], shape (k,), within half a sampling step of the wanted one.
     run, rows
         The run, seen from its ring, and the numbers of the samples in it, shape (k,).
+    ring_angle, ring_speed
+        Of the ring it is seen from [rad], [rad/s], shape (k,): 0 of one that is held.
     """
 
     reducer: Reducer
     angle: Array
     run: Run
     rows: npt.NDArray[np.intp]
+    ring_angle: Array
+    ring_speed: Array
 
     def __getitem__(self, name: str) -> Array:
         """Return a column at the samples, shape (k,); raise LogError if there is none."""
@@ -85,13 +89,15 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
             "there are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
+    (angle, _), (speed, _) = (ring_and_carrier(Reducer(ran), run[f"output_{rate}"]) for rate in ("angle", "speed"))
     run = replace(run, columns=columns_from_ring(ran, run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))
     crank = run["crank_angle"][rows]
     _require_fine(crank, wanted, run, rows)
     nearest = np.array([np.argmin(np.abs(_wrapped(crank - angle))) for angle in wanted])
-    return Turn(Reducer(ran), wanted + _wrapped(crank[nearest] - wanted), run, rows[nearest])
+    chosen = rows[nearest]
+    return Turn(Reducer(ran), wanted + _wrapped(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen])
 
 
 def require_same(reducer: Reducer, ran: Reducer) -> None:

@@ -81,9 +81,9 @@ def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[KernelSprings, Disp
     """Return the springs of a design at a crank angle [rad], and the same on exact gaps."""
     springs = springs_of(reducer, [crank], friction=False)
     contacts, angle = springs.contacts, float(springs.crank[0])
-    seen = reducer.seen_from_ring
+    play = arc_gaps(reducer, angle).play
     return contacts, DisplacedSprings(
-        seen.design, angle, contacts.stiffness[0], contacts.cam_stiffness, arc_gaps(seen, angle).play, contacts.bending
+        reducer.design, angle, contacts.stiffness[0], contacts.cam_stiffness, play, contacts.bending
     )
 
 

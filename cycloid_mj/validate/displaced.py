@@ -45,10 +45,8 @@ def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, outp
     design = reducer.design
     ring, carrier = float(member.ring_angle(design, crank)), float(member.gear_angle(design, crank))
     turned = carrier + turns
-    if design.output.turns_ring:
-        ring += output
-    else:
-        carrier += output
+    with_ring, with_carrier = member.ring_and_carrier(reducer, output)
+    ring, carrier = ring + float(with_ring), carrier + float(with_carrier)
     seen = crank - ring
     ideal = float(kinematics.gear_rotation(reducer.tooth_profile, seen))
     arcs = design.output.pin_circle_radius * (np.append(turned, carrier) - ring - ideal)

@@ -16,9 +16,9 @@ from cycloid_mj.dynamics.swing import (
     SETTLING,
     closed_stiffness,
     deepest,
-    moving_inertia,
     slowness,
     swing_period,
+    turning_inertia,
 )
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import contact_stiffness
@@ -64,10 +64,10 @@ def test_a_soft_and_heavy_drive_swings_as_its_estimate_says() -> None:
 
 def test_the_period_is_that_of_inertia_on_stiffness() -> None:
     loaded = PRINTED.but(load={"torque": 10.0})
-    known = 2.0 * math.pi * math.sqrt(moving_inertia(Reducer(loaded)) / closed_stiffness(Reducer(loaded)))
+    known = 2.0 * math.pi * math.sqrt(turning_inertia(Reducer(loaded)) / closed_stiffness(Reducer(loaded)))
     assert swing_period(Reducer(loaded)) == pytest.approx(known)
     ring = PRINTED.but(output={"member": "ring"})
-    assert moving_inertia(Reducer(ring)) > 1.3 * moving_inertia(Reducer(PRINTED))
+    assert turning_inertia(Reducer(ring)) > 1.3 * turning_inertia(Reducer(PRINTED))
     assert closed_stiffness(Reducer(ring)) == pytest.approx(
         (14 / 13) ** 2 * closed_stiffness(Reducer(PRINTED)), rel=0.05
     )

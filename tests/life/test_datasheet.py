@@ -120,7 +120,8 @@ def test_a_ring_that_turns_counts_in_the_place_of_the_output() -> None:
     """The discs then orbit without turning, and housing and pins turn by one in N."""
     turned = PIN.but(output={"member": "ring"})
     solids = {name: mass_properties(solid) for name, solid in parts(Reducer(turned)).items()}
-    ring = solids["housing"].inertia[2, 2] + 36 * solids["pin"].mass * PIN.ring.pin_circle_radius**2
+    pin = solids["pin"]
+    ring = solids["housing"].inertia[2, 2] + 36 * (pin.inertia[2, 2] + pin.mass * PIN.ring.pin_circle_radius**2)
     crank = solids["shaft"].inertia[2, 2] + solids["shaft"].mass * np.sum(solids["shaft"].centroid[:2] ** 2)
     orbit = solids["gear"].mass * PIN.gear.eccentricity**2
     assert input_inertia(Reducer(turned)) == pytest.approx(crank + orbit + ring / 36.0**2, rel=1e-9)

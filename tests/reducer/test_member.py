@@ -23,6 +23,7 @@ from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.te_table import quantities
 from cycloid_mj.measure.trace import ErrorCurves, TraceCondition, trace
+from cycloid_mj.parts import body_solids, mass_properties, turning_inertia
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.scene.drawing import gaps
@@ -60,15 +61,30 @@ def rotated(vectors, angle):
 # --- closed forms -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("pins", ["free", "fixed", "massless"])
+def test_with_the_output_turns_its_carrier_with_the_discs_or_the_ring_with_its_pins(pins: str) -> None:
+    design = PRESETS["twodisc"].but(ring={"pins": pins})
+    solids = {name: mass_properties(solid) for name, solid in body_solids(Reducer(design)).items()}
+    about = {name: one.inertia[2, 2] for name, one in solids.items()}
+    carrier = about["output"] + about["gear_1"] + about["gear_2"]
+    assert turning_inertia(Reducer(design)) == pytest.approx(carrier, rel=1e-9)
+    orbit = solids["pin"].mass * design.ring.pin_circle_radius**2
+    ring = about["housing"] + design.ring.teeth * (about["pin"] + orbit)
+    assert turning_inertia(Reducer(design.but(output=RING))) == pytest.approx(ring, rel=1e-9)
+
+
 @pytest.mark.parametrize("design", [PIN, PRINTED, PRESETS["nonpin"]])
 def test_willis(design: Design) -> None:
     ring, theta = design.but(output=RING), np.linspace(-7.0, 9.0, 5)
     assert (design.ratio, ring.ratio) == (-design.lobes, design.ring.teeth)
     assert ring.rated_torque == pytest.approx(design.drive.torque * design.ring.teeth)
-    assert (design.mesh_periods, ring.mesh_periods) == (design.ring.teeth, design.ring.teeth - 1)
+    assert (Reducer(design).mesh_periods, Reducer(ring).mesh_periods) == (design.ring.teeth, design.ring.teeth - 1)
     for one in (design, ring):
         # of both: seen from the ring the carrier turns by -1/(N - 1) of the crank
         about = member.ring_angle(one, theta)
+        ring_turn, carrier_turn = member.ring_and_carrier(Reducer(one), member.output_angle(one, theta))
+        assert ring_turn == pytest.approx(about, abs=1e-14)
+        assert carrier_turn == pytest.approx(member.gear_angle(one, theta), abs=1e-14)
         assert member.gear_angle(one, theta) - about == pytest.approx(-(theta - about) / one.lobes, abs=1e-14)
         assert member.against_ring(one, theta) == pytest.approx(theta - about, abs=1e-14)
     assert member.output_angle(ring, theta) == pytest.approx(theta / design.ring.teeth)
@@ -260,7 +276,7 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
     case = TraceCondition("loaded", "forward", "slow", slow.rated_torque, slow.drive.speed)
     free = slow.but(friction=FREE_OF_LOSSES["friction"])
     compiled = build(free.but(load={"torque": case.torque}))
-    periods, loaded = 3 / slow.mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
+    periods, loaded = 3 / Reducer(slow).mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
     found = trace(loaded, compiled, periods, case)
     solved = transmission_error(loaded, found.crank, case.torque)
     theory = ARCSECONDS * member.sense(free) * solved

@@ -161,7 +161,9 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     if surfaces.role != Role.PIN:
         return {}
     # A pin that its ring carries round has no home: the collider takes where it is.
-    home = [0.0, 0.0] if design.output.turns_ring else on_grid([np.sin(angle), np.cos(angle)]).tolist()
+    body = reducer.mechanism.body(surfaces.bodies[i])
+    is_carried = reducer.mechanism.turning in (body.name, body.carrier)
+    home = [0.0, 0.0] if is_carried else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": home}
     softness = pair_stiffness(reducer, design.tooth_pair) / pair_stiffness(reducer, design.seat_pair)

@@ -114,11 +114,9 @@ def find(
     `scratch` there is room for the touches of one pair. Returns the number of contacts.
     """
     discs, teeth, studs = len(system.cams), len(system.place), len(system.studs)
-    output, crank, first_pin = 3 * discs, 3 * discs + 1, 3 * discs + 2
-    still, turned = Pose(0.0, 0.0, 1.0, 0.0), Pose(0.0, 0.0, math.cos(q[output]), math.sin(q[output]))
-    ring, carrier = (turned, still) if system.ring_turns else (still, turned)
-    ring_shaft, stud_shaft = (output, -1) if system.ring_turns else (-1, output)
-    shaft = Pose(0.0, 0.0, math.cos(q[crank]), math.sin(q[crank]))
+    crank, first_pin = 3 * discs + 1, 3 * discs + 2
+    ring_shaft, stud_shaft = system.ring_shaft, system.stud_shaft
+    ring, carrier, shaft = _about_axis(q, ring_shaft), _about_axis(q, stud_shaft), _about_axis(q, crank)
     out = scratch.ctypes.data
     count, pair = 0, 0
     for disc in range(discs):
@@ -189,6 +187,13 @@ def find(
             round_in = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
             count += _find_round(contacts, count, meeting, round_in, whole, out, q, v, half)
     return count
+
+
+@njit
+def _about_axis(q: Array, shaft: int) -> Pose:
+    """Compute the pose of what turns about the reducer's axis by an unknown; -1 is held."""
+    turn = q[shaft] if shaft >= 0 else 0.0
+    return Pose(0.0, 0.0, math.cos(turn), math.sin(turn))
 
 
 @njit

@@ -295,7 +295,7 @@ def _eliminate(system: System, equations: Equations) -> None:
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     by_pin, of_pin, coupled = equations.by_pin, equations.of_pin, equations.coupled
     size = len(right)
-    most = size - 1 if system.ring_turns else size - 2
+    most = max(size - 2, system.ring_shaft + 1)
     for i in range(len(coupled)):
         first, others = 3 * i, size * i
         inverse = _inverted(pins, first)

@@ -57,7 +57,7 @@ class PlanarModel:
 
     def stepper(self, course: Course, every: int) -> Stepper:
         """Start steps of a course, with a sample at one in `every`."""
-        places, speeds = start(self.reducer, self.system, course.angle, course.speed)
+        places, speeds = start(self.reducer, course.angle, course.speed)
         return Stepper(self.system, self.timestep, places, speeds, every)
 
 

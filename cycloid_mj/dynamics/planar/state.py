@@ -5,12 +5,12 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
-from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import ring_and_carrier
 
 
-def start(reducer: Reducer, system: System, crank: float, speed: float) -> tuple[Array, Array]:
-    """Compute places and speeds at a crank angle [rad] and crank speed [rad/s], in the order of a `System`."""
+def start(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
+    """Compute places and speeds at a crank angle [rad] and crank speed [rad/s], in the order of a ``System``."""
     position, velocity = joint_state(reducer, crank, speed)
     order = [
         *(joint for disc in reducer.mechanism.discs for joint in disc.joints),
@@ -18,7 +18,7 @@ def start(reducer: Reducer, system: System, crank: float, speed: float) -> tuple
         names.CRANK_JOINT,
     ]
     places, speeds = ([joints.get(joint, 0.0) for joint in order] for joints in (position, velocity))
-    turn, rate = (joints[names.OUTPUT_JOINT] * system.ring_turns for joints in (position, velocity))
+    turn, rate = (float(ring_and_carrier(reducer, joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity))
     s, c = np.sin(turn), np.cos(turn)
     for pin in reducer.mechanism.pins:
         x, y = pin.place + [position.get(joint, 0.0) for joint in pin.joints[:2]]

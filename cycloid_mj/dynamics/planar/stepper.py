@@ -235,7 +235,7 @@ def _write_sample(
             row[at + m], row[at + 3 + m] = q[body + m], v[body + m]
         at += _OF_DISC
     at = _write_shaft(system, 0, output, q, v, command, row, at)
-    turn, speed = (q[output], v[output]) if system.ring_turns else (0.0, 0.0)
+    turn, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     s, c = math.sin(turn), math.cos(turn)
     for own in range(size, len(q), 3):
         pin = (own - size) // 3

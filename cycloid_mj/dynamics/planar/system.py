@@ -51,8 +51,10 @@ class System(NamedTuple):
         Of them, or of what carries them, on the ring [m], shape (N, 2), and clockwise angles, shape (N,).
     seated
         Places on the ring of the frames of moving pins, from which their joints read [m], shape (N, 2).
-    lobes, free, sleeved, ring_turns
-        Whether there are lobes, pins that move, sleeves among these; and whether the load is on the ring.
+    lobes, free, sleeved
+        Whether there are lobes, pins that move, sleeves among these.
+    ring_shaft, stud_shaft
+        Index of the unknown by which the ring turns, and the output pins; -1 of those that are held.
     inner, outer
         Radii in the seats of moving pins [m], shape (N,).
     arc
@@ -87,7 +89,8 @@ class System(NamedTuple):
     lobes: bool
     free: bool
     sleeved: bool
-    ring_turns: bool
+    ring_shaft: int
+    stud_shaft: int
     inner: Array
     outer: Array
     arc: Array
@@ -135,6 +138,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         "output": float(shafts["output"].inertia[2, 2]),
         "crank": crank_inertia(reducer, masses[names.SHAFT]),
     }
+    turned_by = {mechanism.turning: 3 * len(discs)}
     pin = masses[names.PIN] if design.ring.has_pin_bodies else None
     losses = {"output": design.drag.output, "crank": design.drag.crank}
     return System(
@@ -148,7 +152,8 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         lobes=ring.role == Role.LOBE,
         free=seats is not None,
         sleeved=seats is not None and design.ring.has_sleeves,
-        ring_turns=mechanism.turning == names.HOUSING,
+        ring_shaft=turned_by.get(names.HOUSING, -1),
+        stud_shaft=turned_by.get(names.OUTPUT, -1),
         inner=inner,
         outer=outer,
         arc=np.array(arc),
