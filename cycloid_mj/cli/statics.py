@@ -1,11 +1,13 @@
 """``cycloid-mj statics``: the figures of a data sheet, without a simulation."""
 
+from collections.abc import Mapping
+from math import isnan
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.outcome import Outcome, headline
-from cycloid_mj.base.result import Table
+from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, LOAD, Delivery, DesignOptions
 from cycloid_mj.reducer import Reducer
@@ -54,21 +56,24 @@ def statics(
     torque at which a contact first yields; efficiency and losses by pair, and
     the same with the output as the driver. With all clearances, manufacturing
     errors, modification and friction of the design, under the keys that
-    `cycloid-mj measure` has in its JSON.
+    `cycloid-mj measure` has in its JSON, and under those of `cycloid-mj figures`.
 
     Nothing is simulated: the crank turns so slowly that of inertia only the
     gear's centrifugal force counts. Beside each figure stands how far dynamic
     runs are known to differ from it.
     """
+    from cycloid_mj.figures import quantities
     from cycloid_mj.statics.sheet import sheet
 
     design = chosen.sound()
     place = claimed(delivery, f"{design.name}-statics")
-    return deliver(_outcome(sheet(Reducer(design), load_nm)), place, delivery)
+    loaded = design if load_nm is None else design.but(load={"torque": load_nm})
+    return deliver(_outcome(sheet(Reducer(design), load_nm), quantities(Reducer(loaded))), place, delivery)
 
 
-def _outcome(found: "Sheet") -> Outcome:
+def _outcome(found: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     from cycloid_mj.base.frame import quantity_frame
+    from cycloid_mj.figures import values_json
     from cycloid_mj.statics.sheet import COMPARED, known_difference
 
     rows = []
@@ -80,7 +85,10 @@ def _outcome(found: "Sheet") -> Outcome:
         title=f"statics: {found.design}",
         condition=found.condition,
         headline=headline(one for key, one in found.quantities.items() if key in HEADLINE),
-        tables=[Table(f"statics: {found.design}, {found.condition}", HEADER, tuple(rows))],
+        tables=[
+            Table(f"statics: {found.design}, {found.condition}", HEADER, tuple(rows)),
+            Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
+        ],
         notes=[
             f"load: {SOURCES[found.load_source]}",
             *(f"{one.name}: {one.note}" for one in found.quantities.values() if one.note),
@@ -88,5 +96,9 @@ def _outcome(found: "Sheet") -> Outcome:
             *(f"assumed: {sentence}" for sentence in found.assumptions),
         ],
         frame=quantity_frame(found.quantities),
-        result=found.as_json(),
+        result=found.as_json() | {"figures": values_json(figures)},
     )
+
+
+def _by_key(figures: Mapping[str, Quantity]) -> tuple[tuple[str, str, str], ...]:
+    return tuple((key, "-" if isnan(one.value) else f"{one.value:.6g}", one.unit) for key, one in figures.items())

@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.figures import COMPUTED, FIGURES, Figure, figure, figures_of
+from cycloid_mj.figures import COMPUTED, FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
@@ -153,7 +153,7 @@ def _summed_up(reducer: Reducer) -> Measured:
 
 
 def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:
-    return _of_quantities(row.quantity(reducer) for row in figures_of(reducer))
+    return _of_quantities(quantities(reducer).values())
 
 
 def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measured:

@@ -4,7 +4,18 @@ A row (`Figure`) has key, name, unit, definition, what it needs, and a function 
 function and a row, and every command has it. Rooms above name their functions in `above`.
 """
 
-from cycloid_mj.figures.catalogue import CHEAP, COMPUTED, FIGURES, SAMPLED, compute, compute_sampled, figure, figures_of
+from cycloid_mj.figures.catalogue import (
+    CHEAP,
+    COMPUTED,
+    FIGURES,
+    SAMPLED,
+    compute,
+    compute_sampled,
+    figure,
+    figures_of,
+    quantities,
+    values_json,
+)
 from cycloid_mj.figures.figure import Figure, Need
 
 __all__ = [
@@ -18,4 +29,6 @@ __all__ = [
     "compute_sampled",
     "figure",
     "figures_of",
+    "quantities",
+    "values_json",
 ]

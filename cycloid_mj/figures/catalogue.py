@@ -1,9 +1,11 @@
 """All figures by key, and what is asked of them by key: one, those that a reducer has, their values."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from difflib import get_close_matches
 
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.types import Array
 from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
@@ -88,6 +90,26 @@ def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figur
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
     """Compute figures by the keys that they are asked for, which may be aliases; errors are those of the figures."""
     return {key: figure(key).value(reducer) for key in keys}
+
+
+def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Quantity]:
+    """Compute all figures that a reducer has, of some needs, by their keys.
+
+    One that fails, as where no balance is found, is NaN, and its note says why.
+    """
+    return {row.key: _computed(reducer, row) for row in figures_of(reducer, needs)}
+
+
+def _computed(reducer: Reducer, row: Figure) -> Quantity:
+    try:
+        return row.quantity(reducer)
+    except CycloidError as error:
+        return Quantity(row.key, row.name, math.nan, row.unit, note=str(error))
+
+
+def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, str | float]]:
+    """Convert computed figures to JSON values: name, value and unit by key."""
+    return {key: {"name": one.name, "value": one.value, "unit": one.unit} for key, one in figures.items()}
 
 
 def compute_sampled(

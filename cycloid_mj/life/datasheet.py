@@ -1,5 +1,6 @@
 """What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from cycloid_mj.base.names import PIN, SHAFT
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design
+from cycloid_mj.figures import quantities, values_json
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
@@ -45,6 +47,8 @@ class Datasheet:
         Of the panels, in their order.
     notes
         What all of it stands on, a sentence each.
+    figures
+        The catalogue's, of geometry and statics, by key.
     """
 
     design: Design
@@ -52,6 +56,7 @@ class Datasheet:
     groups: dict[str, tuple[Quantity, ...]]
     curves: tuple[Curve, ...]
     notes: tuple[str, ...]
+    figures: Mapping[str, Quantity]
 
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
@@ -63,6 +68,7 @@ class Datasheet:
                 one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
                 for one in items
             },
+            "figures": values_json(self.figures),
             "curves": [curve.as_json() for curve in self.curves],
             "notes": list(self.notes),
         }
@@ -89,7 +95,14 @@ def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
         "Mass and size": _mass(reducer),
     }
     curves = (life_curve(reducer, life, momentary), _efficiency_curve(reducer), _wind_up_curve(reducer))
-    return Datasheet(design, life, groups, curves, _notes(reducer, life, static))
+    return Datasheet(
+        design=design,
+        life=life,
+        groups=groups,
+        curves=curves,
+        notes=_notes(reducer, life, static),
+        figures=quantities(reducer.but(load={"torque": design.rated_torque})),
+    )
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:

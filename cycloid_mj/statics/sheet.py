@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, Powers, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
@@ -147,7 +147,7 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    return _sheet(reducer, load, PARTS_OF_SHEET.values())
+    return _sheet(reducer, load, [_kept(part) for part in PARTS_OF_SHEET])
 
 
 def glance(reducer: Reducer, load: float | None = None) -> Sheet:
@@ -174,7 +174,17 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
 
 def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
     """Collect some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
-    return keyed(PARTS_OF_SHEET[part](*_under(reducer, load)))
+    return dict(_part(*_under(reducer, load), part))
+
+
+@once
+def _part(reducer: Reducer, load: float, part: str) -> Mapping[str, Quantity]:
+    """Compute one of `PARTS_OF_SHEET` of a reducer that is under the load [N m]."""
+    return keyed(PARTS_OF_SHEET[part](reducer, load))
+
+
+def _kept(part: str) -> Part:
+    return lambda reducer, load: iter(_part(reducer, load, part).values())
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:

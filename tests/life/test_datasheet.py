@@ -206,6 +206,7 @@ def test_the_command_writes_both_files(sheet, tmp_path: Path, capsys, monkeypatc
     keys = {"rated_torque", "momentary_torque", "lost_motion_ideal", "stiffness_ideal", "efficiency", "backlash"}
     assert keys | {"mass", "inertia"} <= set(found["quantities"])
     assert found["quantities"]["rated_torque"]["condition"]
+    assert found["figures"]["mass_kg"]["value"] == pytest.approx(found["quantities"]["mass"]["value"], rel=1e-3)
     monkeypatch.chdir(tmp_path)
     assert main(["datasheet"]) == 0
     assert (tmp_path / "runs" / "pin-datasheet.pdf").exists()

@@ -145,6 +145,8 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
         sheet(Reducer(PRESETS["nonpin"]), 20.0).quantities["efficiency"].value
     )
     assert told["quantities"]["efficiency"]["known_difference"] == KNOWN["efficiency"]
+    assert told["figures"]["efficiency_percent"]["value"] == told["quantities"]["efficiency"]["value"]
+    assert told["figures"]["mass_kg"]["unit"] == "kg"
     assert main(["statics", "--design", str(design_file("few")), "--set", "errors.pin_position_um=0.4", "--all"]) == 0
     out = capsys.readouterr().out
     assert "capacity" in out
