@@ -28,6 +28,11 @@ def mass(reducer: Reducer) -> float:
     return sum(masses(reducer).values())
 
 
+def specific_torque(reducer: Reducer) -> float:
+    """Compute the rated torque over the mass of all parts [N m/kg]."""
+    return reducer.design.rated_torque / mass(reducer)
+
+
 def least_convex_radius(reducer: Reducer) -> float:
     """Compute the radius of the sharpest convex bend of the lobes [mm]."""
     return MILLIMETRES * (profile.undercut_radius(reducer.gear_profile) - reducer.profile_offset)
@@ -82,6 +87,13 @@ OF_GEOMETRY = (
         "Mass of all parts as drawn, without covers and the rings of bearings.",
         mass,
         "mass",
+    ),
+    _figure(
+        "specific_torque_nm_per_kg",
+        "rated torque over mass",
+        "N m/kg",
+        "Rated torque over the mass of all parts as drawn.",
+        specific_torque,
     ),
     _figure(
         "least_convex_radius_mm",
