@@ -80,12 +80,13 @@ LOOK = """
 import importlib.metadata, cycloid_mj, hsieh2014
 from cycloid_mj.design import PRESETS
 from cycloid_mj.papers import papers
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.page import environment
 from cycloid_mj.scene.layout import layout
 print(cycloid_mj.__file__, hsieh2014.__file__)
 print(importlib.metadata.version("cycloid-mj"), [paper.key for paper in papers()])
 print(sorted(environment().list_templates()))
-print(bool(layout(PRESETS["pin"])["configById"]))
+print(bool(layout(Reducer(PRESETS["pin"]))["configById"]))
 """
 
 

@@ -1,6 +1,6 @@
 """The pages of the documentation: they build without a warning, load nothing from outside, and fit any screen.
 
-All are slow, since the pages are built for them; one example of the gallery is drawn for most, all for one.
+All are slow, since the pages are built for them, once, with every example of the gallery drawn.
 """
 
 import re
@@ -8,7 +8,6 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote
 
 import pytest
@@ -16,11 +15,6 @@ from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, error
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-EXAMPLE = "plot_2_own_design"
-"""The example that is drawn by default."""
-
-KINDS = {"concepts", "physics", "results", "tutorial", "design-file", "commands", "11-bent-output-pins", EXAMPLE}
-"""A page of each kind: drawings, formulas, tables, shell blocks, the two references, a decision, an example."""
 
 
 class _Links(HTMLParser):
@@ -43,9 +37,11 @@ class _Links(HTMLParser):
             self.loads.append(given["src"])
 
 
-def built(made: Path, examples: str) -> dict[Path, _Links]:
-    """Build the pages in a folder, draw the examples of this pattern, and read the pages."""
-    gallery = {"run_stale_examples": "1", "filename_pattern": examples}
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
+    """Build the pages with every example drawn, and read them."""
+    made = tmp_path_factory.mktemp("docs")
+    gallery = {"run_stale_examples": "1", "filename_pattern": "/"}
     words = [word for key, value in gallery.items() for word in ("-D", f"sphinx_gallery_conf.{key}={value}")]
     words += ["-W", "--keep-going", "-q", "-d", str(made / "trees"), str(DOCS), str(made / "pages")]
     done = subprocess.run([sys.executable, "-m", "sphinx", *words], capture_output=True, text=True, check=False)
@@ -55,12 +51,6 @@ def built(made: Path, examples: str) -> dict[Path, _Links]:
         pages[page] = _Links()
         pages[page].feed(page.read_text(encoding="utf-8"))
     return pages
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
-    """Collect the pages, with one example drawn."""
-    return built(tmp_path_factory.mktemp("docs"), EXAMPLE)
 
 
 @pytest.mark.slow
@@ -86,13 +76,15 @@ def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
 def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_path: Path) -> None:
-    seen = {page.stem: page for page in site if page.stem in KINDS and page.parent.name != "_modules"}
-    assert seen.keys() == KINDS
+    concepts = next(page for page in site if page.stem == "concepts")
     with browser() as driver:
-        for page in seen.values():
-            require_fit(driver, page)
+        for page in site:
+            show(driver, page)
+            assert not driver.execute_script(OVERHANG), page.name
+            assert not driver.execute_script(UNDRAWN), page.name
+            assert not errors(driver), page.name
         for scheme in ("light", "dark"):
-            show(driver, seen["concepts"], scheme=scheme)
+            show(driver, concepts, scheme=scheme)
             drawing = 'getComputedStyle(document.querySelector("article img")).filter'
             assert (driver.execute_script(f"return {drawing}") == "none") == (scheme == "light")
         (tmp_path / "wide.html").write_text("<!doctype html><p style='width: 500px'>too wide</p>", encoding="utf-8")
@@ -100,38 +92,12 @@ def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_pa
         assert driver.execute_script(OVERHANG)
 
 
-def require_fit(driver: Any, page: Path) -> None:
-    """Hold a page to fit a phone, draw its pictures and say nothing on the console."""
-    show(driver, page)
-    assert not driver.execute_script(OVERHANG), page.name
-    assert not driver.execute_script(UNDRAWN), page.name
-    assert not errors(driver), page.name
-
-
-def require_figure(site: dict[Path, _Links], example: str) -> None:
-    page = next(page for page in site if page.stem == example)
-    assert any("sphx_glr" in place for place in site[page].loads)
-
-
 @pytest.mark.slow
-def test_an_example_drew_its_figure_and_all_have_a_page(site: dict[Path, _Links]) -> None:
-    require_figure(site, EXAMPLE)
-    names = {page.stem for page in site}
+def test_every_example_has_a_page_with_its_figure(site: dict[Path, _Links]) -> None:
+    pages = {page.stem: found for page, found in site.items()}
     for script in (ROOT / "examples").glob("plot_*.py"):
-        assert script.stem in names
+        assert any("sphx_glr" in place for place in pages[script.stem].loads)
         assert 15 < len(script.read_text(encoding="utf-8").splitlines()) <= 70
-
-
-@pytest.mark.slow
-def test_every_example_draws_its_figure_and_every_page_fits_a_phone(tmp_path: Path) -> None:
-    site = built(tmp_path, "/")
-    for script in (ROOT / "examples").glob("plot_*.py"):
-        require_figure(site, script.stem)
-    if not (CHROMIUM and DRIVER):
-        pytest.skip(MISSING)
-    with browser() as driver:
-        for page in site:
-            require_fit(driver, page)
 
 
 @pytest.mark.slow

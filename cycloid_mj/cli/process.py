@@ -35,6 +35,11 @@ def run() -> None:
     except KeyboardInterrupt as stop:
         # before `main` could tell it, such as while modules were loaded
         sys.stderr.write(f"error: stopped by {cause(stop)}\n")
+    except ImportError as error:
+        # a module in C that is stopped while it is loaded ends in an error of its own
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        sys.stderr.write(f"error: stopped by {cause(error.__cause__)}\n")
     except OSError:
         # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

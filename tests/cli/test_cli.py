@@ -891,3 +891,17 @@ run()
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "0 True"
+
+
+STOPPED_IN_AN_IMPORT = """
+from cycloid_mj.cli import process
+def main():
+    raise ImportError("initialization failed") from KeyboardInterrupt()
+process.main = main
+process.run()
+"""
+
+
+def test_ctrl_c_while_a_module_in_c_is_loaded_is_one_line() -> None:
+    done = subprocess.run([sys.executable, "-c", STOPPED_IN_AN_IMPORT], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, "error: stopped by Ctrl-C\n")

@@ -11,9 +11,9 @@ from matplotlib.path import Path as PolygonPath
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.body import balance
-from cycloid_mj.checks.summary import masses
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.figures.geometry import masses
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.measure.reaction import unbalance
