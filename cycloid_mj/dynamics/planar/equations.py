@@ -416,6 +416,8 @@ def _changes(
         after = OPEN
         if pressing > 0.0:
             after = rubbing_state(contact, contact.slip)
+            if after != before and after != STICKS and before in (SLIDES, SLIDES_BACK):
+                after = STICKS  # what turns round comes to rest on the way
             limit = contact.friction * pressing
             contact.rubbing = -max(-limit, min(limit, contact.creep * contact.slip))
         contact.state = after
