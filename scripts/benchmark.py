@@ -43,12 +43,13 @@ from passes import (
     loop_cost,
     own_cost,
     run_cost,
+    second_cost,
 )
 from sweeping import sweep_table
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
-from cycloid_mj.dynamics.run import reducer_model
+from cycloid_mj.dynamics.run import Solver, reducer_model
 from cycloid_mj.reducer import Reducer
 
 Row = dict[str, list[float]]
@@ -224,6 +225,35 @@ def scaling_table(passes: int) -> Table:
     return table
 
 
+def solvers_table(passes: int) -> Table:
+    """Both solvers, each at its own step: CPU s of a simulated second, and the exponent by the number of free pins."""
+    loaded, own = "load.torque_nm=36.68", ("drive.ramp_s=0", "drive.hold_s=0.13")
+    cases = {
+        "free pins": ("pin", loaded),
+        "free pins, idle": ("pin",),
+        "massless pins": ("pin", loaded, 'ring.pins="massless"'),
+        "fixed pins": ("pin", loaded, 'ring.pins="fixed"'),
+        "nonpin": ("nonpin", loaded),
+        "two discs": ("twodisc", "load.torque_nm=100"),
+    }
+    solvers: tuple[Solver, ...] = ("mujoco", "planar")
+    table: Table = {}
+    for name, (preset, *changes) in cases.items():
+        design = override(PRESETS[preset], [*own, *changes])
+        row = in_turn(passes, **{solver: partial(second_cost, solver, design) for solver in solvers})
+        table[name] = row | ratio(row, "mujoco", "planar")
+    first = next(iter(FREE_PINS))
+    for teeth, fit in FREE_PINS.items():
+        words = [f"ring.teeth={teeth}", *(f"{key}={value!r}" for key, value in fit.items())]
+        design = override(PRESETS["pin"], [*own, loaded, *words])
+        table[f"{teeth} free pins"] = in_turn(passes, planar=partial(second_cost, "planar", design))
+        if teeth > first:
+            wider, least = math.log(teeth / first), table[f"{first} free pins"]["planar"]
+            costs = zip(table[f"{teeth} free pins"]["planar"], least, strict=True)
+            table[f"{teeth} free pins"]["exponent"] = [math.log(cost / fewest) / wider for cost, fewest in costs]
+    return table
+
+
 def discs_table(passes: int) -> Table:
     """Step loop of two discs against one, under the same load a disc; us per step.
 
@@ -301,6 +331,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "mesh": mesh_table,
     "teeth": teeth_table,
     "scaling": scaling_table,
+    "solvers": solvers_table,
     "discs": discs_table,
     "exudyn": exudyn_table,
     "threads": threads_table,

@@ -196,9 +196,23 @@ def test_slices_are_mujocos_alone() -> None:
 def test_a_step_that_is_not_given_fits_between_samples() -> None:
     design = override(PRESETS["pin"], ["settings.log_rate_hz=30000.0"])
     model = planar_model(Reducer(design))
-    assert model.timestep <= 20e-6
+    assert model.timestep <= 35e-6
     assert (1.0 / 30000.0 / model.timestep) == pytest.approx(round(1.0 / 30000.0 / model.timestep))
     assert planar_model(Reducer(override(design, ["settings.timestep_us=3.0"]))).timestep == 3e-6
+
+
+def test_a_long_step_stays_bounded() -> None:
+    """Normals turn in tight valleys and in the play of a cam: where a step goes far, contacts are looked for anew."""
+    design = override(design_of("fixed"), ["settings.timestep_us=100.0", "settings.log_rate_hz=10000.0"])
+    fine = override(design, ["settings.timestep_us=10.0"])
+    errors = [transmission_error(settled(simulate(each, planar_model(Reducer(each)))), each) for each in (design, fine)]
+    assert errors[0].mean() == pytest.approx(errors[1].mean(), rel=1e-4)
+
+
+def test_friction_that_turns_round_takes_few_rounds() -> None:
+    """Hardly pressed contacts creep in a narrow range of speeds: rounds of a step must not jump over it for ever."""
+    run = settled(simulate(design_of("free", 0.03), planar_model(Reducer(design_of("free", 0.03)))))
+    assert run["solver_iterations"].max() < 30
 
 
 def test_a_run_at_high_friction_agrees_and_one_whose_friction_leads_does_not(monkeypatch: pytest.MonkeyPatch) -> None:

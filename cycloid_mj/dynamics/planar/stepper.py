@@ -32,6 +32,9 @@ FAR = 2e-2
 """Way of a moving pin from where its contacts were looked for, as a share of its play, from which on they are looked
 for again: of a circle that rolls up in another, what is left out is half the square of it."""
 
+DISC_FAR = 1e-8
+"""The same of a disc [m], with the way of its teeth by its turn: a cam rolls in its bore, teeth in tight valleys."""
+
 _OF_SHAFT, _OF_DISC, _OF_PIN = 3, 6, 4
 """Numbers of a sample: angle, speed and torque of a shaft; places and speeds of a disc; of a pin only its spin."""
 
@@ -193,7 +196,13 @@ def _end(motion: Motion, size: int, step: float, middle: Array) -> None:
 
 @njit
 def _is_far(system: System, half: float, near: Array, middle: Array, size: int) -> bool:
-    """Tell whether a pin has gone far from where its contacts were looked for."""
+    """Tell whether a disc or a pin has gone far from where its contacts were looked for."""
+    radius = system.teeth.ring.radius
+    for body in range(0, size - 2, 3):
+        x, y = middle[body] - near[body], middle[body + 1] - near[body + 1]
+        turned = radius * (middle[body + 2] - near[body + 2])
+        if half * half * (x * x + y * y + turned * turned) > DISC_FAR * DISC_FAR:
+            return True
     for i in range(len(system.inner)):
         own = size + 3 * i
         x, y = middle[own] - near[own], middle[own + 1] - near[own + 1]

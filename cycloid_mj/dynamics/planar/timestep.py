@@ -4,11 +4,15 @@ from cycloid_mj.dynamics.swing import swing_period
 from cycloid_mj.dynamics.timestep import Step, passing_limit, whole_in_samples
 from cycloid_mj.reducer import Reducer
 
-LONGEST = 20e-6
-"""Longest step [s] that is chosen: two fifths of the time constant of the servo that turns the crank."""
+LONGEST = 35e-6
+"""Longest step [s] that is chosen: two thirds of the time constant of the servo that turns the crank."""
 
-STEPS_OF_SWING = 10.0
-"""Fewest steps in a swing of what turns on all contacts: its frequency is then 3 % low."""
+STEPS_OF_SWING = 5.5
+"""Fewest steps in a swing of what turns on all contacts.
+
+At 33 us, against 1 us at the rated load, all means of pin, nonpin, twodisc and printed are right to 0.001 %, peaks to
+peak of the transmission error to 0.5 %; rms of the gear's speed are 5 % low with free pins and 1 to 3 % high without.
+"""
 
 
 def chosen(reducer: Reducer) -> Step:
@@ -37,4 +41,4 @@ def held_figures(reducer: Reducer) -> str:
         return "means within 0.1 %, peaks to peak within 1 %; rms of speeds within 10 %, as moving pins chatter"
     if design.ring.has_massless_pins:
         return "means within 0.1 %; no peaks and no rms of speeds, which the inertia of pins has its part in"
-    return "means within 0.1 %, peaks to peak within 1 % and rms of speeds within 3 %"
+    return "means within 0.1 %, peaks to peak within 1 % and rms of speeds within 4 %"
