@@ -1,21 +1,20 @@
 """What a sound design is, in a few numbers."""
 
+import math
 from dataclasses import dataclass
 
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.design import material_limits
+from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_one_part
-from cycloid_mj.reducer.limits import stops
-from cycloid_mj.statics.pressure import YIELD_PRESSURE, pair_strength
-from cycloid_mj.statics.springs import turn_evenly
+from cycloid_mj.statics.pressure import pair_strength
 
-POSES = 13
-"""Crank angles over which the backlash is averaged."""
-
-SIDES = 90
-"""Sides of the polygon around a cam's play: it makes the backlash larger by some 1e-4."""
+SLOW = 1e-6
+"""Speed for a crank that stands still in its design [rad/s]: statics need a sense of rotation alone."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +73,7 @@ def summary(reducer: Reducer) -> Summary:
     """
     design = reducer.design
     state = rated(reducer)
+    turning = reducer if design.drive.speed else reducer.but(drive={"speed": SLOW})
     weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(reducer, kind))
     return Summary(
         ratio=design.reduction,
@@ -84,14 +84,16 @@ def summary(reducer: Reducer) -> Summary:
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
-        backlash=_backlash(reducer),
-        capacity=state.torque_at(weakest, YIELD_PRESSURE * pair_strength(reducer, weakest)),
+        backlash=ARCMINUTE * figure("backlash_arcmin").value(turning),
+        capacity=_capacity(turning),
         weakest=weakest,
         material_limits=material_limits(design),
     )
 
 
-def _backlash(reducer: Reducer) -> float:
-    """Play of the output from stop to stop [rad], mean over a turn."""
-    ends = [stops(reducer, float(crank), SIDES) for crank in turn_evenly(reducer, POSES)]
-    return sum(high - low for low, high in ends) / len(ends)
+def _capacity(reducer: Reducer) -> float:
+    """Compute the torque at first yield [N m]; NaN where statics do not reach it."""
+    try:
+        return figure("capacity_nm").value(reducer)
+    except RunError:
+        return math.nan

@@ -216,6 +216,7 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
         "mass_kg": summed.mass,
         "rated_torque_nm": summed.rated_torque,
         "loaded_teeth": summed.loaded_teeth,
+        "loaded_teeth_per_disc": summed.loaded_teeth,
         "pressure_angle_deg": degrees(summed.pressure_angle),
         "backlash_arcmin": 60.0 * degrees(summed.backlash),
         "capacity_nm": summed.capacity,

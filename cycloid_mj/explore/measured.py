@@ -144,6 +144,7 @@ def _summed_up(reducer: Reducer) -> Measured:
         Quantity("mass", "", figures.mass, "kg"),
         Quantity("rated_torque", "", figures.rated_torque, "N m"),
         Quantity("loaded_teeth", "", figures.loaded_teeth, "1"),
+        Quantity("loaded_teeth_per_disc", "", figures.loaded_teeth, "1"),
         Quantity("pressure_angle", "", math.degrees(figures.pressure_angle), "deg"),
         Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
         Quantity("capacity", "", figures.capacity, "N m"),

@@ -12,6 +12,7 @@ from cycloid_mj.base.result import plain
 from cycloid_mj.checks import summary
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override
+from cycloid_mj.figures import FIGURES
 from cycloid_mj.life import rate
 from cycloid_mj.reducer import Reducer
 
@@ -102,6 +103,23 @@ def test_summary_agrees_with_the_measures(name):
     assert f"backlash {found['backlash_arcmin']:.3g} arcmin" in text
     assert "ratio 35:1, outer diameter 100 mm, mass 0.8" in text
     assert f"weakest: {rating.weakest.name}: " in text
+
+
+@pytest.mark.parametrize("name", ["printed", "twodisc"])
+def test_the_summary_has_the_numbers_of_the_catalogue(name):
+    """Under the catalogue's keys; the old key `loaded_teeth` is the count of one disc here."""
+    found = json.loads(told("design", "check", name, "--json")[1])["summary"]
+    reducer = Reducer(PRESETS[name])
+    for key in found.keys() & FIGURES.keys() - {"loaded_teeth"}:
+        assert found[key] == pytest.approx(FIGURES[key].value(reducer), rel=1e-12), key
+    assert {"backlash_arcmin", "capacity_nm", "loaded_teeth_per_disc"} <= found.keys() & FIGURES.keys()
+
+
+def test_a_crank_that_stands_still_is_summed_up_too():
+    standing = PRESETS["pin"].but(drive={"speed": 0.0})
+    found, turning = summary(Reducer(standing)), summary(Reducer(PRESETS["pin"]))
+    assert found.backlash == pytest.approx(turning.backlash, rel=1e-6)
+    assert found.capacity == pytest.approx(turning.capacity, rel=0.1)
 
 
 @pytest.mark.parametrize("name", UNLIKE)
