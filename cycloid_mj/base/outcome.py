@@ -55,8 +55,8 @@ class Outcome:
         What pictures show, by their names, for the page.
     files
         Other files, by name.
-    result
-        The JSON object.
+    result, filed
+        The JSON object, and whether it becomes a file as well.
     page
         Renders a page of its own, instead of the one that shows headline, pictures, tables and notes.
     code
@@ -78,6 +78,7 @@ class Outcome:
     captions: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, bytes] = field(default_factory=dict)
     result: Mapping[str, Any]
+    filed: bool = True
     page: Callable[[], str] | None = None
     code: int = 0
 

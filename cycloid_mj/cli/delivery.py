@@ -51,7 +51,12 @@ class Destination:
 
 
 def claimed(
-    wanted: Delivery, stem: str, names: Iterable[str] = (), usual: str = "", paged: bool = False
+    wanted: Delivery,
+    stem: str,
+    names: Iterable[str] = (),
+    usual: str = "",
+    paged: bool = False,
+    resumed: bool = False,
 ) -> Destination:
     """Claim the names of a command's files.
 
@@ -67,6 +72,8 @@ def claimed(
         The folder where ``--out`` names none; without it no files are written.
     paged
         Whether there is a page in the folder without ``--html``, too.
+    resumed
+        Whether the folder is that of earlier work which goes on: its files are the command's own.
 
     Raises
     ------
@@ -78,8 +85,12 @@ def claimed(
         The folder cannot be made.
     """
     out = wanted.out or usual
-    into = folder(out, "the results", [f"{stem}.json", f"{stem}.csv", *names], wanted.force) if out else None
-    return Destination(stem, into, _page(wanted, stem, into, paged))
+    files = () if resumed else (f"{stem}.json", f"{stem}.csv", *names)
+    into = folder(out, "the results", files, wanted.force) if out else None
+    page = _page(wanted, stem, into, paged)
+    if page and not resumed:
+        claim(page, force=wanted.force)
+    return Destination(stem, into, page)
 
 
 def _page(wanted: Delivery, stem: str, into: Path | None, paged: bool) -> Path | None:
@@ -92,23 +103,27 @@ def _page(wanted: Delivery, stem: str, into: Path | None, paged: bool) -> Path |
         raise UsageError(f"--html {named[0]} is a design: name it before the flags, or the page {named[0]}.html")
     path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
     require_ending(path, ".html")
-    claim(path, force=wanted.force)
     return path
 
 
 def deliver(outcome: Outcome, place: Destination, wanted: Delivery) -> int:
     """Write the files of an outcome, print it, and return its exit code."""
+    write(outcome, place, wanted)
+    if wanted.json:
+        say_json(dict(outcome.result))
+    else:
+        show_outcome(outcome, wanted.all)
+    return outcome.code
+
+
+def write(outcome: Outcome, place: Destination, wanted: Delivery) -> None:
+    """Write the files of an outcome, all of them or none."""
     files = dict(_files(outcome, place))
     if files:
         with unbroken():
             write_whole(files)
         if not wanted.quiet:
             tell(f"wrote {', '.join(map(str, files))}")
-    if wanted.json:
-        say_json(dict(outcome.result))
-    else:
-        _print(outcome, wanted.all)
-    return outcome.code
 
 
 def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]:
@@ -119,7 +134,8 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
         for name, draw in outcome.pictures.items():
             for form in outcome.formats:
                 yield place.folder / f"{name}.{form}", draw(form)
-        yield place.folder / f"{place.stem}.json", f"{json_text(dict(outcome.result))}\n".encode()
+        if outcome.filed:
+            yield place.folder / f"{place.stem}.json", f"{json_text(dict(outcome.result))}\n".encode()
         if outcome.frame:
             yield place.folder / f"{place.stem}.csv", outcome.frame.as_csv().encode()
     if place.page:
@@ -128,13 +144,11 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
         yield place.page, (outcome.page() if outcome.page else outcome_page(outcome)).encode()
 
 
-def _print(outcome: Outcome, everything: bool) -> None:
+def show_outcome(outcome: Outcome, everything: bool) -> None:
     """Print headline, failures and warnings first; the tables and notes where all is asked for."""
-    heading = ", ".join(filter(None, (outcome.title, outcome.condition)))
+    say(", ".join(filter(None, (outcome.title, outcome.condition))))
     if outcome.headline:
-        say_table(heading, ("figure", "value"), list(outcome.headline.items()))
-    else:
-        say(heading)
+        say_table("", ("figure", "value"), list(outcome.headline.items()))
     for line in outcome.failures:
         say(f"FAIL  {line}")
     taken = FRAME_LINES + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))

@@ -254,30 +254,6 @@ class PresetOptions(DesignOptions):
 PRESET = PresetOptions()
 
 
-@dataclass(frozen=True)
-class EngineOptions:
-    """Where many pieces of work are done."""
-
-    workers: WorkersFlag = None
-    scheduler: Annotated[
-        str | None,
-        Parameter(
-            metavar="HOST:PORT",
-            help="Scheduler of a running Dask cluster, whose workers do the work instead; they need the same versions "
-            "of the packages. pip install 'cycloid-mj[cluster]'.",
-        ),
-    ] = None
-
-    def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
-        """Return the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
-        if self.workers and self.scheduler is not None:
-            raise UsageError("--scheduler has workers of its own: leave --workers out")
-        return Engine(self.workers or 0, kind, self.scheduler or "")
-
-
-HERE = EngineOptions()
-
-
 def out_flag(files: str, usual: str = "") -> Parameter:
     """Declare ``--out``: the folder of `files`, by default `usual`, or none."""
     default = f"Default: {usual}." if usual else "Default: nothing is written."
@@ -298,6 +274,26 @@ class Delivery:
 
 
 DELIVERY = Delivery()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClusterDelivery(Delivery):
+    """The same for many pieces of work, which may be done elsewhere."""
+
+    scheduler: Annotated[
+        str | None,
+        Parameter(
+            metavar="HOST:PORT",
+            help="Scheduler of a running Dask cluster, whose workers do the work instead; they need the same versions "
+            "of the packages. pip install 'cycloid-mj[cluster]'.",
+        ),
+    ] = None
+
+    def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
+        """Choose the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
+        if self.workers and self.scheduler is not None:
+            raise UsageError("--scheduler has workers of its own: leave --workers out")
+        return Engine(self.workers or 0, kind, self.scheduler or "")
 
 
 def require_distinct(designs: Iterable[Design]) -> None:

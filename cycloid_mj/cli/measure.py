@@ -6,33 +6,40 @@ in the flag's unit; the measure takes its value in SI, under the name without th
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Annotated, Any, ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import App, Parameter
 
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.base.result import quantity_table
+from cycloid_mj.cli.delivery import Destination, claimed, show_outcome, write
 from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
     NAMES,
     PRESET,
     SPEED,
+    Delivery,
     DesignNames,
     DesignOptions,
     DesignValue,
-    ForceFlag,
-    JsonFlag,
     PresetOptions,
-    QuietFlag,
     SetFlag,
     SeveralFlag,
     Values,
+    out_flag,
     require_distinct,
     whole,
     within,
 )
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.terminal import say_json
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.measure import Measurement
 
 ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
 EXAMPLES = """Examples:
@@ -46,21 +53,12 @@ TORQUE = DesignValue("drive", "torque")
 RATED = ". Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
 
 
-@dataclass(frozen=True)
-class Delivered:
-    """What a measure leaves, and what it says."""
+@dataclass(frozen=True, kw_only=True)
+class MeasureDelivery(Delivery):
+    """Where a measurement goes, with the logs of its runs."""
 
-    out: Annotated[
-        str,
-        Parameter(
-            metavar="DIR",
-            help=f"Folder of the figure, the JSON file and the logs, made if there is none. Default: {OUT}.",
-        ),
-    ] = OUT
+    out: Annotated[str | None, out_flag("the figure, the JSON file and the logs", OUT)] = None
     no_log: Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")] = False
-    force: ForceFlag = False
-    json: JsonFlag = False
-    quiet: QuietFlag = False
 
 
 @dataclass(frozen=True)
@@ -335,7 +333,7 @@ def commands(sort_key: int) -> App:
 def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     """Make the command of a measure: its design, its own options, and what all measures share."""
 
-    def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: Delivered) -> int:
+    def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
         return _measure(name, [chosen.sound(options.values())], options, delivered)
 
     def many(
@@ -343,35 +341,75 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         design: SeveralFlag = (),
         set_: SetFlag = (),
         options: MeasureOptions,
-        delivered: Delivered,
+        delivered: MeasureDelivery,
     ) -> int:
         sound = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, sound, options, delivered)
 
     command: Any = many if options is TorqueOptions else one
-    shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": Delivered}
+    shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": MeasureDelivery}
     flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat
-    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": Delivered()}
-    function: Callable[..., int] = command
-    return function
+    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": MeasureDelivery()}
+    made: Callable[..., int] = command
+    return made
 
 
-def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: Delivered) -> int:
-    """Measure designs, and print and write what was found."""
-    from cycloid_mj.cli.deliver import deliver, stem
+def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: MeasureDelivery) -> int:
+    """Measure designs, and print and write what was measurement."""
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
     require_distinct(designs)
-    names = [f"{stem(name, design)}.{ending}" for design in designs for ending in ("json", "png", "svg")]
-    into = folder(delivered.out, "the measurement", names, delivered.force)
+    stems = [f"{name}-{design.name}" for design in designs]
+    places = [claimed(delivered, stem, [f"{stem}.png", f"{stem}.svg"], OUT) for stem in stems]
     measurements = []
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = counted(words, delivered.quiet)
         published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
-    return deliver(measurements, into, delivered)
+    for one, place in zip(measurements, places, strict=True):
+        _deliver(one, place, delivered)
+    if delivered.json:
+        say_json(
+            measurements[0].as_json()
+            if len(measurements) == 1
+            else {"measurements": [one.as_json() for one in measurements]}
+        )
+    return 0
+
+
+def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureDelivery) -> None:
+    """Write a measurement with the logs of its runs, and print it unless JSON is asked for."""
+    from cycloid_mj.log import write as write_log
+
+    outcome = _outcome(measurement, place.stem)
+    with unbroken():
+        write(outcome, place, delivered)
+        if place.folder and not delivered.no_log:
+            for run_name, run in measurement.runs.items():
+                write_log(run, place.folder / f"{place.stem}-{run_name}.mcap", force=delivered.force)
+    if not delivered.json:
+        show_outcome(outcome, delivered.all)
+
+
+def _outcome(measurement: "Measurement", stem: str) -> Outcome:
+    from cycloid_mj.plots.measure import measurement_figure
+    from cycloid_mj.plots.save import drawn
+
+    quantities = measurement.quantities.values()
+    title = f"{measurement.measure}: {measurement.design.name}"
+    return Outcome(
+        title=title,
+        headline=headline(quantities),
+        tables=[quantity_table(title, quantities), *measurement.tables],
+        notes=[
+            *(f"{one.name}: {one.note}" for one in quantities if one.note),
+            *(f"assumed: {sentence}" for sentence in measurement.assumptions),
+        ],
+        pictures={stem: partial(drawn, measurement_figure(measurement))},
+        result=measurement.as_json(),
+    )

@@ -1,34 +1,35 @@
 """``cycloid-mj optimize``: the best design within ranges that passes its checks and limits."""
 
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.base.whole import write_whole
+from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
-    HERE,
     PRESET,
-    EngineOptions,
+    ClusterDelivery,
     FollowFlag,
-    ForceFlag,
-    JsonFlag,
     PresetOptions,
-    QuietFlag,
+    out_flag,
     whole,
     within,
 )
-from cycloid_mj.cli.terminal import say, say_json, show, tell
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.optimum import Optimum
 
 OUT = "runs/optimize"
-FIGURE, PAGE = "tradeoff.png", "optimize.html"
+STEM, FIGURE = "optimize", "tradeoff.png"
 SEARCHED = (
     "Every point whose figures are known: over the evaluations or over the other objective; below, over each key."
 )
@@ -74,15 +75,21 @@ StartsFlag = Annotated[
 ]
 SeedFlag = Annotated[int, Parameter(converter=whole, validator=within(0, 2**63), help="Of all draws. Default: 0.")]
 QuickFlag = Annotated[bool, Parameter(help="Do not run the best design in full dynamics, nor within its tolerances.")]
-OutFlag = Annotated[
-    Path, Parameter(metavar="DIR", help=f"Folder of the history, the best design, figure and page. Default: {OUT}.")
-]
-
 EXAMPLES = """Examples:
   cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2
       --minimize pin_gear_pressure_mpa --limit 'backlash_arcmin<=0.97' --out better
   cycloid-mj optimize --design my.toml --vary output.pins=6:10 --vary output.pin_radius_mm=2:5
       --minimize mass_kg --minimize output_pressure_mpa --quick"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OptimizeDelivery(ClusterDelivery):
+    """Where the search goes."""
+
+    out: Annotated[str | None, out_flag("the history, the best design, figure and page", OUT)] = None
+
+
+DELIVERED = OptimizeDelivery()
 
 
 def optimize(
@@ -98,11 +105,7 @@ def optimize(
     starts: StartsFlag = 3,
     seed: SeedFlag = 0,
     quick: QuickFlag = False,
-    out: OutFlag = Path(OUT),
-    where: Annotated[EngineOptions, FLAT] = HERE,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Find the best design within ranges of some keys, or the front of two objectives.
 
@@ -117,19 +120,20 @@ def optimize(
     stand beside the start's, a run in full dynamics beside them, and its yield where
     the design has tolerances. The exit code is 1 if no point keeps all.
     """
-    from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.journal import begun, forget
     from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, checked, explored
     from cycloid_mj.explore.problem import problem
 
-    engine = where.engine()
+    engine = delivery.engine()
     task = problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
-    into = folder(str(out), "the history", () if begun(out, STUDY) else (HISTORY, PARQUET, BEST, FIGURE, PAGE), force)
-    if force:
+    resumed = begun(Path(delivery.out or OUT), STUDY)
+    place = claimed(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
+    into = place.folder or Path(OUT)
+    if delivery.force:
         forget(into, STUDY)
     try:
-        optimum = explored(task, evaluations, starts, seed, into, engine, counted("optimize", quiet))
+        optimum = explored(task, evaluations, starts, seed, into, engine, counted("optimize", delivery.quiet))
         if optimum.best is None:
             raise DesignError(f"{optimum.hopeless} (all points are in {into})")
         write_whole({into / BEST: _best(optimum)})
@@ -138,7 +142,7 @@ def optimize(
         raise RunError(
             f"stopped by {cause(stop)}; the points so far are in {into}: the same command goes on from there"
         ) from stop
-    return _delivered(optimum, into, json, quiet)
+    return deliver(_outcome(optimum, into / BEST), place, delivery)
 
 
 def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
@@ -161,44 +165,23 @@ def _best(optimum: "Optimum") -> bytes:
     return dump(optimum.design()).encode()
 
 
-def _delivered(optimum: "Optimum", into: Path, json: bool, quiet: bool) -> int:
-    """Write figure and page, and tell what was found."""
-    from cycloid_mj.explore.optimizer import BEST, HISTORY
+def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
-    from cycloid_mj.plots.save import pictures
+    from cycloid_mj.plots.save import drawn
 
-    files = pictures({Path(FIGURE).stem: tradeoff_figure(optimum)}, into) | {into / PAGE: _page(optimum).encode()}
-    write_whole(files)
-    if not quiet:
-        tell(f"wrote {', '.join(map(str, (into / HISTORY, into / BEST, *files)))}")
-    if json:
-        say_json(_json(optimum, into / BEST))
-        return 0
-    for table in tables(optimum):
-        show(table)
-    say(optimum.words)
-    for note in optimum.notes:
-        say(note)
-    return 0
-
-
-def _json(optimum: "Optimum", best: Path) -> dict[str, Any]:
-    return {**optimum.as_json(), "design": str(best)}
-
-
-def _page(optimum: "Optimum") -> str:
-    from cycloid_mj.explore.optimum import tables
-    from cycloid_mj.plots.optimum import tradeoff_figure
-    from cycloid_mj.report.study import PageSection, study_page
-
-    values, figures, *rest = tables(optimum)
+    picture = Path(FIGURE).stem
     numbers = {"evaluations": str(optimum.evaluations), "keep all": str(len(optimum.feasible))}
     numbers |= {key: f"{value:.5g}" for key, value in optimum.best_figures.items()}
-    parts = [
-        PageSection("The best design", tables=[values, figures]),
-        PageSection("The search", figures={SEARCHED: tradeoff_figure(optimum)}),
-        *(PageSection(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
-        PageSection("What the numbers stand on", notes=optimum.notes),
-    ]
-    return study_page(f"cycloid_mj: {optimum.task.reducer.design.name} optimised", [optimum.words], numbers, parts)
+    return Outcome(
+        title=f"{optimum.task.reducer.design.name} optimised",
+        headline=dict(islice(numbers.items(), MOST_FIGURES)),
+        summary=[optimum.words, f"the best: {best}"],
+        tables=tables(optimum),
+        notes=optimum.notes,
+        pictures={picture: partial(drawn, tradeoff_figure(optimum))},
+        formats=("png",),
+        captions={picture: SEARCHED},
+        result={**optimum.as_json(), "design": str(best)},
+        filed=False,
+    )

@@ -83,27 +83,27 @@ def rate(
     return deliver(_outcome(rating, place), place, delivery)
 
 
-def _outcome(found: "Rating", place: Destination) -> Outcome:
+def _outcome(rating: "Rating", place: Destination) -> Outcome:
     from cycloid_mj.base.frame import framed
     from cycloid_mj.report.rating import rating_page
 
-    weakest, failing = found.weakest, found.failing
-    rows = [{"key": key, **item.as_json()} for key, item in found.items.items()]
+    weakest, failing = rating.weakest, rating.failing
+    rows = [{"key": key, **item.as_json()} for key, item in rating.items.items()]
     return Outcome(
-        title=f"rating: {found.design}",
-        condition=f"{found.duty}, for {found.life:g} h",
+        title=f"rating: {rating.design}",
+        condition=f"{rating.duty}, for {rating.life:g} h",
         headline={
             "weakest item": weakest.name,
             "its life" if weakest.safety is None else "its safety": weakest.verdict,
-            "items below what is asked": f"{len(failing)} of {len(found.items)}",
+            "items below what is asked": f"{len(failing)} of {len(rating.items)}",
         },
-        failures=[found.told(item) for item in failing],
-        summary=[f"weakest: {found.told_weakest()}", *([str(place.page)] if place.page else [])],
-        tables=[found.table(), *([found.cam_give.table()] if found.cam_give else [])],
-        notes=[f"assumed: {sentence}" for sentence in found.assumptions],
+        failures=[rating.told(item) for item in failing],
+        summary=[f"weakest: {rating.told_weakest()}", *([str(place.page)] if place.page else [])],
+        tables=[rating.table(), *([rating.cam_give.table()] if rating.cam_give else [])],
+        notes=[f"assumed: {sentence}" for sentence in rating.assumptions],
         frame=framed(rows, rows[0], {}),
-        result=found.as_json(),
-        page=lambda: rating_page(found),
+        result=rating.as_json(),
+        page=lambda: rating_page(rating),
     )
 
 

@@ -71,32 +71,32 @@ def statics(
     return deliver(_outcome(sheet(Reducer(design), load_nm), quantities(Reducer(loaded))), place, delivery)
 
 
-def _outcome(found: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
+def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.statics.sheet import COMPARED, known_difference
 
     rows = []
-    for one in found.quantities.values():
+    for one in static.quantities.values():
         known = known_difference(one)
         value = "-" if one.value != one.value else f"{one.value:.6g}"
         rows.append((one.name, value, one.unit, "" if known is None else f"{100.0 * known:g} %"))
     return Outcome(
-        title=f"statics: {found.design}",
-        condition=found.condition,
-        headline=headline(one for key, one in found.quantities.items() if key in HEADLINE),
+        title=f"statics: {static.design}",
+        condition=static.condition,
+        headline=headline(one for key, one in static.quantities.items() if key in HEADLINE),
         tables=[
-            Table(f"statics: {found.design}, {found.condition}", HEADER, tuple(rows)),
+            Table(f"statics: {static.design}, {static.condition}", HEADER, tuple(rows)),
             Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
         ],
         notes=[
-            f"load: {SOURCES[found.load_source]}",
-            *(f"{one.name}: {one.note}" for one in found.quantities.values() if one.note),
+            f"load: {SOURCES[static.load_source]}",
+            *(f"{one.name}: {one.note}" for one in static.quantities.values() if one.note),
             f"known difference: the largest, relative, from {COMPARED}",
-            *(f"assumed: {sentence}" for sentence in found.assumptions),
+            *(f"assumed: {sentence}" for sentence in static.assumptions),
         ],
-        frame=quantity_frame(found.quantities),
-        result=found.as_json() | {"figures": values_json(figures)},
+        frame=quantity_frame(static.quantities),
+        result=static.as_json() | {"figures": values_json(figures)},
     )
 
 

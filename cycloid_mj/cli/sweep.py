@@ -1,5 +1,7 @@
 """``cycloid-mj sweep``: a design measured at many points, a row each."""
 
+from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -7,28 +9,27 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claimed, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
-    HERE,
     PRESET,
-    EngineOptions,
+    ClusterDelivery,
     FollowFlag,
-    ForceFlag,
-    JsonFlag,
     PresetOptions,
-    QuietFlag,
+    out_flag,
     within,
 )
 from cycloid_mj.cli.flags import whole as whole_number
-from cycloid_mj.cli.terminal import say, say_json, show, tell
+from cycloid_mj.cli.terminal import tell
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.points import Points
     from cycloid_mj.explore.sweeps import Sweep
 
-OUT, PAGE = "runs/sweep", "sweep.html"
-FILES = ("sweep.csv", "sweep.parquet", "sweep.png", "sweep.svg", PAGE)
+OUT, STEM = "runs/sweep", "sweep"
+FILES = ("sweep.parquet", "sweep.png", "sweep.svg")
 POINTS = 64
 MOST_ERRORS = 5
 FAILURE = 1
@@ -90,9 +91,16 @@ RealPinsFlag = Annotated[
 ShowFlag = Annotated[
     str, Parameter(metavar="COLUMN[,COLUMN]", help="Quantities to draw. Default: up to six that change.")
 ]
-OutFlag = Annotated[
-    str, Parameter(metavar="DIR", help=f"Folder of the rows, the tables, the figure and the page. Default: {OUT}.")
-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepDelivery(ClusterDelivery):
+    """Where the rows go."""
+
+    out: Annotated[str | None, out_flag("the rows, the tables, the figure and the page", OUT)] = None
+
+
+DELIVERED = SweepDelivery()
 
 
 def sweep(
@@ -108,11 +116,7 @@ def sweep(
     real_pins: RealPinsFlag = False,
     follow: FollowFlag = (),
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
-    out: OutFlag = OUT,
-    where: Annotated[EngineOptions, FLAT] = HERE,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Measure a design at many points: a grid, samples of ranges, or a table of points.
 
@@ -126,26 +130,32 @@ def sweep(
     Loaded runs (`simulate`) have massless pins where pins move, unless --real-pins or
     ring.pins is varied. The exit code is 1 if every point failed.
     """
-    from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.journal import SWEEP, begun, forget
     from cycloid_mj.explore.ranks import shown
     from cycloid_mj.explore.sweeps import in_folder, task_of
 
     wanted = _points(vary, table, sample, points, seed)
-    engine = where.engine()
+    engine = delivery.engine()
     task = task_of(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow)
-    into = folder(out, "the sweep", () if begun(Path(out), SWEEP) else FILES, force)
-    if force:
+    resumed = begun(Path(delivery.out or OUT), SWEEP)
+    place = claimed(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
+    into = place.folder or Path(OUT)
+    if delivery.force:
         forget(into, SWEEP)
     try:
-        swept = in_folder(task, wanted, into, engine, counted("sweep", quiet))
+        swept = in_folder(task, wanted, into, engine, counted("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the rows so far are in {into}: the same command goes on from there"
         ) from stop
     quantities = shown(swept, tuple(name for name in show_.split(",") if name))
-    return _delivered(swept, quantities, into, json, quiet)
+    code = deliver(_outcome(swept, quantities, place), place, delivery)
+    for error, count in list(swept.errors.items())[:MOST_ERRORS]:
+        tell(f"{count} of {len(swept.points)} failed: {error}")
+    if (more := len(swept.errors) - MOST_ERRORS) > 0:
+        tell(f"and {more} other errors: they are in {into}")
+    return code
 
 
 def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
@@ -167,43 +177,35 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
     return chosen(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
 
 
-def _delivered(sweep: "Sweep", quantities: tuple[str, ...], into: Path, json: bool, quiet: bool) -> int:
-    """Write figure and page, and tell what was found; give the exit code."""
-    from cycloid_mj.base.whole import write_whole
+def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) -> Outcome:
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
     from cycloid_mj.plots.explored import sweep_figure
-    from cycloid_mj.plots.save import pictures
+    from cycloid_mj.plots.save import drawn
     from cycloid_mj.report.sweep import sweep_page
 
-    parquet, page = into / PARQUET, into / PAGE
-    drawn = pictures({"sweep": sweep_figure(sweep, quantities)}, into, ("png", "svg"))
-    write_whole({**drawn, page: sweep_page(sweep, quantities, drawn[into / "sweep.svg"]).encode()})
-    files = [into / TABLE, *([parquet] if parquet.exists() else []), *drawn, page]
-    if not quiet:
-        if not parquet.exists():
-            tell("no sweep.parquet: it needs DuckDB, pip install 'cycloid-mj[parquet]'")
-        tell(f"wrote {', '.join(map(str, files))}")
-    if json:
-        say_json(
-            {
-                "points": len(sweep.points),
-                "failed": sweep.failed,
-                "table": str(files[0]),
-                "parquet": str(parquet) if parquet.exists() else None,
-                "page": str(page),
-                "quantities": {name: sweep.frame.units.get(name, "1") for name in sweep.quantities},
-                "assumptions": list(sweep.assumptions),
-            }
-        )
-    else:
-        for one in tables(sweep, quantities):
-            show(one)
-        for sentence in sweep.assumptions:
-            say(f"assumed: {sentence}")
-        say(f"{len(sweep.points)} points, {sweep.failed} failed")
-    for error, count in list(sweep.errors.items())[:MOST_ERRORS]:
-        tell(f"{count} of {len(sweep.points)} failed: {error}")
-    if (more := len(sweep.errors) - MOST_ERRORS) > 0:
-        tell(f"and {more} other errors: they are in {files[0]}")
-    return FAILURE if sweep.failed == len(sweep.points) else 0
+    into = place.folder or Path(OUT)
+    table, parquet = into / TABLE, into / PARQUET
+    draw = cache(partial(drawn, sweep_figure(swept, quantities)))
+    without = "no sweep.parquet: it needs DuckDB, pip install 'cycloid-mj[parquet]'"
+    return Outcome(
+        title=f"sweep of {swept.task.reducer.design.name}",
+        headline={"points": str(len(swept.points)), "failed": str(swept.failed), "rows": str(table)},
+        warnings=[] if parquet.exists() else [without],
+        summary=[f"{len(swept.points)} points, {swept.failed} failed"],
+        tables=tables(swept, quantities),
+        notes=[f"assumed: {sentence}" for sentence in swept.assumptions],
+        pictures={STEM: draw},
+        result={
+            "points": len(swept.points),
+            "failed": swept.failed,
+            "table": str(table),
+            "parquet": str(parquet) if parquet.exists() else None,
+            "page": str(place.page),
+            "quantities": {name: swept.frame.units.get(name, "1") for name in swept.quantities},
+            "assumptions": list(swept.assumptions),
+        },
+        filed=False,
+        page=lambda: sweep_page(swept, quantities, draw("svg")),
+        code=FAILURE if swept.failed == len(swept.points) else 0,
+    )

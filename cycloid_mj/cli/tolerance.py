@@ -1,24 +1,26 @@
 """``cycloid-mj tolerance``: what becomes of a design within its tolerances, and which of them to tighten first."""
 
-import json as text_of
-from pathlib import Path
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
-from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, ForceFlag, JsonFlag, PresetOptions, QuietFlag, whole
-from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.tolerances import Tolerances
 
 OUT = "runs/tolerance"
-FILES = ("worst-1.toml", "samples.csv", "tolerance.json", "tolerance.html")
-"""What every study of a design leaves, after the design's name."""
+CAPTIONS = {
+    "distributions": "Distributions over the samples that do not jam.",
+    "budget": "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).",
+}
 MOST_SAMPLES = 1_000_000
 
 SamplesFlag = Annotated[int, Parameter(converter=whole, help="How many are drawn.")]
@@ -35,14 +37,20 @@ LimitFlag = Annotated[
 VerifyFlag = Annotated[
     int, Parameter(metavar="K", converter=whole, help="Run so many of the five worst samples in full dynamics.")
 ]
-OutFlag = Annotated[
-    Path, Parameter(metavar="DIR", help="Folder of the samples, the JSON file, the page and the worst designs.")
-]
-
 EXAMPLES = """Examples:
   cycloid-mj tolerance --design printed --set 'tolerance.cam="H8/f7"' --set 'tolerance.pin_position="normal 10"'
   cycloid-mj tolerance --design my.toml --samples 10000 --seed 1 --limit 'backlash_arcmin<=1' --out made
   cycloid-mj tolerance --design nonpin --set 'tolerance.profile="2: normal 0.2, 35: uniform 0.3"' --verify 1"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToleranceDelivery(ClusterDelivery):
+    """Where the samples go."""
+
+    out: Annotated[str | None, out_flag("the samples, the JSON file, the page and the worst designs", OUT)] = None
+
+
+DELIVERED = ToleranceDelivery()
 
 
 def tolerance(
@@ -52,11 +60,7 @@ def tolerance(
     seed: SeedFlag = 0,
     limit: LimitFlag = (),
     verify: VerifyFlag = 0,
-    out: OutFlag = Path(OUT),
-    where: Annotated[EngineOptions, FLAT] = HERE,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Draw samples of a design within its tolerances, and tell yield, distributions and an error budget.
 
@@ -76,7 +80,6 @@ def tolerance(
     and the figures. Ctrl-C writes what the samples so far give, as fewer --samples
     would have.
     """
-    from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.limit import limit as read
     from cycloid_mj.explore.tolerances import AllJam, Unfinished
@@ -86,75 +89,48 @@ def tolerance(
         raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
     if seed < 0:
         raise UsageError(f"--seed {seed}: give 0 or more")
-    engine = where.engine("threads")
+    engine = delivery.engine("threads")
     design = chosen.sound()
     limits = [read(text, Reducer(design)) for text in limit]
-    into = folder(str(out), "the samples", [f"{design.name}-{rest}" for rest in FILES], force)
+    name = design.name
+    place = claimed(delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True)
     try:
-        tolerances = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
+        tolerances = found_in(design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify)
     except Unfinished as stop:
-        _deliver(stop.found, into, json, quiet)
-        raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {into}") from stop
+        deliver(_outcome(stop.found), place, delivery)
+        raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {place.folder}") from stop
     except AllJam as jam:
-        _deliver(jam.found, into, json, quiet)
-        raise RunError(f"{jam}; they are in {into}") from jam
-    _deliver(tolerances, into, json, quiet)
-    return 0
+        deliver(_outcome(jam.found), place, delivery)
+        raise RunError(f"{jam}; they are in {place.folder}") from jam
+    return deliver(_outcome(tolerances), place, delivery)
 
 
-def _deliver(tolerances: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
-    """Write the files, and tell what was found."""
-    files = _files(tolerances, into)
-    write_whole(files)
-    if not quiet:
-        tell(f"wrote {', '.join(map(str, files))}")
-    if json:
-        say_json(tolerances.as_json())
-        return
-    for table in tolerances.tables():
-        show(table)
-    for note in tolerances.notes:
-        say(note)
-    say(tolerances.words)
-
-
-def _files(tolerances: "Tolerances", into: Path) -> dict[Path, bytes]:
-    """Collect what is written, by path: the worst designs first, the page last."""
+def _outcome(tolerances: "Tolerances") -> Outcome:
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
+    from cycloid_mj.plots.save import drawn
     from cycloid_mj.plots.tolerance import tolerance_figures
-    from cycloid_mj.report.study import PageSection, study_page
 
-    figures = tolerance_figures(tolerances)
-    shared = {
-        "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).": "budget"
-    }
-    ranked = {caption: figures[name] for caption, name in shared.items() if name in figures}
-    spread, *others = tolerances.tables()
-    tighten, checked = (others[:1], others[1:]) if tolerances.budget else ([], others)
-    low, high = tolerances.yield_interval
-    numbers = {
-        "yield": f"{tolerances.good.mean():.2%}",
-        "95 % confidence": f"{low:.2%} to {high:.2%}",
-        "jam": f"{tolerances.jams.mean():.2%}",
-        "samples": tolerances.told_count,
-        **({"tighten first": tolerances.budget[0].source} if tolerances.budget else {}),
-    }
-    parts = [
-        *(PageSection("Tighten this first", figures=ranked, tables=[table]) for table in tighten),
-        PageSection(
-            "Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]
-        ),
-        *(PageSection("In full dynamics", tables=[table]) for table in checked),
-        PageSection("What the numbers stand on", notes=[tolerances.condition, *tolerances.notes]),
-    ]
-    page = study_page(
-        f"cycloid_mj: tolerances of {tolerances.design}", [tolerances.words, tolerances.condition], numbers, parts
+    name, (low, high) = tolerances.design, tolerances.yield_interval
+    return Outcome(
+        title=f"tolerances of {name}",
+        condition=tolerances.condition,
+        headline={
+            "yield": f"{tolerances.good.mean():.2%}",
+            "95 % confidence": f"{low:.2%} to {high:.2%}",
+            "jam": f"{tolerances.jams.mean():.2%}",
+            "samples": tolerances.told_count,
+            **({"tighten first": tolerances.budget[0].source} if tolerances.budget else {}),
+        },
+        summary=[tolerances.words],
+        tables=tolerances.tables(),
+        notes=tolerances.notes,
+        pictures={key: partial(drawn, figure) for key, figure in tolerance_figures(tolerances).items()},
+        formats=(),
+        captions=CAPTIONS,
+        files={
+            **{f"{name}-worst-{place}.toml": dump(one).encode() for place, one in enumerate(tolerances.worst, 1)},
+            f"{name}-samples.csv": csv_bytes(tolerances.frame.columns),
+        },
+        result=tolerances.as_json(),
     )
-    name = tolerances.design
-    return {
-        **{into / f"{name}-worst-{i}.toml": dump(one).encode() for i, one in enumerate(tolerances.worst, 1)},
-        into / f"{name}-samples.csv": csv_bytes(tolerances.frame.columns),
-        into / f"{name}-tolerance.json": (text_of.dumps(finite(tolerances.as_json()), indent=2) + "\n").encode(),
-        into / f"{name}-tolerance.html": page.encode(),
-    }
