@@ -14,6 +14,7 @@ from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots import mechanism
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads as balanced
 from cycloid_mj.statics import springs_of, transmission_error
 
@@ -59,7 +60,7 @@ def write(folder: Path) -> None:
 
 def parts() -> Figure:
     """Draw a reducer of seven pins with the names of its parts."""
-    figure = mechanism(FEW, crank_angle=0.6)
+    figure = mechanism(Reducer(FEW), crank_angle=0.6)
     axes = figure.axes[0]
     figure.legends[0].remove()
     figure.set_size_inches(WIDTH, 0.86 * WIDTH)
@@ -77,11 +78,11 @@ def parts() -> Figure:
 
 def backlash() -> Figure:
     """Draw the turn of the output over its torque at a locked crank, without friction."""
-    design = Design().but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0})
+    reducer = Reducer(Design().but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0}))
     rated = 36.68
     torque = np.concatenate([-np.geomspace(rated, 1e-3, 40), np.geomspace(1e-3, rated, 40)])
-    springs = springs_of(design, [0.4], friction=False)
-    turn = np.array([balanced(design, springs, float(one)).output_turn[0] for one in torque]) / ARCMIN
+    springs = springs_of(reducer, [0.4], friction=False)
+    turn = np.array([balanced(reducer, springs, float(one)).output_turn[0] for one in torque]) / ARCMIN
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axes = figure.subplots()
     axes.plot(torque, turn, color=BLUE, linewidth=1.6)
@@ -103,9 +104,9 @@ def backlash() -> Figure:
 
 def error() -> Figure:
     """Draw the transmission error of a reducer with displaced pins over a turn, and its orders."""
-    design = Design().but(errors={"pin_position": 2e-6, "seed": 3})
+    reducer = Reducer(Design().but(errors={"pin_position": 2e-6, "seed": 3}))
     crank = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
-    found = transmission_error(design, crank, 36.68)[:, 1] / ARCSEC
+    found = transmission_error(reducer, crank, 36.68)[:, 1] / ARCSEC
     found = found - found.mean()
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     curve, orders = figure.subplots(2, 1)
