@@ -4,13 +4,12 @@ Some was known before it began; the rest is its end, its pace, its power balance
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
-from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.dynamics.jam import SELF_LOCKING
@@ -33,50 +32,6 @@ IDLE = 0.01
 
 DEEP = 0.5
 """Share of the allowed penetration that is worth a warning."""
-
-
-@dataclass(frozen=True)
-class PowerBalance:
-    """Mean powers of a run [W].
-
-    Attributes
-    ----------
-    crank, output
-        Into the reducer through each shaft; negative where it gives power out.
-    lost
-        What friction and the normal forces take.
-    stored
-        Growth of kinetic and potential energy.
-    """
-
-    crank: float
-    output: float
-    lost: float
-    stored: float
-
-    @property
-    def missing(self) -> float:
-        """What comes in and neither is lost nor stored [W]."""
-        return self.crank + self.output - self.lost - self.stored
-
-    @property
-    def efficiency(self) -> float:
-        """Power given out as a share of that supplied, whichever shaft drives; NaN where none does."""
-        supplied = max(self.crank, self.output)
-        return -min(self.crank, self.output) / supplied if supplied > 0.0 else float("nan")
-
-
-def balance(run: Run) -> PowerBalance:
-    """Compute the mean powers of all samples of a run."""
-    still = np.zeros(len(run))
-    energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
-    losses = [float(np.mean(run[name])) for name in run.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
-    return PowerBalance(
-        crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
-        output=float(np.mean(run["load_torque"] * run["output_speed"])),
-        lost=sum(losses),
-        stored=float((energy[-1] - energy[0]) / (run.time[-1] - run.time[0])),
-    )
 
 
 def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
@@ -106,14 +61,13 @@ def doubts(motion: Series) -> tuple[str, ...]:
 
 
 def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
-    """Say if the power balance of a run's samples is open, or its efficiency one that no reducer has.
+    """Say if the power balance of a run's samples is open, and if its efficiency is one that no reducer has, or 0.
 
     A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A
-    reducer whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks
-    itself.
+    reducer whose load is not the design's may be driven through both shafts.
     """
     design = reducer.design
-    powers = balance(run)
+    powers = mean_powers(run)
     idle = IDLE * design.drive.torque * abs(design.drive.speed)
     scale = max(powers.crank, powers.output, powers.lost, idle)
     doubtful = []
@@ -131,8 +85,10 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
     most = 1.0 + (OPEN if powers.lost < OPEN * scale else 0.0)
     outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
+    why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
+    if design.load.torque and powers.note:
+        doubtful.append(f"the efficiency is 0, {powers.note}: both shafts drive, and friction takes all; or {why}")
     if outside and (design.load.torque or max(powers.crank, powers.output) > idle):
-        why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
         doubtful.append(f"the efficiency reads {powers.efficiency:.2%}, which no reducer has; {why}")
     return tuple(doubtful)
 

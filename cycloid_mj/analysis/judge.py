@@ -30,6 +30,7 @@ from cycloid_mj.analysis.findings import (
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.base.units import ARCSECONDS
@@ -197,7 +198,7 @@ def _power(motion: Series) -> Power:
 
 def _efficiency(power: Power, motion: Series) -> float | None:
     loaded = motion.design.load.torque > 0 and power.input_w > 0
-    return power.output_w / power.input_w if loaded and motion.phase == "hold" else None
+    return Powers(power.input_w, -power.output_w).efficiency if loaded and motion.phase == "hold" else None
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:

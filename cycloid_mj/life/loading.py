@@ -120,7 +120,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
         teeth=float(contact_loads.teeth.max()),
         pressures={kind: peak_pressure(at, springs, contact_loads, kind) for kind in design.pair_kinds},
         rubs=_rubs(at, springs, contact_loads),
-        losses=power.losses,
+        losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
         wind_up=abs(float((contact_loads.departures - unwound.departures)[:, 2].mean()))
         / (design.output.pin_circle_radius * (1.0 - UNWOUND)),

@@ -4,16 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from cycloid_mj.base.names import DRAGS
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Table
 from cycloid_mj.measure.published import Published
-from cycloid_mj.measure.steady import MeanPowers
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 DAMPING = "damping of all contacts"
 NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and window leave of elastic energy"}
 
 
-def build_up(powers: MeanPowers) -> dict[str, float]:
+def build_up(powers: Powers) -> dict[str, float]:
     """Compute the loss of each part as a share of the input power [1], and the damping of all contacts."""
     parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
     friction = {part: sum(powers.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
@@ -21,7 +21,7 @@ def build_up(powers: MeanPowers) -> dict[str, float]:
     return {part: power / powers.supplied for part, power in losses.items()}
 
 
-def table(powers: MeanPowers, published: Sequence[Published], error: float) -> Table:
+def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
     """Tabulate the build-up in percent of the input, with the published rates below it.
 
     `error` is the numerical error of the efficiency [1].
@@ -43,7 +43,7 @@ def table(powers: MeanPowers, published: Sequence[Published], error: float) -> T
     )
 
 
-def as_json(powers: MeanPowers, published: Sequence[Published]) -> dict[str, Any]:
+def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     """Convert the build-up to JSON values: shares of the input power."""
     frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.result import Curve, Quantity, Table, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
@@ -28,7 +29,6 @@ TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of an average: a third of a crank turn, or less."""
 
-SELF_LOCKING = "self-locking"
 
 LEFT_OUT = "left out: this pair's friction is 0"
 
@@ -164,7 +164,7 @@ def _losses(rated: Point) -> list[Quantity]:
             note="damping, and the step's error: the pairs' own shares of it cancel",
         ),
         Quantity("input_power", "input power", whole.supplied, "W"),
-        Quantity("output_power", "output power", whole.supplied * whole.efficiency, "W"),
+        Quantity("output_power", "output power", whole.delivered, "W"),
     ]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure import sensitivity
@@ -14,7 +15,7 @@ from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
-from cycloid_mj.measure.steady import SETTLED, MeanPowers, first_half, powers, steady, whole_periods
+from cycloid_mj.measure.steady import SETTLED, first_half, steady, whole_periods
 from cycloid_mj.reducer import Reducer
 
 
@@ -36,8 +37,8 @@ class Point:
 
     torque: float
     speed: float
-    powers: MeanPowers
-    shorter: MeanPowers
+    powers: Powers
+    shorter: Powers
     run: Run
 
     @property
@@ -145,4 +146,4 @@ def backward(reducer: Reducer, torque: float, periods: int) -> Point:
 
 
 def _point(torque: float, speed: float, run: Run) -> Point:
-    return Point(torque, speed, powers(run), powers(first_half(run)), run)
+    return Point(torque, speed, mean_powers(run), mean_powers(first_half(run)), run)

@@ -1,13 +1,7 @@
 """Runs at a steady state, and the mean powers over their whole periods."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
-import numpy as np
-
 from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.base.errors import warn
-from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course
 from cycloid_mj.dynamics.mjcf import ReducerModel
@@ -75,61 +69,3 @@ def steady_design(reducer: Reducer) -> Reducer:
 def first_half(run: Run) -> Run:
     """Return the first half of the samples: a shorter average."""
     return run.select(slice(0, len(run) // 2))
-
-
-@dataclass(frozen=True)
-class MeanPowers:
-    """Mean powers [W].
-
-    Attributes
-    ----------
-    crank, output
-        Into the reducer through each shaft; negative where it gives power out.
-    friction, normal
-        Kind of pair -> what sliding takes, and what the normal forces take: damping, and elastic energy.
-    stored
-        Growth of kinetic and potential energy.
-    """
-
-    crank: float
-    output: float
-    friction: Mapping[str, float]
-    normal: Mapping[str, float]
-    stored: float
-
-    @property
-    def supplied(self) -> float:
-        """Power of the shaft that drives [W]."""
-        return max(self.crank, self.output)
-
-    @property
-    def lost(self) -> float:
-        """Power that the contacts take [W]."""
-        return sum(self.friction.values()) + sum(self.normal.values())
-
-    @property
-    def efficiency(self) -> float:
-        """Power given out as a share of that supplied, whichever shaft drives."""
-        return -min(self.crank, self.output) / self.supplied
-
-    @property
-    def residual(self) -> float:
-        """What the balance leaves open, as a share of the power supplied."""
-        return (self.crank + self.output - self.lost - self.stored) / self.supplied
-
-    def loss_shares(self) -> dict[str, float]:
-        """Map column to share of the power supplied, for each loss."""
-        friction = {f"{kind}_friction": power / self.supplied for kind, power in self.friction.items()}
-        return friction | {f"{kind}_normal": power / self.supplied for kind, power in self.normal.items()}
-
-
-def powers(run: Run) -> MeanPowers:
-    """Compute the mean powers of a run's samples."""
-    energy = run["kinetic_energy"] + run["potential_energy"]
-    return MeanPowers(
-        crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
-        output=float(np.mean(run["load_torque"] * run["output_speed"])),
-        friction={kind: float(np.mean(power)) for kind, power in run.by_stem(FRICTION_POWER).items()},
-        normal={kind: float(np.mean(power)) for kind, power in run.by_stem(NORMAL_POWER).items()},
-        stored=float((energy[-1] - energy[0]) / (run.time[-1] - run.time[0])),
-    )

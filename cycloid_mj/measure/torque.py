@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
+from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
@@ -22,7 +23,7 @@ from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
-from cycloid_mj.measure.steady import MeanPowers, first_half, powers, steady_design, whole_periods
+from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_at, working_forces_told
 
@@ -35,7 +36,7 @@ class BrakedRun:
     """One braked run, its mean powers, and the sizes of its mean output and input torque [N m]."""
 
     run: Run
-    powers: MeanPowers
+    powers: Powers
     output: float
     input: float
 
@@ -110,17 +111,17 @@ def rated_test(reducer: Reducer, periods: int) -> BrakedRun:
     """Run the test under the rated torque over so many mesh periods."""
     run = braked_run(reducer, reducer.design.drive.torque, periods)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
-    return BrakedRun(run, powers(run), output, crank)
+    return BrakedRun(run, mean_powers(run), output, crank)
 
 
 def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
     """Compute the efficiency under a load [N m] with the crank held at its speed: the second method."""
-    return powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
+    return mean_powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
 
 
 def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
     """Compute the numerical error of the rate: half the average, and half the step where it was run."""
-    others = [powers(first_half(ours.run)), *([finer.powers] if finer else [])]
+    others = [mean_powers(first_half(ours.run)), *([finer.powers] if finer else [])]
     return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
 
 

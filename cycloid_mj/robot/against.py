@@ -12,6 +12,7 @@ from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.robot.friction import joint_powers
 from cycloid_mj.robot.measured import SMALL, Play, play_of
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
@@ -266,7 +267,7 @@ def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
     on.step()
     on.step()
     useful, taken = torque / reduced.ratio, on.friction_torque()
-    return useful / (useful + taken) if driving else max(0.0, 1.0 - taken / useful)
+    return joint_powers(useful, taken, driving).efficiency
 
 
 def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) -> tuple[list[Quantity], list[Curve]]:

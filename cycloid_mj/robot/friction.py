@@ -6,6 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from cycloid_mj.base.powers import Powers
+
 Rows = tuple[tuple[float, ...], ...]
 
 
@@ -35,14 +37,18 @@ class FrictionMap:
 
     def efficiency(self, torque: float, speed: float, ratio: float, driving: bool) -> float:
         """Find the share of the power supplied that is given out; 0 where friction holds the output: self-locking."""
-        useful, lost = abs(torque) / ratio, self.torque(torque, speed, driving)
-        return useful / (useful + lost) if driving else max(0.0, 1.0 - lost / useful)
+        return joint_powers(abs(torque) / ratio, self.torque(torque, speed, driving), driving).efficiency
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the map from a JSON object."""
         rows = {key: tuple(tuple(map(float, row)) for row in content[key]) for key in ("driving", "driven")}
         return cls(tuple(map(float, content["torques"])), tuple(map(float, content["speeds"])), **rows)
+
+
+def joint_powers(useful: float, lost: float, driving: bool) -> Powers:
+    """Collect the powers of a joint for a crank at 1 rad/s, from the load's torque and that of friction on it [N m]."""
+    return Powers(lost + useful if driving else lost - useful, -useful if driving else useful, {"joint": lost})
 
 
 def _line(at: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:

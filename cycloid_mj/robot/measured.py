@@ -246,7 +246,7 @@ def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda:
             raise
         mean_powers = powers(reducer, -torque)
     on_step()
-    return sum(mean_powers.losses.values()) / abs(reducer.design.drive.speed)
+    return mean_powers.lost / abs(reducer.design.drive.speed)
 
 
 def _damping(reducer: Reducer) -> float:

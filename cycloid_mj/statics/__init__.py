@@ -6,13 +6,12 @@ matter, comes on as a load, from the normal forces before, until both agree. A p
 body: its two contacts are one, in series, and the smaller of both frictions is that of both.
 """
 
-from cycloid_mj.statics.balance import Loads, Powers, loads, powers, transmission_error
+from cycloid_mj.statics.balance import Loads, loads, powers, transmission_error
 from cycloid_mj.statics.peaks import peak_force, peak_pressure, torque_at_pressure, yield_torque
 from cycloid_mj.statics.springs import Springs, body_force, springs_of
 
 __all__ = [
     "Loads",
-    "Powers",
     "Springs",
     "body_force",
     "loads",

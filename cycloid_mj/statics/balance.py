@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, gear_angle
@@ -134,28 +135,6 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     """
     contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
     return np.stack([contact_loads.gear_turn, contact_loads.output_turn], axis=1)
-
-
-@dataclass(frozen=True)
-class Powers:
-    """Mean powers of a slow turn [W]: into the reducer through each shaft, negative where it gives power out.
-
-    `losses` are those of teeth (pins that move: in their seats too), cam, output pins and seals.
-    """
-
-    crank: float
-    output: float
-    losses: dict[str, float]
-
-    @property
-    def supplied(self) -> float:
-        """Power of the shafts that drive [W]: of both where the reducer is self-locking."""
-        return max(self.crank, 0.0) + max(self.output, 0.0)
-
-    @property
-    def efficiency(self) -> float:
-        """Power given out as a share of that supplied, whichever shaft drives; 0 where none is given out."""
-        return -min(self.crank, self.output, 0.0) / self.supplied
 
 
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:

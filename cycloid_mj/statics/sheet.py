@@ -8,12 +8,13 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.balance import Loads, Powers, loads, powers
+from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRIES
@@ -373,10 +374,10 @@ def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * mean_powers.efficiency, "%")
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
         note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
-        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", mean_powers.losses[part], "W", note=note)
-    yield Quantity("seals_power", "drag of seals and lubricant", mean_powers.losses["seals"], "W")
+        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", mean_powers.friction[part], "W", note=note)
+    yield Quantity("seals_power", "drag of seals and lubricant", mean_powers.friction["seals"], "W")
     yield Quantity("input_power", "input power", mean_powers.supplied, "W")
-    yield Quantity("output_power", "output power", mean_powers.supplied * mean_powers.efficiency, "W")
+    yield Quantity("output_power", "output power", mean_powers.delivered, "W")
 
 
 def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:

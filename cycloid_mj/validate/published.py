@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.mjcf import build
@@ -187,7 +188,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     ideal, ideal_design = wang_run(case, True, quick)
     real, real_design = wang_run(case, False, quick)
     closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], MESH_FRICTION)))
-    ours, built = 100.0 * efficiency(ideal), 100.0 * efficiency(real)
+    ours, built = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(real).efficiency
     logged = friction_by_force(real, Reducer(real_design))
     return [
         *printed,
@@ -289,11 +290,6 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         "settings.log_rate_hz=20000.0",
         *close,
     )
-
-
-def efficiency(run: Run) -> float:
-    """Compute the mean output power over the mean input power."""
-    return float(-np.mean(run["load_torque"] * run["output_speed"]) / np.mean(run["crank_torque"] * run["crank_speed"]))
 
 
 def friction_by_force(run: Run, reducer: Reducer) -> float:

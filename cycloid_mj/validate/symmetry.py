@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
-from cycloid_mj.validate.published import efficiency
 from cycloid_mj.validate.rig import FREE, PERIODS, rated_run
 from cycloid_mj.validate.row import ValidationRow, absolute, deviation, relative
 
@@ -56,7 +56,7 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     ring = forward.forces(design.tooth_pair)
     opposite = -np.arange(design.ring.teeth) % design.ring.teeth
     mirrored_ring = backward.forces(design.tooth_pair)[:, opposite] * [-1.0, 1.0]
-    shares = 100.0 * efficiency(backward), 100.0 * efficiency(forward)
+    shares = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
     return [
         deviation(
             f"reversed: ripple of the gear, {kind}",
@@ -89,7 +89,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
     vectors = [np.array([[one.real, one.imag]]) for one in added]
     means = [float(np.mean(transmission_error(run, reducer))) for run in (down, off)]
-    shares = 100.0 * efficiency(down), 100.0 * efficiency(off)
+    shares = 100.0 * mean_powers(down).efficiency, 100.0 * mean_powers(off).efficiency
     return [
         relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
         relative(f"gravity turned: sideward force, {kind}", -forces["turned"][0], weight, "N", "m g", bounds.sideward),

@@ -2,9 +2,10 @@
 
 import pytest
 
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.comparison import total_play, with_play_of
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
+from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import pair_stiffness, series_stiffness
 
@@ -13,7 +14,7 @@ PERIODS = 4
 
 
 def efficiency(design):
-    return powers(steady(steady_design(Reducer(design)), SETTLED, PERIODS)).efficiency
+    return mean_powers(steady(steady_design(Reducer(design)), SETTLED, PERIODS)).efficiency
 
 
 def test_play_and_compliance_of_a_pin_add_up():

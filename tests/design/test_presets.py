@@ -117,7 +117,7 @@ def test_rollers_roll_on_a_core_that_is_given() -> None:
     assert rim.friction_of("output") == own
     assert PRINTED.friction_of("output") == pytest.approx(own * 2.5 / 4.5)
     assert PRINTED.but(output={"rollers": False}).friction_of("output") == PRINTED.friction.output
-    lost = [powers(Reducer(one), 10.0).losses["output"] for one in (PRINTED, rim)]
+    lost = [powers(Reducer(one), 10.0).friction["output"] for one in (PRINTED, rim)]
     assert lost[0] == pytest.approx(lost[1] * 2.5 / 4.5, rel=0.02)
 
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.measure.closed_form import ideal_efficiency, ideal_limit
-from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
+from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.measure.steady import first_half as shorter
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.energy import balance
@@ -31,12 +32,12 @@ def test_balance_closes_with_drag_and_bearings(dragged):
     # 0.01 % of the input, at the log's own rate; without the drag's columns it is off by the drag's 6 %
     found = balance(dragged)
     assert found.accounted == pytest.approx(found.supplied, rel=1e-4)
-    assert abs(powers(dragged).residual) < 1e-4
-    losses = powers(dragged).friction
+    assert abs(mean_powers(dragged).residual) < 1e-4
+    losses = mean_powers(dragged).friction
     assert set(losses) == {"tooth", "cam", "output", "crank_drag", "output_drag"}
     assert all(power > 0.0 for power in losses.values())
     left_out = losses["crank_drag"] + losses["output_drag"]
-    assert left_out / powers(dragged).supplied > 0.05
+    assert left_out / mean_powers(dragged).supplied > 0.05
 
 
 def test_a_design_without_drag_has_no_columns_of_it():
@@ -50,7 +51,7 @@ def test_drag_and_bearings_cost_what_the_closed_form_says():
     # ideal sharing: fixed teeth, next to no clearance, a stiff cam
     for changes in ([], DRAGGED, ["friction.cam_rolling=0.004"]):
         design = override(LOADED.design, changes)
-        found = powers(steady(ideal_limit(Reducer(design)), SETTLED, PERIODS))
+        found = mean_powers(steady(ideal_limit(Reducer(design)), SETTLED, PERIODS))
         assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), 36.68).efficiency, abs=0.005)
     without = ideal_efficiency(Reducer(override(LOADED.design, ["friction.cam_rolling=0.0"])), 36.68).efficiency
     assert without - ideal_efficiency(LOADED, 36.68).efficiency > 0.03
@@ -68,8 +69,8 @@ def test_bearing_acts_at_the_radius_of_the_cam():
 @pytest.mark.parametrize("timestep_us", [5.0, 2.5])
 def test_drag_holds_at_half_the_step(timestep_us, dragged):
     design = override(LOADED.design, [*DRAGGED, f"settings.timestep_us={timestep_us}"])
-    found = powers(steady(Reducer(design), SETTLED, PERIODS))
-    assert found.efficiency == pytest.approx(powers(dragged).efficiency, abs=2e-4)
+    found = mean_powers(steady(Reducer(design), SETTLED, PERIODS))
+    assert found.efficiency == pytest.approx(mean_powers(dragged).efficiency, abs=2e-4)
 
 
 @pytest.mark.slow

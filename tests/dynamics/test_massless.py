@@ -8,6 +8,7 @@ import pytest
 from designs import cases, unlike
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.contact.collider import installed
@@ -17,7 +18,7 @@ from cycloid_mj.dynamics.massless import assumptions, massless, require_pin_bodi
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.measure import bench, efficiency_map
-from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
+from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.statics import transmission_error
@@ -102,7 +103,7 @@ def test_loaded_means_are_those_of_real_pins(name):
         run = steady(reducer, SETTLED, 3)
         error = run["output_angle"] + run["crank_angle"] / reducer.design.lobes
         cam = np.hypot(run["cam_force_x"], run["cam_force_y"])
-        found.append((error.mean(), cam.mean(), powers(run).efficiency))
+        found.append((error.mean(), cam.mean(), mean_powers(run).efficiency))
     (error, cam, efficiency), (light_error, light_cam, light_efficiency) = found
     assert light_error == pytest.approx(error, rel=3e-3)
     assert light_cam == pytest.approx(cam, rel=2e-3)

@@ -10,6 +10,7 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.timestep import timestep
@@ -19,7 +20,7 @@ from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, halved
 from cycloid_mj.measure.efficiency_map import forward
-from cycloid_mj.measure.steady import powers, steady_design, whole_periods
+from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import published, rig
@@ -76,7 +77,7 @@ def test_energy_balance_closes(torque, efficiency):
 
 
 def test_balance_misses_a_loss_that_is_left_out(efficiency):
-    found = powers(efficiency.runs["rated"])
+    found = mean_powers(efficiency.runs["rated"])
     without = dataclasses.replace(found, friction={})
     assert abs(without.residual) > 0.05
 
@@ -155,7 +156,7 @@ def test_pins_that_turn_take_the_easier_way():
 
 def test_output_drives_against_the_crank():
     design = steady_design(Reducer(FIXED))
-    found = powers(braked_run(design, -design.design.drive.torque, 13))
+    found = mean_powers(braked_run(design, -design.design.drive.torque, 13))
     assert found.output > 0.0 > found.crank
     # losses alike both ways, to the second order of the loss
     ahead = held_efficiency(design, 36.68, PERIODS)

@@ -147,7 +147,7 @@ def test_efficiency_follows_from_the_carriers_by_the_balance_of_power(torque: fl
     crank, slow = own.crank / ring.drive.speed, ring.drive.speed / ring.ring.teeth
     held = torque - crank
     assert own.output == pytest.approx(-torque * slow)
-    assert own.crank + own.output == pytest.approx(sum(own.losses.values()))
+    assert own.crank + own.output == pytest.approx(sum(own.friction.values()))
     # the carrier's drive at the same speeds, under what holds the carrier here, takes the same torque on its crank
     seen = member.seen_from_ring(ring)
     same = powers(Reducer(seen), held)
