@@ -81,8 +81,8 @@ def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
     """Take passes of several cases A B A B ..., so that a busy machine is busy for all of them."""
     values: Row = {name: [] for name in cases}
     for _ in range(passes):
-        for name, one in cases.items():
-            values[name].append(one())
+        for name, case in cases.items():
+            values[name].append(case())
     return values
 
 
@@ -307,7 +307,7 @@ def against_table(revision: str, passes: int) -> Table:
             ours, theirs, rows = compare(trial, other, passes)
             row = {"this tree": [one.cpu for one in ours], revision: [one.cpu for one in theirs]}
             memory = {
-                f"{name}, MB": [one.memory for one in ends] for name, ends in zip(row, (ours, theirs), strict=True)
+                f"{name}, MB": [end.memory for end in ends] for name, ends in zip(row, (ours, theirs), strict=True)
             }
             table[trial.name] = row | ratio(row, revision, "this tree") | memory
             show({trial.name: table[trial.name]})

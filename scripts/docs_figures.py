@@ -151,7 +151,7 @@ def statics_of(preset: str) -> dict[str, Value]:
     from cycloid_mj.statics.sheet import glance
 
     design = DESIGNS[preset]
-    return {key: one.value for key, one in glance(Reducer(design), design.rated_torque).quantities.items()}
+    return {key: quantity.value for key, quantity in glance(Reducer(design), design.rated_torque).quantities.items()}
 
 
 @cache
@@ -197,7 +197,7 @@ def words_of_the_report() -> dict[str, Value]:
         warnings.simplefilter("ignore", CycloidWarning)
         page = report({"pin": short_run("free"), "nonpin": short_run("nonpin")})
     headings = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
-    words = [re.sub(r"<[^>]+>", "", one).strip() for one in headings]
+    words = [re.sub(r"<[^>]+>", "", heading).strip() for heading in headings]
     return {"words": " | ".join(words[: words.index("The mechanism") + 1])}
 
 
@@ -260,7 +260,9 @@ def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
     for name in artefact.probes:
         was, now = before.get(name, {}), probed(name)
         keys = [key for key in sorted(set(was) | set(now)) if not _alike(was.get(key), now.get(key))]
-        changes += [f"{name}, {key}: {_told(was.get(key))}, now {_told(now.get(key))}" for key in keys[:MOST_REASONS]]
+        changes += [
+            f"{name}, {key}: {_shortened(was.get(key))}, now {_shortened(now.get(key))}" for key in keys[:MOST_REASONS]
+        ]
     return changes
 
 
@@ -274,7 +276,7 @@ def _short(value: Value) -> Value:
     return value if isinstance(value, str) else float(f"{value:.6g}")
 
 
-def _told(value: Value | None) -> str:
+def _shortened(value: Value | None) -> str:
     return f"{value:.5g}" if isinstance(value, float) else f"{value!s:.60}"
 
 

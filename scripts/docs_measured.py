@@ -131,7 +131,7 @@ def table(quantities: Mapping[str, Quantities]) -> str:
     """Return the table: value, its numerical error, and its closed form or statics in brackets."""
     lines = ["| | " + " | ".join(quantities) + " |", "|---" * (len(quantities) + 1) + "|"]
     for label, keys in ROWS:
-        cells = [_cell(next(one[key] for key in keys if key in one)) for one in quantities.values()]
+        cells = [_cell(next(quantity[key] for key in keys if key in quantity)) for quantity in quantities.values()]
         lines.append(f"| {label} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

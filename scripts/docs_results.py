@@ -72,14 +72,14 @@ def errata(entries: Sequence[dict[str, Any]]) -> str:
     head = ("Eq.", "printed", "right", "relative error as printed", "corrected", "held against")
     rows = [
         (
-            one["equation"],
-            one["printed"],
-            one["right"],
-            "none" if one["harmless"] else f"{one['printed_error']:.2g}",
-            _bounded(one["right_error"]),
-            one["proof"],
+            entry["equation"],
+            entry["printed"],
+            entry["right"],
+            "none" if entry["harmless"] else f"{entry['printed_error']:.2g}",
+            _bounded(entry["right_error"]),
+            entry["proof"],
         )
-        for one in entries
+        for entry in entries
     ]
     return _table(head, rows)
 

@@ -114,7 +114,7 @@ def flips(path: Path) -> Iterator[Flip]:
 
     tree = ast.parse(content)
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    for makes, part in made(tree):
+    for makes, part in parts_made(tree):
         for node in ast.walk(part):
             if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
                 first, last = at(node.lineno, node.col_offset), at(node.operand.lineno, node.operand.col_offset)
@@ -127,12 +127,14 @@ def flips(path: Path) -> Iterator[Flip]:
             else:
                 continue
             place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
-            around = [one.name for one in functions if one.lineno <= node.lineno <= (one.end_lineno or 0)]
+            around = [
+                function.name for function in functions if function.lineno <= node.lineno <= (function.end_lineno or 0)
+            ]
             sign, within = content[place : place + 1].decode(), around[-1] if around else ""
             yield Flip(of_package(path), node.lineno, place, sign, ast.unparse(node), within, makes)
 
 
-def made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+def parts_made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
     """Yield the parts of all statements with what each makes, as in `Flip`; every expression is in one of them."""
     for node in ast.walk(tree):
         match node:
@@ -250,7 +252,7 @@ class Trial:
 
     flip: Flip | None
     child: int
-    told: int
+    pipe: int
 
     @classmethod
     def start(cls, flip: Flip | None, file: str) -> "Trial":
@@ -267,7 +269,7 @@ class Trial:
 
     def end(self) -> Found:
         """Wait for what it finds; a process that is stopped for its time has seen what it had not judged yet."""
-        with open(self.told, encoding="ascii") as pipe:
+        with open(self.pipe, encoding="ascii") as pipe:
             row, test, *_ = [*pipe.read().split(), "yes", "yes"]
         os.waitpid(self.child, 0)
         return Found(by_test=test == "yes", by_row=row == "yes")

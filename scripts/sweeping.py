@@ -75,23 +75,23 @@ def sweep_table(passes: int, chosen: Mapping[str, Work] | None = None) -> dict[s
         return {name: _costs(one, there, cluster.scheduler.pid, passes) for name, one in chosen.items()}
 
 
-def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
+def _costs(work: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
     """Measure a piece of work in all ways, in turn."""
     costs: dict[str, list[float]] = {name: [] for name in COLUMNS}
     for engine in (Engine(1), Engine(WORKERS), there):
-        engine.each(one.work, one.items[:WORKERS])
+        engine.each(work.work, work.items[:WORKERS])
     for _ in range(passes):
         before = time.process_time()
-        Engine(1).each(one.work, one.items)
+        Engine(1).each(work.work, work.items)
         spent = [time.process_time() - before]
         before = time.perf_counter()
-        Engine(WORKERS).each(one.work, one.items)
+        Engine(WORKERS).each(work.work, work.items)
         spent.append(time.perf_counter() - before)
         before, start, others = time.perf_counter(), time.process_time(), cpu_of(scheduler)
-        there.each(one.work, one.items)
+        there.each(work.work, work.items)
         spent += [time.perf_counter() - before, time.process_time() - start, cpu_of(scheduler) - others]
         for name, seconds in zip(COLUMNS, spent, strict=True):
-            costs[name].append(1e3 * seconds / len(one.items))
+            costs[name].append(1e3 * seconds / len(work.items))
     return costs
 
 

@@ -46,7 +46,7 @@ def spoiled_steps() -> dict[str, Callable[[], str]]:
     def trial(place: str) -> str:
         wrong = steps.__class__(**{**vars(steps), place: instead[place]})
         each_step.discover_steps = lambda: wrong
-        with each_step._installation.made():
+        with each_step._installation.kept():
             return selftest.try_steps(each_step.add_sensor, each_step.EachStep)
 
     return {place: lambda place=place: trial(place) for place in instead}

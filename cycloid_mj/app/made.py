@@ -33,10 +33,10 @@ def data_sheet(design: Design) -> dict[str, bytes]:
 def parts_in(file_format: str) -> Callable[[Design], dict[str, bytes]]:
     """Return the function that makes every part of a design in a format, packed."""
 
-    def made(design: Design) -> dict[str, bytes]:
+    def pack(design: Design) -> dict[str, bytes]:
         return _packed(f"{design.name}-{file_format}", export(design, file_format).files)  # type: ignore[arg-type]
 
-    return made
+    return pack
 
 
 FILES: Mapping[str, Callable[[Design], dict[str, bytes]]] = {

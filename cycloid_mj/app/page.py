@@ -110,7 +110,7 @@ class Page:
                 self._statics, self._life, self._checks = _html("statics"), _html("life"), _html("checks")
                 self._making()
         shown = {static_lines: self._statics, life_lines: self._life, check_lines: self._checks}
-        self._solved = Newest(workers, {work: partial(_tell, element) for work, element in shown.items()})
+        self._solved = Newest(workers, {work: partial(_show, element) for work, element in shown.items()})
         self._knobs()
         self._redraw()
 
@@ -192,7 +192,7 @@ class Page:
         self._solved.drop()
         self._statics.set_content("")
         self._life.set_content("")
-        self._checks.set_content(_told(reasons))
+        self._checks.set_content(_rows_of(reasons))
 
     async def _give(self, button: ui.button, make: Callable[[Design], dict[str, bytes]]) -> None:
         button.disable()
@@ -216,7 +216,7 @@ class Page:
         try:
             page = await run.io_bound(self._runner.run, self._design)
         except CycloidError as error:
-            self._outcome.set_content(_told((FigureLine("failed", str(error)),)))
+            self._outcome.set_content(_rows_of((FigureLine("failed", str(error)),)))
         else:
             number = str(len(self._reports) + 1)
             self._reports[number] = page or ""
@@ -271,11 +271,11 @@ def _html(name: str) -> ui.html:
     return ui.html("", sanitize=False).classes(f"w-full {name}").mark(name)
 
 
-def _tell(element: ui.html, lines: tuple[FigureLine, ...]) -> None:
-    element.set_content(_told(lines))
+def _show(element: ui.html, lines: tuple[FigureLine, ...]) -> None:
+    element.set_content(_rows_of(lines))
 
 
-def _told(lines: tuple[FigureLine, ...]) -> str:
+def _rows_of(lines: tuple[FigureLine, ...]) -> str:
     return "".join(
         f"<div class=told><span>{escape(line.name)}</span>"
         f'<span title="{escape(line.note)}">{escape(line.value)}</span></div>'

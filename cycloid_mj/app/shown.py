@@ -64,7 +64,13 @@ def static_lines(design: Design) -> tuple[FigureLine, ...]:
         return (FigureLine("no figures by statics", str(error)),)
     quantities = [sheet.quantities[key] for key in KEYS if key in sheet.quantities]
     head = FigureLine("by statics, at", sheet.condition)
-    return (head, *(FigureLine(KEYS[one.key], _written(one), one.note or sheet.condition) for one in quantities))
+    return (
+        head,
+        *(
+            FigureLine(KEYS[quantity.key], _written(quantity), quantity.note or sheet.condition)
+            for quantity in quantities
+        ),
+    )
 
 
 def life_lines(design: Design) -> tuple[FigureLine, ...]:
@@ -82,13 +88,15 @@ def life_lines(design: Design) -> tuple[FigureLine, ...]:
 
 def _broken(checks: Iterable[Check]) -> tuple[FigureLine, ...]:
     return tuple(
-        FigureLine(f"{one.severity}: {one.name}", str(one).partition(": ")[2]) for one in checks if not one.passed
+        FigureLine(f"{check.severity}: {check.name}", str(check).partition(": ")[2])
+        for check in checks
+        if not check.passed
     )
 
 
-def _verdict(one: RatedItem) -> str:
-    return f"safety {one.verdict}" if one.safety is not None else one.verdict
+def _verdict(rated_item: RatedItem) -> str:
+    return f"safety {rated_item.verdict}" if rated_item.safety is not None else rated_item.verdict
 
 
-def _written(one: Quantity) -> str:
-    return "-" if one.value != one.value else f"{one.value:.4g} {one.unit}"
+def _written(quantity: Quantity) -> str:
+    return "-" if quantity.value != quantity.value else f"{quantity.value:.4g} {quantity.unit}"

@@ -92,7 +92,7 @@ class Frame(Tabular):
 
 def quantity_frame(quantities: Mapping[str, Quantity]) -> Frame:
     """Return quantities as a frame, a row each."""
-    rows = [{"key": key, **one.as_json()} for key, one in quantities.items()]
+    rows = [{"key": key, **quantity.as_json()} for key, quantity in quantities.items()]
     names = ("key", "name", "value", "unit", "numerical_error", "reference", "source", "note")
     return framed(rows, names, {})
 

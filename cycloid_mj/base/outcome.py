@@ -23,10 +23,10 @@ def headline(quantities: Iterable[Quantity]) -> dict[str, str]:
     return {one.name: _written(one) for one in islice(quantities, MOST_FIGURES)}
 
 
-def _written(one: Quantity) -> str:
-    if math.isnan(one.value):
+def _written(quantity: Quantity) -> str:
+    if math.isnan(quantity.value):
         return "-"
-    return f"{one.value:.6g}" if one.unit == "1" else f"{one.value:.6g} {one.unit}"
+    return f"{quantity.value:.6g}" if quantity.unit == "1" else f"{quantity.value:.6g} {quantity.unit}"
 
 
 @dataclass(frozen=True, kw_only=True)

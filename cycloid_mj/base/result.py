@@ -78,14 +78,14 @@ def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     """Tabulate quantities as text, a line each; an error or a reference that is not known is left empty."""
     rows = (
         (
-            one.name,
-            "-" if math.isnan(one.value) else f"{one.value:.6g}",
-            one.unit,
-            "" if one.error is None or math.isnan(one.error) else f"{one.error:.2g}",
-            "" if one.reference is None else f"{one.reference:.6g}",
-            one.source,
+            quantity.name,
+            "-" if math.isnan(quantity.value) else f"{quantity.value:.6g}",
+            quantity.unit,
+            "" if quantity.error is None or math.isnan(quantity.error) else f"{quantity.error:.2g}",
+            "" if quantity.reference is None else f"{quantity.reference:.6g}",
+            quantity.source,
         )
-        for one in quantities
+        for quantity in quantities
     )
     return Table(title, ("quantity", "value", "unit", "num. error", "closed form", "source"), tuple(rows))
 
@@ -354,7 +354,7 @@ class Claim:
             "verdict": self.verdict,
             "p": self.p,
             "decided_by": self.decided_by,
-            "removals": [one.as_json() for one in self.removals],
+            "removals": [removal.as_json() for removal in self.removals],
             "ranges_searched": [one.as_json() for one in self.searched],
             "at_rated_load": None if self.rated is None else self.rated.as_json(),
         }

@@ -131,13 +131,19 @@ class Calibration:
     @property
     def unidentified(self) -> tuple[str, ...]:
         """Keys of the values that the loop does not determine."""
-        return tuple(key for key, one in self.estimates.items() if not one.identified)
+        return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
 
     def tables(self) -> tuple[Table, ...]:
         """Tabulate parameters, figures, loops and variants."""
         rows = tuple(
-            (key, one.value, f"{one.ci95[0]:.4g} to {one.ci95[1]:.4g}", one.unit, "" if one.identified else "no")
-            for key, one in self.estimates.items()
+            (
+                key,
+                estimate.value,
+                f"{estimate.ci95[0]:.4g} to {estimate.ci95[1]:.4g}",
+                estimate.unit,
+                "" if estimate.identified else "no",
+            )
+            for key, estimate in self.estimates.items()
         )
         low, high = (f"{end / DEGREE:.4g}" for end in self.play[1:])
         figures = (
@@ -176,7 +182,7 @@ class Calibration:
             ),
         ]
         if self.variants:
-            least = min(one.criterion for one in self.variants)
+            least = min(variant.criterion for variant in self.variants)
             header = (
                 "losses",
                 *(f"{loop.name}: rms of height" for loop in self.fitted.loops),
@@ -189,12 +195,12 @@ class Calibration:
                     header,
                     tuple(
                         (
-                            one.meaning,
-                            *(f"{share:.1%}" for share in one.shares),
-                            one.criterion - least,
-                            ", ".join(f"{key} {value:.3g}" for key, value in one.values.items()),
+                            variant.meaning,
+                            *(f"{share:.1%}" for share in variant.shares),
+                            variant.criterion - least,
+                            ", ".join(f"{key} {value:.3g}" for key, value in variant.values.items()),
                         )
-                        for one in self.variants
+                        for variant in self.variants
                     ),
                 )
             )
@@ -209,19 +215,19 @@ class Calibration:
             "crank_deg": self.fitted.bench.crank / DEGREE,
             "parameters": {
                 key: {
-                    "value": one.value,
-                    "unit": one.unit,
-                    "ci95": list(one.ci95),
-                    "identified": one.identified,
-                    "meaning": one.meaning,
+                    "value": estimate.value,
+                    "unit": estimate.unit,
+                    "ci95": list(estimate.ci95),
+                    "identified": estimate.identified,
+                    "meaning": estimate.meaning,
                 }
-                for key, one in self.estimates.items()
+                for key, estimate in self.estimates.items()
             },
             "unidentified": list(self.unidentified),
             "indistinguishable": [{"keys": [one, other], "correlation": size} for one, other, size in self.alike],
             "correlations": {
-                one: dict(zip(self.estimates, row, strict=True))
-                for one, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
+                estimate: dict(zip(self.estimates, row, strict=True))
+                for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
             },
             "residual_rms_deg": self.rms / DEGREE,
             "play_deg": self.play[0] / DEGREE,
@@ -247,12 +253,12 @@ class Calibration:
             ],
             "losses": [
                 {
-                    "key": one.key,
-                    "residual_shares": list(one.shares),
-                    "bic": one.criterion,
-                    "values": one.values,
+                    "key": variant.key,
+                    "residual_shares": list(variant.shares),
+                    "bic": variant.criterion,
+                    "values": variant.values,
                 }
-                for one in self.variants
+                for variant in self.variants
             ],
             "unexplained": list(UNEXPLAINED),
             "notes": list(self.notes),
@@ -299,7 +305,7 @@ def calibrate(
     _require_units(model, loops, bench)
     chosen, counted = parameters(reducer, keys, loops), _counting(progress)
     _require_answers(FitProblem(model, chosen, tuple(loops), bench, counted))
-    return _told(fit(model, chosen, loops, bench, counted))
+    return _calibration(fit(model, chosen, loops, bench, counted))
 
 
 def calibrated_name(reducer: Reducer) -> str:
@@ -322,7 +328,7 @@ def compare_losses(
         No static balance was found.
     """
     fitted = calibration.fitted
-    common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
+    common = [parameter.key for parameter in fitted.parameters if parameter.key not in ("friction", "material_loss")]
     smooth, counted = _smooth(fitted.model.reducer), _counting(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in (
@@ -349,11 +355,11 @@ def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
         Variant(
             key,
             meaning,
-            tuple(one.rms(place) / loop.height for place, loop in enumerate(one.loops)),
-            one.criterion(independent),
-            {name.key: float(value) for name, value in zip(one.parameters, one.values, strict=True)},
+            tuple(fit.rms(place) / loop.height for place, loop in enumerate(fit.loops)),
+            fit.criterion(independent),
+            {name.key: float(value) for name, value in zip(fit.parameters, fit.values, strict=True)},
         )
-        for (key, meaning), one in fits.items()
+        for (key, meaning), fit in fits.items()
     )
 
 
@@ -369,18 +375,20 @@ def correlations(fitted: Fitted) -> Array:
 def _counting(progress: Progress) -> Callable[[], None]:
     done = [0]
 
-    def told() -> None:
+    def count() -> None:
         done[0] += 1
         progress(done[0])
 
-    return told
+    return count
 
 
-def _told(fitted: Fitted) -> Calibration:
+def _calibration(fitted: Fitted) -> Calibration:
     count = len(fitted.parameters)
     estimates = {
-        one.key: _estimate(one, float(place), ends, bool(bound))
-        for one, place, ends, bound in zip(fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, strict=False)
+        parameter.key: _estimate(parameter, float(place), ends, bool(bound))
+        for parameter, place, ends, bound in zip(
+            fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, strict=False
+        )
     }
     related = correlations(fitted)
     keys = list(estimates)
@@ -401,11 +409,11 @@ def _told(fitted: Fitted) -> Calibration:
     )
 
 
-def _estimate(one: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
-    value, low, high = (one.value(float(at)) for at in (place, *ends))
-    ended = one.place(one.least) < ends[0] and ends[1] < one.place(one.most)
+def _estimate(parameter: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
+    value, low, high = (parameter.value(float(at)) for at in (place, *ends))
+    ended = parameter.place(parameter.least) < ends[0] and ends[1] < parameter.place(parameter.most)
     identified = bool(not at_bound and ended and high - low < 2.0 * abs(value))
-    return Estimate(value, one.unit, one.meaning, (low, high), identified)
+    return Estimate(value, parameter.unit, parameter.meaning, (low, high), identified)
 
 
 def _derived(fitted: Fitted, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:

@@ -107,7 +107,7 @@ class Fitted:
     @property
     def independent(self) -> tuple[float, ...]:
         """How many residuals of each loop count as independent (`memory`)."""
-        return tuple(len(one) / memory(one) for one in self.residuals)
+        return tuple(len(residual) / memory(residual) for residual in self.residuals)
 
     def criterion(self, independent: Sequence[float]) -> float:
         """Compute Bayes's information criterion over so many independent residuals of each loop.
@@ -121,7 +121,7 @@ class Fitted:
 
     def values_at(self, places: Array) -> Array:
         """Compute the parameters' values at other places."""
-        return np.array([one.value(place) for one, place in zip(self.parameters, places, strict=False)])
+        return np.array([parameter.value(place) for parameter, place in zip(self.parameters, places, strict=False)])
 
     def rms(self, place: int) -> float:
         """Compute the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
@@ -199,7 +199,7 @@ def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Arr
     """
     inverse, least = fitted.spread.inverse, valleys[0][0]
     apart = [np.any(np.abs(one - fitted.places) > fitted.spread.errors) for _, one in valleys[1:]]
-    valleys = [valleys[0], *(one for one, other in zip(valleys[1:], apart, strict=True) if other)]
+    valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
     for place in np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)]):
         for side, end in enumerate(fitted.ends[place].tolist()):

@@ -44,20 +44,22 @@ class FitProblem:
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
     bench: LoopCondition
-    told: Callable[[], None]
+    on_step: Callable[[], None]
 
     @property
     def bounds(self) -> tuple[Array, Array]:
         """The least and the greatest places."""
         free = np.full(2 * len(self.loops), np.inf)
-        low, high = ([one.place(getattr(one, end)) for one in self.parameters] for end in ("least", "most"))
+        low, high = (
+            [parameter.place(getattr(parameter, end)) for parameter in self.parameters] for end in ("least", "most")
+        )
         return np.concatenate([low, -free]), np.concatenate([high, free])
 
     @cached_property
     def _branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
         @lru_cache(maxsize=4 * len(self.loops))
         def branches(places: tuple[float, ...], loop: int, shift: float) -> Branches | None:
-            values = [one.value(place) for one, place in zip(self.parameters, places, strict=True)]
+            values = [parameter.value(place) for parameter, place in zip(self.parameters, places, strict=True)]
             try:
                 changed = put_all(self.model, self.parameters, np.array(values))
                 return model_branches(changed, self.bench, self.loops[loop], shift)
@@ -78,7 +80,7 @@ class FitProblem:
 
     def residuals(self, places: Array) -> Array:
         """Join the residuals of all loops, so that each loop counts the same."""
-        self.told()
+        self.on_step()
         return np.concatenate([part / np.sqrt(len(part)) for part in self.parts(places)])
 
     def slopes(self, places: Array, by: Sequence[int], central: bool = False) -> Array:
@@ -101,7 +103,7 @@ class FitProblem:
 
         Where stiffness or play is fitted, those that bring the model's loops nearest to the measured ones.
         """
-        keys = {one.key for one in self.parameters}
+        keys = {parameter.key for parameter in self.parameters}
         shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if "tooth_stiffness" in keys else (1.0,)
@@ -113,8 +115,10 @@ class FitProblem:
             for play, stiffness in product(plays, softer):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness} | wide
                 start = [
-                    one.place(min(max(one.start * factors.get(one.key, 1.0), one.least), one.most))
-                    for one in self.parameters
+                    parameter.place(
+                        min(max(parameter.start * factors.get(parameter.key, 1.0), parameter.least), parameter.most)
+                    )
+                    for parameter in self.parameters
                 ]
                 places = np.concatenate([start, *shifts])
                 tried.append((sum(float(np.mean(np.abs(part))) for part in self.parts(places)), places))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cycloid_mj.checks.limit import Check, told
+from cycloid_mj.checks.limit import Check, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.reducer import Reducer
@@ -28,7 +28,7 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
     thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
     passed = bool(radius_errors[thickest] < play)
-    got, limit = told(float(radius_errors[thickest]), "less than", play, MICROMETRE)
+    got, limit = value_and_limit(float(radius_errors[thickest]), "less than", play, MICROMETRE)
     enough = f"{MICROMETRE.from_si(float(radius_errors[thickest])):.4g}"
     return Check(
         name="pin_in_socket",
@@ -45,7 +45,7 @@ def _room(reducer: Reducer) -> Check:
     """Check the smallest gap in the roomiest pose; parts that are pressed together run, but under load of their own."""
     poses = min(MOST_POSES, reducer.design.ring.teeth)
     room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
-    got, limit = told(room, "at least", 0.0, MICROMETRE)
+    got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)
     missing = f"{MICROMETRE.from_si(-room):.4g}"
     tooth = "tooth" if reducer.design.ring.kind == "nonpin" else "pin_gear"
     return Check(

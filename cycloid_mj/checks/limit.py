@@ -73,9 +73,9 @@ class Limit:
         """Tell whether the design keeps the limit."""
         return bool(SIDES[self.side](self.value(reducer), self.bound))
 
-    def told(self, reducer: Reducer) -> tuple[str, str]:
+    def formatted(self, reducer: Reducer) -> tuple[str, str]:
         """Format value and limit in the file's unit."""
-        return told(self.value(reducer), self.side, self.bound, unit_of(self._field(reducer)))
+        return value_and_limit(self.value(reducer), self.side, self.bound, unit_of(self._field(reducer)))
 
     def numbers(self, reducer: Reducer) -> tuple[float, float, str]:
         """Return value, bound and the file's unit of both."""
@@ -135,7 +135,7 @@ def verdict(
         Whether the checked value is tied to others, so that changing it alone is no remedy.
     """
     passed = limit.holds(reducer)
-    got, allowed = limit.told(reducer)
+    got, allowed = limit.formatted(reducer)
     remedy = "" if passed else _remedy(reducer, [*([] if tied else [limit]), *instead])
     value, bound, unit = limit.numbers(reducer)
     return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(reducer), value, bound, unit)
@@ -176,7 +176,7 @@ def _remedy(reducer: Reducer, limits: list[Limit]) -> str:
     return ", or ".join(single) or f"no single change that the file allows is enough: change {together} together"
 
 
-def told(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
+def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
     """Format a value and its limit [SI] in a unit, with as many digits as tell them apart, and at least four."""
     symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     a, b = unit.from_si(value), unit.from_si(bound)

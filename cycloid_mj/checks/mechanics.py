@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, millimetres, told, verdict
+from cycloid_mj.checks.limit import Check, Limit, millimetres, value_and_limit, verdict
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
@@ -145,7 +145,7 @@ def _play_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
     names = design.pair_kinds
     total = sum(getattr(design.clearance, name) for name in names)
     allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
-    got, limit = told(total, "at most", allowed, MICROMETRE)
+    got, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
     remedies = [] if total <= allowed else [share.remedy(reducer) for share in shares if not share.holds(reducer)]
     yield Check(
@@ -168,7 +168,7 @@ def _jump(reducer: Reducer) -> Check:
     poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
     play = max(high - low for low, high in (stops(reducer, pose, JUMP_SIDES) for pose in poses))
     allowed = reducer.share * math.pi / design.lobes
-    got, limit = told(play, "at most", allowed, DEGREE)
+    got, limit = value_and_limit(play, "at most", allowed, DEGREE)
     spared = (1.0 - JUMP_MARGIN) * allowed / play
     lower = [
         Limit(f"clearance.{name}", "at most", spared * getattr(design.clearance, name)) for name in design.pair_kinds

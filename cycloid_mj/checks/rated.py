@@ -31,20 +31,20 @@ class Rated:
     reducer: Reducer
     torque: float
     springs: Springs
-    found: Loads
+    contact_loads: Loads
 
     def peak_force(self, kind: str) -> float:
         """Compute the largest force on a contact of a kind [N]."""
-        return peak_force(self.found, kind)
+        return peak_force(self.contact_loads, kind)
 
     def peak_pressure(self, kind: str) -> float:
         """Compute the largest Hertz pressure on a kind of contact [Pa]."""
-        return peak_pressure(self.reducer, self.springs, self.found, kind)
+        return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
         """Find the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
         try:
-            return abs(torque_at_pressure(self.reducer, self.springs, kind, pressure, self.torque, self.found))
+            return abs(torque_at_pressure(self.reducer, self.springs, kind, pressure, self.torque, self.contact_loads))
         except RunError:
             return math.nan
 
@@ -53,18 +53,18 @@ class Rated:
         """Largest force on a tooth over that of ideal sharing [1]."""
         carried = self.reducer.share * self.torque / self.reducer.design.gear.discs
         ideal = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
-        return float(self.found.teeth.max() / ideal.forces.max())
+        return float(self.contact_loads.teeth.max() / ideal.forces.max())
 
     @property
     def loaded_teeth(self) -> float:
         """Contact lines of a disc with the ring that carry, on average [1]."""
-        carrying = (self.found.teeth > CARRIES * self.found.teeth.max()).sum(axis=1).mean()
+        carrying = (self.contact_loads.teeth > CARRIES * self.contact_loads.teeth.max()).sum(axis=1).mean()
         return float(carrying) / self.reducer.design.gear.discs
 
     @property
     def pressure_angle(self) -> float:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
-        gear, forces = self.reducer.tooth_profile, self.found.by_disc(self.found.teeth)
+        gear, forces = self.reducer.tooth_profile, self.contact_loads.by_disc(self.contact_loads.teeth)
         ahead = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
         B = profile.pin_angles(gear) + ahead[..., np.newaxis]
         return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())

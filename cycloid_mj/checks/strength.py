@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.checks.limit import Check, Limit, told
+from cycloid_mj.checks.limit import Check, Limit, value_and_limit
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
@@ -103,7 +103,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
                 Limit(key, "at least", pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.reduction),
             ]
-        got, limit = told(pressure, "at most", allowed, MEGAPASCAL)
+        got, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
         yield Check(
             name=f"{part}_{name}",
             passed=passed,
@@ -143,7 +143,7 @@ def _concentration(state: Rated) -> Check:
     reducer = Reducer(design)
     names = _clearances(reducer)
     passed = ratio <= CONCENTRATION
-    got, limit = told(ratio, "at most", CONCENTRATION, NONE)
+    got, limit = value_and_limit(ratio, "at most", CONCENTRATION, NONE)
 
     def tighter(share: float) -> Design:
         return design.but(clearance={name: share * getattr(design.clearance, name) for name in names})
@@ -177,7 +177,7 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 def _pressure_angle(state: Rated) -> Check:
     design, angle = state.reducer.design, state.pressure_angle
     passed = angle <= PRESSURE_ANGLE
-    got, limit = told(angle, "at most", PRESSURE_ANGLE, DEGREE)
+    got, limit = value_and_limit(angle, "at most", PRESSURE_ANGLE, DEGREE)
     least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def steeper(share: float) -> Design:
@@ -283,7 +283,7 @@ def _wall(state: Rated, wall: Wall) -> Check:
     strength = wall.share * material.yield_strength / SAFETY
     passed = stress <= strength
     kind = "tension" if wall.share == TENSION else "shear"
-    got, limit = told(stress, "at most", strength, MEGAPASCAL)
+    got, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
     enough = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )

@@ -53,7 +53,7 @@ def tooth_checks(reducer: Reducer) -> Iterator[Check]:
             Limit("gear.eccentricity", "less than", rho),
         )
         if loops.passed and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
-            yield _held(reducer)
+            yield _check_sockets_hold(reducer)
     yield _housing(reducer)
 
 
@@ -118,7 +118,7 @@ def _sleeve(reducer: Reducer) -> Check:
     return check if there.passed else replace(there, remedy=check.remedy)
 
 
-def _held(reducer: Reducer) -> Check:
+def _check_sockets_hold(reducer: Reducer) -> Check:
     """Check that sockets reach round their pins as far as the gear presses on these.
 
     It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin

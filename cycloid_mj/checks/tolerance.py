@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.checks.limit import Check, Limit, told
+from cycloid_mj.checks.limit import Check, Limit, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.reducer import Reducer
 
@@ -40,7 +40,7 @@ def _tolerance(reducer: Reducer, name: str, what: str, size: float, pair: str, r
     if size == 0.0:
         return
     passed = size <= room
-    got, limit = told(size, "at most", room, MICROMETRE)
+    got, limit = value_and_limit(size, "at most", room, MICROMETRE)
     enough = Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + size - room)
     lower = f"lower the errors to {room / size:.0%} of what they are"
     yield Check(

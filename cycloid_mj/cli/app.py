@@ -48,7 +48,7 @@ from cycloid_mj.cli import (
     view,
 )
 from cycloid_mj.cli.mistakes import sentence
-from cycloid_mj.cli.terminal import log_told, tell, warnings_kept
+from cycloid_mj.cli.terminal import log_to_stderr, tell, warnings_kept
 
 FAILURE = 1
 
@@ -104,7 +104,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = [_renamed(word) for word in (sys.argv[1:] if argv is None else argv)]
     try:
         quiet = "--quiet" in words
-        with one_command(), warnings_kept(None if quiet else tell), log_told(quiet):
+        with one_command(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
             app = application()
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))

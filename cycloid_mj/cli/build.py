@@ -81,9 +81,9 @@ def build(
     files = model_files(Reducer(design), settings)
     into = folder(out, "the model", files, force)
     write_folder(files, into)
-    figures = _told(files[MANIFEST])
+    figures = _surface_figures(files[MANIFEST])
     if plain_coacd:
-        figures |= _plain_told(design, seed)
+        figures |= _plain_figures(design, seed)
     if json:
         say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": figures})
         return 0
@@ -102,7 +102,7 @@ def _require_room(out: str) -> None:
         raise CycloidError(f"cannot write the model to {out}: {there} {reason}; give another folder with --out")
 
 
-def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
+def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
     """Collect the figures of the manifest by surface."""
     from json import loads
 
@@ -111,7 +111,7 @@ def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
     return {**content["surfaces"], **rest}
 
 
-def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
+def _plain_figures(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     """Collect the figures of plain CoACD on the toothed parts."""
     reducer = Reducer(design)
     from cycloid_mj.dynamics.mjcf.folder import quality_um

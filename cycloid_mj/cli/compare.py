@@ -135,7 +135,7 @@ class CompareOptions:
         return (TIMESTEP, self.timestep_us), (SPEED, self.speed_rpm), (RAMP, self.ramp_s), (HOLD, self.hold_s)
 
     @property
-    def held(self) -> bool:
+    def hold_given(self) -> bool:
         """Whether the user says how long the hold is."""
         return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
 
@@ -223,7 +223,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared.append(with_play_of(Reducer(nonpin), Reducer(under(Reducer(pin), shared, rated))))
     by_load = [[under(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
-    cases = [case for each in by_load for case in (each if options.held else _held_for_turns(each))]
+    cases = [case for each in by_load for case in (each if options.hold_given else _held_for_turns(each))]
     comparable(cases)
     return cases
 

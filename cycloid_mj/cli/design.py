@@ -236,7 +236,7 @@ def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
         f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} carry on average,"
         f" mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
-        *([f"weakest: {rating.told_weakest()}"] if rating else []),
+        *([f"weakest: {rating.weakest_line()}"] if rating else []),
         *summed.material_limits,
     ]
 

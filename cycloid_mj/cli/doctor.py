@@ -57,7 +57,7 @@ def doctor(*, json: JsonFlag = False) -> int:
         say(f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}")
         for one in findings:
             say(f"{'ok' if one.well else 'FAIL' if one.needed else 'none':4}  {one.name}: {one.found}")
-    return 0 if all(one.well for one in findings if one.needed) else 1
+    return 0 if all(finding.well for finding in findings if finding.needed) else 1
 
 
 def _versions() -> Iterator[Finding]:

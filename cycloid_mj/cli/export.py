@@ -131,7 +131,7 @@ def export(
     if json:
         summary = {
             "files": [str(path) for path in files],
-            "clearances": [asdict(one) for one in files_and_clearances.clearances],
+            "clearances": [asdict(clearance) for clearance in files_and_clearances.clearances],
             "offset": offset,
         }
         if printed:
@@ -142,8 +142,11 @@ def export(
     for path in files:
         say(str(path))
     rows = [
-        (one.pair, *(f"{1e6 * value:.4f}" for value in (one.asked, offset, one.least, one.most)))
-        for one in files_and_clearances.clearances
+        (
+            clearance.pair,
+            *(f"{1e6 * value:.4f}" for value in (clearance.asked, offset, clearance.least, clearance.most)),
+        )
+        for clearance in files_and_clearances.clearances
     ]
     say_table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
     if printed:

@@ -371,8 +371,8 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
         progress = counted(words, delivered.quiet)
         published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
-    for one, place in zip(measurements, places, strict=True):
-        _deliver(one, place, delivered)
+    for measurement, place in zip(measurements, places, strict=True):
+        _deliver(measurement, place, delivered)
     if delivered.json:
         say_json(
             measurements[0].as_json()
@@ -407,7 +407,7 @@ def _outcome(measurement: "Measurement", stem: str) -> Outcome:
         headline=headline(quantities),
         tables=[quantity_table(title, quantities), *measurement.tables],
         notes=[
-            *(f"{one.name}: {one.note}" for one in quantities if one.note),
+            *(f"{quantity.name}: {quantity.note}" for quantity in quantities if quantity.note),
             *(f"assumed: {sentence}" for sentence in measurement.assumptions),
         ],
         pictures={stem: partial(drawn, measurement_figure(measurement))},

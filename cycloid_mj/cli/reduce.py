@@ -145,6 +145,6 @@ def _print(reduced: "ReducedJoint") -> None:
     from cycloid_mj.base.result import quantity_table
 
     show(quantity_table(f"reduce: {reduced.name}, level {reduced.level}", reduced.quantities.values()))
-    for one in reduced.quantities.values():
-        if one.note:
-            say(f"{one.name}: {one.note}")
+    for quantity in reduced.quantities.values():
+        if quantity.note:
+            say(f"{quantity.name}: {quantity.note}")

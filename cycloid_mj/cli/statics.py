@@ -77,10 +77,10 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     from cycloid_mj.statics.sheet import COMPARED, known_difference
 
     rows = []
-    for one in static.quantities.values():
-        known = known_difference(one)
-        value = "-" if one.value != one.value else f"{one.value:.6g}"
-        rows.append((one.name, value, one.unit, "" if known is None else f"{100.0 * known:g} %"))
+    for quantity in static.quantities.values():
+        known = known_difference(quantity)
+        value = "-" if quantity.value != quantity.value else f"{quantity.value:.6g}"
+        rows.append((quantity.name, value, quantity.unit, "" if known is None else f"{100.0 * known:g} %"))
     return Outcome(
         title=f"statics: {static.design}",
         condition=static.condition,
@@ -101,4 +101,6 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
 
 
 def _by_key(figures: Mapping[str, Quantity]) -> tuple[tuple[str, str, str], ...]:
-    return tuple((key, "-" if isnan(one.value) else f"{one.value:.6g}", one.unit) for key, one in figures.items())
+    return tuple(
+        (key, "-" if isnan(figure.value) else f"{figure.value:.6g}", figure.unit) for key, figure in figures.items()
+    )

@@ -79,7 +79,7 @@ def _say(studies: "Sequence[StressStudy]", judged: "Mapping[str, Sequence[Claim]
         CONTACT_HEADER,
         bulk_table,
         contact_table,
-        told_beside,
+        notes_beside,
     )
 
     for study in studies:
@@ -89,7 +89,7 @@ def _say(studies: "Sequence[StressStudy]", judged: "Mapping[str, Sequence[Claim]
         say_table(f"{title}, below contacts", CONTACT_HEADER, contact_table(findings))
         say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
         for part in findings.parts:
-            for line in told_beside(part):
+            for line in notes_beside(part):
                 say(line)
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in findings.parts)
         say(f"out of balance, of the largest force: {balance}")

@@ -140,7 +140,7 @@ def with_warnings(content: dict[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def log_told(quiet: bool) -> Iterator[None]:
+def log_to_stderr(quiet: bool) -> Iterator[None]:
     """Write every message of level info and above as a line on stderr inside this block, or none if it is `quiet`."""
     log, handler = logging.getLogger("cycloid_mj"), _Teller()
     level = log.level

@@ -97,10 +97,10 @@ def tolerance(
     try:
         tolerances = found_in(design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify)
     except Unfinished as stop:
-        deliver(_outcome(stop.found), place, delivery)
-        raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {place.folder}") from stop
+        deliver(_outcome(stop.tolerances), place, delivery)
+        raise RunError(f"stopped by {cause(stop)}; {stop.tolerances.samples_text} are in {place.folder}") from stop
     except AllJam as jam:
-        deliver(_outcome(jam.found), place, delivery)
+        deliver(_outcome(jam.tolerances), place, delivery)
         raise RunError(f"{jam}; they are in {place.folder}") from jam
     return deliver(_outcome(tolerances), place, delivery)
 
@@ -119,7 +119,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
             "yield": f"{tolerances.good.mean():.2%}",
             "95 % confidence": f"{low:.2%} to {high:.2%}",
             "jam": f"{tolerances.jams.mean():.2%}",
-            "samples": tolerances.told_count,
+            "samples": tolerances.sample_count,
             **({"tighten first": tolerances.budget[0].source} if tolerances.budget else {}),
         },
         summary=[tolerances.words],

@@ -41,8 +41,8 @@ def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return what differs between designs, load torque apart: key -> the value of each, None where it has none."""
     all_values = [values(Reducer(design)) for design in designs]
-    keys = dict.fromkeys(key for one in all_values for key in one if key != "load.torque_nm")
-    each = {key: tuple(one.get(key) for one in all_values) for key in keys}
+    keys = dict.fromkeys(key for values in all_values for key in values if key != "load.torque_nm")
+    each = {key: tuple(values.get(key) for values in all_values) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 

@@ -70,15 +70,15 @@ class StartSpread:
         return StartSpread(tuple(one / below if below else math.inf for one, below in pairs))
 
 
-def order(one: StartSpread, other: StartSpread) -> int:
+def order(start_spread: StartSpread, other: StartSpread) -> int:
     """Say which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
 
     Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds
     what the starts spread.
     """
-    if one.low > ALIKE * other.high:
+    if start_spread.low > ALIKE * other.high:
         return 1
-    return -1 if other.low > ALIKE * one.high else 0
+    return -1 if other.low > ALIKE * start_spread.high else 0
 
 
 def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:

@@ -16,12 +16,12 @@ def refusal(error: ValidationError, root: type[BaseModel], where: str) -> Design
 
     `root` is the model that was validated; `where` tells where the values came from.
     """
-    sentences = [_told(details, root, where) for details in error.errors()[:MOST_ERRORS]]
+    sentences = [_sentence(details, root, where) for details in error.errors()[:MOST_ERRORS]]
     rest = error.error_count() - len(sentences)
     return DesignError("; ".join([*sentences, f"and {rest:,} more"] if rest else sentences))
 
 
-def _told(details: ErrorDetails, root: type[BaseModel], where: str) -> str:
+def _sentence(details: ErrorDetails, root: type[BaseModel], where: str) -> str:
     """One validation error in the words of the file: key, value, what is allowed."""
     section = root
     field: FieldInfo | None = None

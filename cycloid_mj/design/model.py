@@ -553,7 +553,7 @@ class Material(Section):
         return dict(change) if "name" in change else super().changed(values, change)
 
 
-def _made_of(part: str) -> Any:
+def _part_material(part: str) -> Any:
     return Field(default=None, description=f"What {part} is made of, where it is not what all parts are.")
 
 
@@ -668,11 +668,11 @@ class Design(Section):
     damping: Damping = Damping()
     working_force: WorkingForce = WorkingForce()
     material: Material = Material()
-    gear_material: Material | None = _made_of("the gear")
-    housing_material: Material | None = _made_of("the housing, or the internal gear")
-    pin_material: Material | None = _made_of("the ring pins, or their sleeves")
-    output_material: Material | None = _made_of("the output disc and its pins")
-    shaft_material: Material | None = _made_of("the shaft, and the rollers on its cam")
+    gear_material: Material | None = _part_material("the gear")
+    housing_material: Material | None = _part_material("the housing, or the internal gear")
+    pin_material: Material | None = _part_material("the ring pins, or their sleeves")
+    output_material: Material | None = _part_material("the output disc and its pins")
+    shaft_material: Material | None = _part_material("the shaft, and the rollers on its cam")
     bearing: Bearing = Bearing()
     service: Service = Service()
     drive: Drive = Drive()

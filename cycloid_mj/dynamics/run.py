@@ -58,7 +58,7 @@ from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import ring_and_carrier
 from cycloid_mj.statics.impact import impact_of
-from cycloid_mj.statics.working import for_slices, working_forces_told
+from cycloid_mj.statics.working import for_slices, working_forces_text
 
 Groups = dict[str, dict[str, str]]
 
@@ -271,7 +271,7 @@ def provenance(
         "timestep_for": steps.held_figures(
             stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step})
         ),
-        "working_forces": working_forces_told(stiffened, reducer.mechanism.kinds),
+        "working_forces": working_forces_text(stiffened, reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
@@ -329,7 +329,7 @@ def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> G
                 stack.enter_context(collider.installed(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.installed())
             stack.enter_context(unused.left_out(compiled.model))
-            stack.enter_context(_no_log_file.made())
+            stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, driven)
         size = max(_BLOCK, at_once)
         for first in range(0, plan.samples, size):

@@ -87,7 +87,7 @@ def shares(
     f = _Sets(table[0, rows], table[1, rows], table[2:, rows])
     if np.ptp(np.concatenate([f.first, f.second])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    linear = _linear_part([_scaled(zones, one, rows) for one in departures], f)
+    linear = _linear_part([_scaled(zones, departure, rows) for departure in departures], f)
     first_order, total = _indices(f, linear, np.arange(rows.size))
     resampled = [generator.integers(0, rows.size, rows.size) for _ in range(RESAMPLES)]
     low, high = np.percentile([_indices(f, linear, each)[1] for each in resampled], [2.5, 97.5], axis=0).tolist()
@@ -114,19 +114,19 @@ class _Linear(NamedTuple):
 def _scaled(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
     """Compute departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
     scaled = []
-    for key, one in zones.items():
+    for key, zone in zones.items():
         values = departures[key][rows].reshape(rows.size, -1)
         if key.startswith(WAVE):  # a wave begins anywhere: its cosine and sine have half of its mean square each
-            scaled.append(values / math.sqrt(0.5 * (one.middle**2 + one.deviation**2)))
+            scaled.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.deviation**2)))
         else:
-            scaled.append((values - one.middle) / (one.deviation or 1.0))
+            scaled.append((values - zone.middle) / (zone.deviation or 1.0))
     return scaled
 
 
 def _linear_part(departures: Sequence[list[Array]], f: _Sets) -> _Linear:
     """Fit a figure in both sets by departures that have the mean 0 and the variance 1; not by those that are idle."""
     moved = np.any(f.mixed != f.first, axis=1)
-    in_a, in_b = ([values * moves for values, moves in zip(one, moved, strict=True)] for one in departures)
+    in_a, in_b = ([values * moves for values, moves in zip(departure, moved, strict=True)] for departure in departures)
     both = np.concatenate([np.concatenate(in_a, axis=1), np.concatenate(in_b, axis=1)])
     columns = np.concatenate([np.ones((len(both), 1)), both], axis=1)
     slopes = np.zeros(columns.shape[1])

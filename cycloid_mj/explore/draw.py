@@ -73,8 +73,8 @@ def tolerances(reducer: Reducer) -> dict[str, Zone]:
     if not design.pin_play:
         zones["seat"] = None
     waves = wave_zones(tolerance.profile, ring.teeth, circle)
-    zones |= {f"{WAVE}{order}": one for order, one in waves.items()}
-    return {key: one for key, one in zones.items() if one is not None and (one.width or one.middle)}
+    zones |= {f"{WAVE}{order}": wave for order, wave in waves.items()}
+    return {key: zone for key, zone in zones.items() if zone is not None and (zone.width or zone.middle)}
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Ba
     A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
     """
     shares = _shares(reducer, zones, seed, block)
-    drawn = {key: one.quantiles(shares[key]) for key, one in zones.items()}
+    drawn = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
         amplitude, begin = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
         drawn[key] = np.stack([amplitude * np.cos(begin), -amplitude * np.sin(begin)], axis=1)

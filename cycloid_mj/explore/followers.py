@@ -141,14 +141,14 @@ def by_themselves(requested: Iterable[Follower], varied: Iterable[str]) -> tuple
 
 def followed(start: Reducer, reducer: Reducer, followers: Iterable[Follower]) -> Design:
     """Return the design of a point with all keys set that follow; raise DesignError where one cannot be."""
-    for one in followers:
-        reducer = Reducer(one.at(start, reducer))
+    for follower in followers:
+        reducer = Reducer(follower.at(start, reducer))
     return reducer.design
 
 
 def values_of(reducer: Reducer, followers: Iterable[Follower]) -> dict[str, Value]:
     """Collect what followers came to, key -> value in the file's unit."""
-    values = {one.key: value_of(reducer.design, one.key) for one in followers}
+    values = {follower.key: value_of(reducer.design, follower.key) for follower in followers}
     return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
 

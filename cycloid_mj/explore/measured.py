@@ -48,7 +48,10 @@ class Measured:
 
 def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
     """Return quantities by their keys, each ending in its unit."""
-    named = {one.key if one.key in FIGURES else with_unit(one.key, one.unit): one for one in quantities}
+    named = {
+        quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
+        for quantity in quantities
+    }
     units = {name: one.unit for name, one in named.items() if one.unit not in ("", "1")}
     return Measured({name: one.value for name, one in named.items()}, units, **more)
 
@@ -58,7 +61,7 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
     from cycloid_mj.statics.sheet import sheet
 
     figures = sheet(reducer)
-    named = (replace(one, key=figure(one.key).key) for one in figures.quantities.values())
+    named = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
     return _of_quantities((*figures.quantities.values(), *named), assumptions=figures.assumptions)
 
 
@@ -123,11 +126,11 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
         "failed_checks": "; ".join(one.name for one in failed),
     }
     units: dict[str, str] = {}
-    for one in results:
-        if one.value is not None:
-            column = with_unit("_".join(one.name.split()).replace("-", "_"), one.unit)
-            values[column] = one.value
-            units |= {column: one.unit} if one.unit else {}
+    for result in results:
+        if result.value is not None:
+            column = with_unit("_".join(result.name.split()).replace("-", "_"), result.unit)
+            values[column] = result.value
+            units |= {column: result.unit} if result.unit else {}
     if not values["failed_errors"]:
         more = _summed_up(reducer)
         values, units = {**values, **more.values}, {**units, **more.units}

@@ -178,7 +178,7 @@ def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Call
     kept = [row for row in rows if row.values[FEASIBLE]]
 
     def costs(row: PointResult) -> tuple[float, ...]:
-        return tuple(one.sign * float(row.values[one.key]) for one in task.objectives)
+        return tuple(objective.sign * float(row.values[objective.key]) for objective in task.objectives)
 
     both = [costs(row) for row in kept] or [(0.0, 0.0)]
     low = [min(cost) for cost in zip(*both, strict=True)]
@@ -209,7 +209,7 @@ class _Work:
     @property
     def in_order(self) -> list[PointResult]:
         """All rows up to the first that is missing."""
-        return [self._rows.found[place] for place in range(self._count) if place in self._rows.found]
+        return [self._rows.by_place[place] for place in range(self._count) if place in self._rows.by_place]
 
     def rows_of(self, points: Sequence[Point]) -> list[PointResult]:
         """List the rows of points."""
@@ -220,14 +220,14 @@ class _Work:
         todo = [points[place - first] for place in missing]
         for item, row in engine.stream(partial(evaluated, self._task), todo, _lost):
             self._rows.add(missing[item], row)
-            if len(self._rows.found) <= self._whole:  # the last generation may go beyond
-                self._progress(len(self._rows.found), self._whole)
-        rows = [self._rows.found[place] for place in range(first, self._count)]
+            if len(self._rows.by_place) <= self._whole:  # the last generation may go beyond
+                self._progress(len(self._rows.by_place), self._whole)
+        rows = [self._rows.by_place[place] for place in range(first, self._count)]
         self._slow = max(row.cpu for row in rows) > FAST
         return rows
 
     def _is_there(self, place: int, point: Point) -> bool:
-        row = self._rows.found.get(place)
+        row = self._rows.by_place.get(place)
         if row is None:
             return False
         if _point(self._task, row) != point:
@@ -245,7 +245,7 @@ class _Rows:
     """Rows by place, in memory alone or in a file as well."""
 
     def __init__(self, rows: dict[int, PointResult], add: Callable[[int, PointResult], None]) -> None:
-        self.found, self.add = rows, add
+        self.by_place, self.add = rows, add
 
 
 @contextmanager
@@ -256,9 +256,9 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
         return
     plan = {
         "design": dump(task.reducer.design),
-        "vary": [asdict(one) for one in task.variables],
-        "objectives": [str(one) for one in task.objectives],
-        "limits": [str(one) for one in task.limits],
+        "vary": [asdict(variable) for variable in task.variables],
+        "objectives": [str(objective) for objective in task.objectives],
+        "limits": [str(limit) for limit in task.limits],
         "strict": task.strict,
         "follows": task.follows,
         "evaluations": evaluations,

@@ -152,16 +152,19 @@ class Optimum(Tabular):
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values, but the history."""
         place, objectives = self.best, self.task.objectives
-        reached = None if place is None else [self.figures(place)[one.key] for one in objectives]
+        reached = None if place is None else [self.figures(place)[objective.key] for objective in objectives]
         return {
             "best": {} if place is None else self.values(place),
             "objective": reached[0] if reached and len(objectives) == 1 else reached,
-            "objectives": [{"key": one.key, "sense": "least" if one.sign > 0 else "largest"} for one in objectives],
+            "objectives": [
+                {"key": objective.key, "sense": "least" if objective.sign > 0 else "largest"}
+                for objective in objectives
+            ],
             "evaluations": self.evaluations,
             "design": "" if place is None else f"{self.task.reducer.design.name}-best",
             "figures": {} if place is None else self.figures(place),
             "start": {"best": self.values(0), "figures": self.start_figures, "refused": self.start.values[REFUSED]},
-            "limits": [str(one) for one in self.task.limits],
+            "limits": [str(limit) for limit in self.task.limits],
             "front": [{**self.values(one), **self.figures(one)} for one in self.front] if len(objectives) > 1 else [],
             "feasible": len(self.feasible),
             "refused": self.refused,
@@ -211,13 +214,15 @@ class Optimum(Tabular):
     def _checked_json(self, checked: Checked) -> dict[str, Any]:
         dynamics = checked.dynamics
         return {
-            "statics": {key: one.value for key, one in checked.sheet.quantities.items()} if checked.sheet else None,
+            "statics": {key: quantity.value for key, quantity in checked.sheet.quantities.items()}
+            if checked.sheet
+            else None,
             "dynamics": {**vars(dynamics), "differences": dynamics.differences},
             "tolerances": None if checked.tolerances is None else checked.tolerances.as_json(),
         }
 
     def _costs(self, row: PointResult) -> tuple[float, ...]:
-        return tuple(one.sign * float(row.values[one.key]) for one in self.task.objectives)
+        return tuple(objective.sign * float(row.values[objective.key]) for objective in self.task.objectives)
 
 
 def _short(value: Cell) -> str:
@@ -261,7 +266,7 @@ def _checked_tables(checked: Checked) -> list[Table]:
     tables = []
     if checked.sheet is not None:
         before = checked.start.quantities if checked.start else {}
-        rows = tuple(_compared(one, before.get(one.key)) for one in checked.sheet.quantities.values())
+        rows = tuple(_compared(quantity, before.get(quantity.key)) for quantity in checked.sheet.quantities.values())
         header = ("quantity", "start", "best", "change", "unit")
         tables.append(Table(f"statics: {checked.sheet.condition}", header, rows))
     if checked.dynamics.dynamics:

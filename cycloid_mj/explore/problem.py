@@ -95,17 +95,19 @@ class Problem:
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of a point's values, in order."""
-        return tuple(one.key for one in self.variables)
+        return tuple(variable.key for variable in self.variables)
 
     @property
     def wanted(self) -> tuple[str, ...]:
         """Keys of the figures that matter: objectives first, then those with limits."""
-        return tuple(dict.fromkeys([*(one.key for one in self.objectives), *(one.key for one in self.limits)]))
+        return tuple(
+            dict.fromkeys([*(objective.key for objective in self.objectives), *(limit.key for limit in self.limits)])
+        )
 
     @property
     def follows(self) -> dict[str, str]:
         """Keys that change with those of the points, and how."""
-        return {one.key: one.words for one in self.followers}
+        return {follower.key: follower.words for follower in self.followers}
 
     def at(self, values: Sequence[Value]) -> Design:
         """Return the design at a point; raise DesignError where its file does not allow a value."""
@@ -115,7 +117,7 @@ class Problem:
     @property
     def combinations(self) -> int:
         """How many combinations of values are tried one by one."""
-        return math.prod(len(one.values) for one in self.choices)
+        return math.prod(len(choice.values) for choice in self.choices)
 
     def allows(self, values: Sequence[Value]) -> bool:
         """Tell whether values lie in their ranges, as those of the start need not."""
@@ -150,16 +152,16 @@ def problem(
     if not vary:
         raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
     variables = [_variable(key, wanted) for key, wanted in vary.items()]
-    ranges = tuple(one for one in variables if isinstance(one, SearchRange))
-    choices = tuple(one for one in variables if isinstance(one, Choice))
+    ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
+    choices = tuple(variable for variable in variables if isinstance(variable, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
     if not 1 <= len(objectives) <= MOST_OBJECTIVES:
         raise UsageError(
             f"{len(objectives)} objectives: name one figure, or two for a front, with --minimize or --maximize; "
             "`cycloid-mj figures` lists them"
         )
-    for one in objectives:
-        figure(one.key, COMPUTED, reducer)
+    for objective in objectives:
+        figure(objective.key, COMPUTED, reducer)
     asked = tuple(limit(text, reducer) for text in limits)
     following_keys = following(reducer, follow, vary)
     followers = (*following_keys, *by_themselves(following_keys, vary))
@@ -208,9 +210,11 @@ def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], d
         wanted = compute(Reducer(design), task.wanted)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
-    broken = {str(one): one.excess(wanted[one.key]) for one in task.limits if one.excess(wanted[one.key]) > 0.0}
+    broken = {
+        str(limit): limit.excess(wanted[limit.key]) for limit in task.limits if limit.excess(wanted[limit.key]) > 0.0
+    }
     if not task.allows(values):
         broken[RANGES] = 1.0
-    if lacking := [one.key for one in task.objectives if not math.isfinite(wanted[one.key])]:
+    if lacking := [objective.key for objective in task.objectives if not math.isfinite(wanted[objective.key])]:
         return wanted, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
     return wanted, broken, BROKEN, ""

@@ -149,24 +149,27 @@ def searched(
         used += len(rows)
         scores = [score(row, figure) for row in rows]
         place = 0
-        for one, points in zip(searches, asked, strict=True):
+        for search, points in zip(searches, asked, strict=True):
             batch = scores[place : place + len(points)]
             place += len(points)
-            one.tell(batch)
+            search.tell(batch)
             least = min(range(len(batch)), key=batch.__getitem__)
             if best is None or batch[least] < best[0]:
                 best = batch[least], points[least]
 
     def run(searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
-        begun = {id(one): one.used for one in searches}
-        while live := [one for one in searches if not one.done and one.used - begun[id(one)] < each]:
+        begun = {id(search): search.used for search in searches}
+        while live := [search for search in searches if not search.done and search.used - begun[id(search)] < each]:
             generation(live)
             if used >= until:
                 break
 
-    combinations = list(product(*(one.values for one in task.choices)))
+    combinations = list(product(*(choice.values for choice in task.choices)))
     at = shares_of(task.ranges, here)
-    live = [EvolutionSearch(task, one, at, width, [*seed, place, 0]) for place, one in enumerate(combinations)]
+    live = [
+        EvolutionSearch(task, combination, at, width, [*seed, place, 0])
+        for place, combination in enumerate(combinations)
+    ]
     rounds = math.ceil(math.log2(len(live))) if len(live) > 1 else 0
     for number in range(rounds):
         run(live, round(COMPETING * budget * (number + 1) / rounds), COMPETING * budget / rounds / len(live))

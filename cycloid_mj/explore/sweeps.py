@@ -87,7 +87,7 @@ class Sweep(Tabular):
     def frame(self) -> Frame:
         """One row a point: its number, inputs, quantities, warnings, error, CPU time [s], and versions."""
         made_by = ", ".join(f"{name} {version}" for name, version in versions())
-        follows = tuple(one.key for one in self.task.followers)
+        follows = tuple(follower.key for follower in self.task.followers)
         units = {key: unit_of(declared(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
         rows: list[dict[str, Cell]] = []
         for place, row in sorted(self.rows.items()):
@@ -169,7 +169,7 @@ def sweep(
         rows: dict[int, PointResult] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
         return Sweep(task, where, rows)
-    return in_folder(task, where, _made(Path(out)), engine, progress)
+    return in_folder(task, where, _created(Path(out)), engine, progress)
 
 
 def task_of(
@@ -258,12 +258,12 @@ def _plan(task: Task, points: Points) -> dict[str, Any]:
         "points": {"count": len(points), "digest": points.digest},
         "measures": list(task.measures),
         "options": asdict(task.options),
-        "follows": {one.key: one.words for one in task.followers},
+        "follows": {follower.key: follower.words for follower in task.followers},
         "versions": dict(versions()),
     }
 
 
-def _made(into: Path) -> Path:
+def _created(into: Path) -> Path:
     try:
         into.mkdir(parents=True, exist_ok=True)
     except OSError as problem:

@@ -138,18 +138,18 @@ class Tolerances(Tabular):
         asked = " and ".join(map(str, self.limits)) or "no limit but that the parts go together"
         return (
             f"yield {self.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {asked}; {self.jams.mean():.2%} jam; "
-            f"{self.told_samples}, seed {self.seed}"
+            f"{self.samples_text}, seed {self.seed}"
         )
 
     @property
-    def told_count(self) -> str:
+    def sample_count(self) -> str:
         """How many samples there are, and of how many, if not all."""
         return f"{self.samples}" if self.samples == self.asked else f"{self.samples} of {self.asked}"
 
     @property
-    def told_samples(self) -> str:
+    def samples_text(self) -> str:
         """The same, in words."""
-        return f"{self.told_count} samples"
+        return f"{self.sample_count} samples"
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -179,14 +179,27 @@ class Tolerances(Tabular):
         """Tabulate distributions, and where there are some budget and dynamics."""
         header = ("figure", "mean", "std", "5 %", "median", "95 %", "unit")
         rows = tuple(
-            (key, *(f"{value:.5g}" for value in (one.mean, one.std, one.p05, one.p50, one.p95)), one.unit)
-            for key, one in self.distributions.items()
+            (
+                key,
+                *(
+                    f"{value:.5g}"
+                    for value in (
+                        distribution.mean,
+                        distribution.std,
+                        distribution.p05,
+                        distribution.p50,
+                        distribution.p95,
+                    )
+                ),
+                distribution.unit,
+            )
+            for key, distribution in self.distributions.items()
         )
         shares = tuple(
             (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
             for one in self.budget
         )
-        tables = [Table(f"{self.design}: {self.told_samples}", header, rows)]
+        tables = [Table(f"{self.design}: {self.samples_text}", header, rows)]
         if shares:
             tables.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
         if compared := tuple(row for one in self.verified for row in table_rows(one)):
@@ -209,7 +222,7 @@ class Tolerances(Tabular):
             "jam_probability": float(self.jams.mean()),
             "pressed_unloaded": pressed_pairs(self.figures),
             "jammed_by": self.jammed_by,
-            "quantities": {key: vars(one) for key, one in self.distributions.items()},
+            "quantities": {key: vars(distribution) for key, distribution in self.distributions.items()},
             "budget_of": self.budget_of,
             "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
             "verified": [{**vars(one), "differences": one.differences} for one in self.verified],
@@ -221,7 +234,7 @@ class Unfinished(KeyboardInterrupt):
 
     def __init__(self, stop: KeyboardInterrupt, tolerances: Tolerances) -> None:
         super().__init__(*stop.args)
-        self.found = tolerances
+        self.tolerances = tolerances
 
 
 class AllJam(RunError):
@@ -229,7 +242,7 @@ class AllJam(RunError):
 
     def __init__(self, tolerances: Tolerances) -> None:
         super().__init__(f"all of the first {tolerances.samples} samples jam: {tolerances.jammed_by}")
-        self.found = tolerances
+        self.tolerances = tolerances
 
 
 def tolerance(
@@ -287,13 +300,13 @@ def tolerance(
     checked: dict[int, Verified] = {}
     try:
         if not _balance(study, done, progress, engine):
-            raise AllJam(study.found({0: done[0]}))
-        result = study.found(done)
+            raise AllJam(study.result({0: done[0]}))
+        result = study.result(done)
         checked.update(engine.stream(verified, [Reducer(one) for one in result.worst[:verify]]))
     except KeyboardInterrupt as stop:
         if 0 not in done:
             raise
-        raise Unfinished(stop, _with_dynamics(study.found(done), checked)) from stop
+        raise Unfinished(stop, _with_dynamics(study.result(done), checked)) from stop
     return _with_dynamics(result, checked)
 
 
@@ -352,9 +365,9 @@ class _Study:
     @property
     def keys(self) -> tuple[str, ...]:
         """Figures of the samples: all that are balanced together, and those with limits."""
-        return tuple(dict.fromkeys((*SAMPLED, *(one.key for one in self.limits))))
+        return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
-    def found(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
+    def result(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
         """Gather the result from the figures of all work, or of so much as is `done`: its first block at least."""
         main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
         figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in self.keys}

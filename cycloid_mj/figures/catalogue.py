@@ -27,7 +27,7 @@ SAMPLED = tuple(row.key for row in FIGURES.values() if row.sampled)
 """Keys of the figures that many samples of a reducer are balanced for at a time."""
 
 _BY_ANY_NAME: Mapping[str, Figure] = {
-    **{alias: one for one in FIGURES.values() for alias in one.aliases},
+    **{alias: figure for figure in FIGURES.values() for alias in figure.aliases},
     **FIGURES,
 }
 
@@ -109,7 +109,7 @@ def _computed(reducer: Reducer, row: Figure) -> Quantity:
 
 def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, str | float]]:
     """Convert computed figures to JSON values: name, value and unit by key."""
-    return {key: {"name": one.name, "value": one.value, "unit": one.unit} for key, one in figures.items()}
+    return {key: {"name": figure.name, "value": figure.value, "unit": figure.unit} for key, figure in figures.items()}
 
 
 def compute_sampled(

@@ -61,19 +61,19 @@ class Seat:
 def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
     """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
     design = reducer.design
-    crank = np.array([abs(one.point.speed) * one.point.share for one in loadings])
-    relative = np.array([relative_speed(reducer, one.point.speed) * one.point.share for one in loadings])
+    crank = np.array([abs(loading.point.speed) * loading.point.share for loading in loadings])
+    relative = np.array([relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
     if design.gear.bearing == "rolling":
-        yield from _rated(reducer, cam_seat(reducer), [one.cam for one in loadings], relative, loadings, peak)
+        yield from _rated(reducer, cam_seat(reducer), [loading.cam for loading in loadings], relative, loadings, peak)
     for place, name in enumerate(("far", "near"), start=-2):
-        force = [rolling.magnitudes(one.shaft[:, place]) for one in loadings]
+        force = [rolling.magnitudes(loading.shaft[:, place]) for loading in loadings]
         yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, loadings, peak)
     if design.output.rollers:
         # a roller turns on its pin as often as it rolls round its hole
         rolls = (
             reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
         )
-        loads = [one.output.reshape(len(one.crank), -1) for one in loadings]
+        loads = [loading.output.reshape(len(loading.crank), -1) for loading in loadings]
         yield from _rated(reducer, _output_seat(reducer), loads, rolls, loadings, peak)
 
 
@@ -159,4 +159,4 @@ def bearing_load(reducer: Reducer, force: Sequence[Array], turns: Array) -> floa
 
 
 def _torques(loadings: Sequence[Loading]) -> list[float]:
-    return [abs(one.point.torque) for one in loadings]
+    return [abs(loading.point.torque) for loading in loadings]

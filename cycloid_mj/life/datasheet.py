@@ -65,8 +65,8 @@ class Datasheet:
             "design": self.design.name,
             "life_h": self.life,
             "quantities": {
-                one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
-                for one in items
+                item.key: {"name": item.name, "value": item.value, "unit": item.unit, "condition": item.note}
+                for item in items
             },
             "figures": values_json(self.figures),
             "curves": [curve.as_json() for curve in self.curves],
@@ -157,10 +157,10 @@ def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     quantities, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
-        _told(quantities["backlash"], "Backlash", "without load, mean of a turn"),
-        _told(quantities["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
-        _told(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
-        _told(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
+        _renamed(quantities["backlash"], "Backlash", "without load, mean of a turn"),
+        _renamed(quantities["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
+        _renamed(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
+        _renamed(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
     )
 
 
@@ -171,13 +171,13 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     hot = rate(design).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
-        _told(quantities["efficiency"], "Efficiency", at),
-        _told(quantities["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        _renamed(quantities["efficiency"], "Efficiency", at),
+        _renamed(quantities["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
         Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
     )
 
 
-def _told(quantity: Quantity, name: str, condition: str) -> Quantity:
+def _renamed(quantity: Quantity, name: str, condition: str) -> Quantity:
     return Quantity(quantity.key, name, quantity.value, quantity.unit, note=quantity.note or condition)
 
 
@@ -186,7 +186,7 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     count = {PIN: design.ring.teeth}
-    mass = sum(one.mass * count.get(name, 1) for name, one in solids.items())
+    mass = sum(solid.mass * count.get(name, 1) for name, solid in solids.items())
     length = axial_extent(reducer)
     return (
         Quantity("mass", "Mass", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
@@ -252,12 +252,12 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
         f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
         f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
         "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
-        _made_of(reducer),
+        _materials(reducer),
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )
 
 
-def _made_of(reducer: Reducer) -> str:
+def _materials(reducer: Reducer) -> str:
     """Tell materials and clearances."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)

@@ -33,7 +33,7 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
     design = reducer.design
     service = design.service
-    lost = sum(sum(one.losses.values()) * one.point.share for one in loadings)
+    lost = sum(sum(loading.losses.values()) * loading.point.share for loading in loadings)
     area = outside(reducer)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     limits = sorted(hottest(reducer), key=lambda one: one.hottest)
@@ -48,7 +48,8 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         None,
         "friction of teeth, cam, output pins and seals, mean of the duty",
         ", ".join(
-            f"{part} {sum(one.losses[part] * one.point.share for one in loadings):.3g} W" for part in loadings[0].losses
+            f"{part} {sum(loading.losses[part] * loading.point.share for loading in loadings):.3g} W"
+            for part in loadings[0].losses
         ),
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
@@ -65,7 +66,7 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
         f"from {1e4 * area:.3g} cm2, the outside of ring and output disc; "
         f"{service.ambient_temperature:g} °C around it; limits: "
-        f"{', '.join(f'{one.hottest:g} °C {one.name} ({one.source})' for one in limits)}",
+        f"{', '.join(f'{limit.hottest:g} °C {limit.name} ({limit.source})' for limit in limits)}",
     )
     for kind in design.pair_kinds:
         grown = clearance_growth(reducer, kind) * (hot - REFERENCE)

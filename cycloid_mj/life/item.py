@@ -127,14 +127,14 @@ class Rating:
         """The items whose safety is below 1, or whose life is below that asked for; the weakest first."""
         return [item for item in self.items.values() if item.margin(self.life) < 1.0]
 
-    def told(self, item: RatedItem) -> str:
+    def line_of(self, item: RatedItem) -> str:
         """Format an item in one line."""
         what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
         return f"{item.name}: {what}"
 
-    def told_weakest(self) -> str:
+    def weakest_line(self) -> str:
         """Format the weakest item in one line."""
-        return f"{self.told(self.weakest)} at {self.duty}"
+        return f"{self.line_of(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
         """Tabulate the items as text."""

@@ -67,7 +67,7 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
         fatigue.safety,
         None,
         f"Goodman, pulsating bending of {support}, 4 M/(pi r^3)",
-        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {source}; {_limit_told(reducer, 'output')}",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {source}; {_limit_source(reducer, 'output')}",
     )
 
 
@@ -111,7 +111,7 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
             None,
             "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
-            f"{_limit_told(reducer, 'shaft')}",
+            f"{_limit_source(reducer, 'shaft')}",
         )
         rated.append((fatigue.safety, item))
     return min(rated, key=lambda one: one[0])[1]
@@ -133,7 +133,7 @@ def _studied(reducer: Reducer, part: str, stress_range: StressRange, torque: flo
         fatigue.safety,
         None,
         "Goodman, range of stress of the worst node over a turn, by finite elements",
-        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_told(reducer, MADE[family(part)])}",
+        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_source(reducer, MADE[family(part)])}",
     )
 
 
@@ -161,7 +161,7 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
         None,
         "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
         f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
-        f"{_limit_told(reducer, wall.part)}",
+        f"{_limit_source(reducer, wall.part)}",
     )
 
 
@@ -170,7 +170,7 @@ def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
     return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
 
 
-def _limit_told(reducer: Reducer, part: str) -> str:
+def _limit_source(reducer: Reducer, part: str) -> str:
     """Tell where the endurance limit of a part is from."""
     design = reducer.design
     service, material = design.service, design.material_of(part)

@@ -38,7 +38,7 @@ NAMES = {
 def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum."""
     for kind, name in NAMES.items():
-        pressure = max((one.pressures.get(kind, 0.0) for one in loadings), default=0.0)
+        pressure = max((loading.pressures.get(kind, 0.0) for loading in loadings), default=0.0)
         if not pressure > 0.0:
             continue
         strength = pair_strength(reducer, kind)
@@ -66,11 +66,11 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
     tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
     allowed = pitting_pressure(tensile)
     damage, hourly, on_pins = 0.0, 0.0, 0.0
-    for one in loadings:
-        loads = _turns_an_hour(relative_speed(reducer, one.point.speed)) * one.point.share
+    for loading in loadings:
+        loads = _turns_an_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
         hourly += loads
-        on_pins += _turns_an_hour(speed_past_ring(reducer, one.point.speed)) * one.point.share
-        damage += loads / pitting_cycles(one.pressures[kind], allowed) if one.pressures[kind] > 0.0 else 0.0
+        on_pins += _turns_an_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
+        damage += loads / pitting_cycles(loading.pressures[kind], allowed) if loading.pressures[kind] > 0.0 else 0.0
     life = 1.0 / damage if damage else math.inf
     note = (
         f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "

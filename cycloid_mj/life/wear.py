@@ -25,9 +25,9 @@ def wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate wear by Archard, k F s spread over the whole surface that slides, and give p v and the way slid."""
     coefficient = reducer.design.service.wear_coefficient
     for kind in loadings[0].rubs:
-        power = sum(one.rubs[kind].power * one.point.share for one in loadings)
-        speed = sum(one.rubs[kind].speed * one.point.share for one in loadings)
-        largest = max(one.rubs[kind].pressure_speed for one in loadings)
+        power = sum(loading.rubs[kind].power * loading.point.share for loading in loadings)
+        speed = sum(loading.rubs[kind].speed * loading.point.share for loading in loadings)
+        largest = max(loading.rubs[kind].pressure_speed for loading in loadings)
         depth = coefficient * power * 3600.0 * HOURS / _face(reducer, kind)
         limit = getattr(reducer.design.clearance, kind)
         way = speed * 3.6 * HOURS

@@ -23,7 +23,7 @@ from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.statics.working import at_rated_load, working_forces_told
+from cycloid_mj.statics.working import at_rated_load, working_forces_text
 
 ANGLES, QUICK_ANGLES = 8, 2
 PRESS = 0.0025
@@ -123,7 +123,7 @@ def backlash(
         condition="crank locked, without friction and weight",
         quantities=keyed(_quantities(by_kind, checked, closed)),
         curves=_curves(reducer, by_kind, closed),
-        assumptions=_assumptions(reducer, [one.run for presses in by_kind.values() for one in presses]),
+        assumptions=_assumptions(reducer, [press.run for presses in by_kind.values() for press in presses]),
         runs={name: presses[0].run for name, presses in by_kind.items()},
         details={"angles": _by_angle(by_kind, closed)},
     )
@@ -182,7 +182,7 @@ def _quantities(
 ) -> Iterator[Quantity]:
     parts = []
     for name, presses in by_kind.items():
-        values, known = np.array([one.backlash for one in presses]), closed.get(name)
+        values, known = np.array([press.backlash for press in presses]), closed.get(name)
         numerical = abs(checked[name].backlash - presses[0].backlash)
         error = _arcminutes(added(numerical, error_of_mean(values, known)))
         reference = None if known is None else float(known.turn.mean()) / ARCMINUTE
@@ -224,11 +224,11 @@ def _curves(reducer: Reducer, by_kind: dict[str, list[Press]], closed: dict[str,
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in by_kind.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
-        crank = np.degrees([one.crank for one in presses])
+        crank = np.degrees([press.crank for press in presses])
         if name in closed:
             turn = np.degrees(play.turn(reducer))
             drawn.append(Curve(panel, "closed form", turn, closed[name].turn / ARCMINUTE, *axes, "theory"))
-        values = np.array([one.backlash for one in presses]) / ARCMINUTE
+        values = np.array([press.backlash for press in presses]) / ARCMINUTE
         drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
     return tuple(drawn)
 
@@ -240,9 +240,9 @@ def _assumptions(reducer: Reducer, runs: list[Run]) -> tuple[str, ...]:
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
         "contacts are as stiff as under the rated load, which the line drawn on to zero takes out: "
-        f"{working_forces_told(reducer, reducer.design.pair_kinds)}",
+        f"{working_forces_text(reducer, reducer.design.pair_kinds)}",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
-        f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
+        f"time step {bench.steps_text(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "
         "what the angles leave out of the turn: by the closed form, and by the scatter of what that does not explain",
     )

@@ -164,7 +164,7 @@ def step_of(run: Run) -> float:
     return float(run.provenance["timestep_s"])
 
 
-def steps_told(runs: Iterable[Run]) -> str:
+def steps_text(runs: Iterable[Run]) -> str:
     """Tell the steps that runs were made with, in microseconds, longest first."""
     return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
 

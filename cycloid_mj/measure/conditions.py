@@ -23,7 +23,7 @@ def require_motion(reducer: Reducer) -> None:
         raise DesignError("drive.speed_rpm is 0, but this measure turns the crank: give another speed, such as 1640")
 
 
-def drag_told(reducer: Reducer) -> str:
+def drag_assumption(reducer: Reducer) -> str:
     """Tell the drag of seals and lubricant on the shafts, and that it is an assumption where there is none."""
     drags = [
         f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: left out"

@@ -13,7 +13,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import drag_told
+from cycloid_mj.measure.conditions import drag_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
@@ -21,7 +21,7 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import at_rated_load, working_forces_told
+from cycloid_mj.statics.working import at_rated_load, working_forces_text
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""
@@ -116,7 +116,7 @@ def _rated(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             error,
             1e2 * ideal.efficiency,
             ideal.source,
-            f"{spread.told(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)}; {AS_BUILT}",
+            f"{spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)}; {AS_BUILT}",
         ),
         Quantity(
             "efficiency_ideal_limit",
@@ -176,7 +176,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     backward, shift = _back_driving(efficiency_map)
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
-    contacts = f"contacts, {drag_told(reducer)}; the shafts' own bearings are left out"
+    contacts = f"contacts, {drag_assumption(reducer)}; the shafts' own bearings are left out"
     return [
         Quantity(
             "no_load_torque",
@@ -295,10 +295,10 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     creep = 1e3 * design.contact.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
-        f"{drag_told(reducer)}; the shafts' own bearings are left out",
+        f"{drag_assumption(reducer)}; the shafts' own bearings are left out",
         "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
         "losses), from rest of the rated one; at the rated load "
-        f"{working_forces_told(at_rated_load(reducer), kinds)}",
+        f"{working_forces_text(at_rated_load(reducer), kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
         "the output where it drives",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",

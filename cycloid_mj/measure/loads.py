@@ -27,7 +27,7 @@ from cycloid_mj.statics.bearings import reaction_quantities, spatial
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.statics.sheet import disc_shares
-from cycloid_mj.statics.working import STRIBECK, working_forces_told
+from cycloid_mj.statics.working import STRIBECK, working_forces_text
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""
@@ -93,7 +93,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     contacts, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
-    missed = {kind: _missed(loaded, one) for kind, one in contacts.items()}
+    missed = {kind: _missed(loaded, contact) for kind, contact in contacts.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
     capacities = [_undecided("capacity", FIRST_YIELD), _undecided("capacity_shakedown", SHAKEDOWN)]
     if weakest:
@@ -251,7 +251,7 @@ def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    single = [curve for one in kinds.values() if one.kind != "cam" for curve in _contacts(one, reducer)]
+    single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contacts(kind, reducer)]
     cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(kinds["cam"], disc, phase)]
     return (*single, *cams, *_around(kinds[reducer.design.tooth_pair], reducer))
 
@@ -323,7 +323,7 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     )
     return (
         "contacts have the secant stiffness of each run's own load, here "
-        f"{working_forces_told(reducer, design.pair_kinds)}",
+        f"{working_forces_text(reducer, design.pair_kinds)}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
         "effects and misalignment are left out; the ring lobe's force is taken on its arc",
         "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "

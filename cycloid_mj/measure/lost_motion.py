@@ -7,9 +7,9 @@ from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curv
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.structure import structure_told
+from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, windups
-from cycloid_mj.statics.working import working_at, working_forces_told
+from cycloid_mj.statics.working import working_at, working_forces_text
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
@@ -83,8 +83,8 @@ def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup
 
 
 def _assumptions(measured: LostMotionLoops, period: float) -> tuple[str, ...]:
-    steps = [bench.steps_told(one.run for one in loops) for loops in (measured.service, measured.ideal)]
-    checks = [bench.steps_told([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
+    steps = [bench.steps_text(loop.run for loop in loops) for loops in (measured.service, measured.ideal)]
+    checks = [bench.steps_text([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
     beyond = () if measured.statics else (LEFT_OUT,)
     return (
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
@@ -94,8 +94,8 @@ def _assumptions(measured: LostMotionLoops, period: float) -> tuple[str, ...]:
         "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
-        structure_told(measured.reducer),
+        structure_text(measured.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{working_forces_told(measured.reducer, measured.reducer.design.pair_kinds)}",
+        f"{working_forces_text(measured.reducer, measured.reducer.design.pair_kinds)}",
         *beyond,
     )

@@ -98,7 +98,7 @@ def table(rate: str, base: float, moved: Sequence[Moved]) -> Table:
     )
 
 
-def told(base: float, moved: Sequence[Moved]) -> str:
+def spread_text(base: float, moved: Sequence[Moved]) -> str:
     """Tell the spread of a rate beside its numerical error."""
     low, high = spread(base, moved)
     widest = max(moved, key=lambda one: abs(one.value_high - one.value_low)).input.name

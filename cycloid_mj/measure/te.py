@@ -18,12 +18,12 @@ from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, own, trace
+from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics import transmission_error
-from cycloid_mj.statics.structure import structure_told
-from cycloid_mj.statics.working import working_at, working_forces_told
+from cycloid_mj.statics.structure import structure_text
+from cycloid_mj.statics.working import working_at, working_forces_text
 
 CHECKED = 3
 """Mesh periods that are run again with half the step."""
@@ -82,7 +82,7 @@ def te(
     reducer = working_at(reducer, torques["loaded"])
     runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick)
     traces = {case: runs[case, 1.0] for case in cases}
-    finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
+    finer = {(case.load, case.pace): run for (case, share), run in runs.items() if share == 0.5}
     statics = {case: _statics(reducer, case, turns) for case in cases}
     return Measurement(
         measure="te",
@@ -92,7 +92,7 @@ def te(
         quantities=keyed(te_table.quantities(reducer, traces, finer, statics)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={case.key: one.run for case, one in traces.items()},
+        runs={case.key: trace.run for case, trace in traces.items()},
         details={"orders": te_table.details(reducer, traces)},
     )
 
@@ -107,7 +107,7 @@ def _traces(
         models[0.5] = (half, build(half.design), CHECKED / reducer.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [
-        (reducer, own(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
+        (reducer, copied(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
     ]
     traces = each(lambda task: trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))
@@ -134,13 +134,13 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
         "against the gear in multiples"
     )
     return (
-        f"shafts run in rigid bearings without runout; {structure_told(reducer)}",
+        f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
         f"unless it is given, the drag of an unloaded reducer is {DRAG:.0%} of the rated torque: with none, the gear "
         "floats in its backlash; up to the rated torque presses the flanks together before the window",
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
         "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{working_forces_told(reducer, design.pair_kinds)}",
+        f"{working_forces_text(reducer, design.pair_kinds)}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
         "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "

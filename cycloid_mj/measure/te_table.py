@@ -100,7 +100,7 @@ def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
     Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
     """
     case = chosen(traces)[0]
-    cases = {(one.load, one.way): one for one in traces if one.pace == case.pace}
+    cases = {(trace.load, trace.way): trace for trace in traces if trace.pace == case.pace}
     back, ahead, loaded = ("unloaded", "forward"), ("unloaded", "reverse"), ("loaded", "forward")
     pairs = {
         "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
@@ -181,7 +181,9 @@ def _mean_change(traces: Found, finer: Finer, case: TraceCondition, place: str) 
 def _change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
     """Compute the errors of the run forward under a case's load, and with half the step, where both have them."""
     fine = finer[case.load, case.pace]
-    coarse = traces[next(one for one in traces if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]
+    coarse = traces[
+        next(trace for trace in traces if (trace.load, trace.pace, trace.way) == (case.load, case.pace, "forward"))
+    ]
     inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
     return getattr(coarse, place)[inside], getattr(fine, place)
 

@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import drag_told, halved
+from cycloid_mj.measure.conditions import drag_assumption, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
@@ -25,7 +25,7 @@ from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at, working_forces_told
+from cycloid_mj.statics.working import working_at, working_forces_text
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""
@@ -73,10 +73,10 @@ def torque(
     if not quick:
         tasks["halved"] = partial(rated_test, halved(steady), main)
     tasks |= {
-        ("row", one.design): partial(
-            rated_test, massless(Reducer(one.design)), whole_periods(Reducer(one.design), sensitivity.PERIODS)
+        ("row", row.design): partial(
+            rated_test, massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)
         )
-        for one in rows
+        for row in rows
     }
     periods = whole_periods(steady, spread.PERIODS)
     tasks |= {end: partial(rated_test, massless(Reducer(end)), periods) for one in assumed for end in one.ends}
@@ -134,14 +134,16 @@ def with_friction(
     """
     rates = sensitivity.common_rates(by_variant, sensitivity.pins_of(reducer))
     figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
-    inside = [one for one in figures if math.isfinite(one.friction)]
+    inside = [figure for figure in figures if math.isfinite(figure.friction)]
     if error is None or not inside:
         return figures
     slope = abs(sensitivity.slope(rates))
     periods = whole_periods(reducer, sensitivity.PERIODS)
     reached = each(lambda one: rate_test(reducer, one.friction, periods), inside)
     missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
-    return [replace(one, error=(missed[one] + error) / slope) if one in missed else one for one in figures]
+    return [
+        replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures
+    ]
 
 
 def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
@@ -178,21 +180,21 @@ def _quantities(
             1e2 * ours.output / ideal,
             "%",
             1e2 * torque_error / ideal,
-            note=spread.told(powers.efficiency, by_input),
+            note=spread.spread_text(powers.efficiency, by_input),
         ),
         Quantity(
             "ripple_peak_to_peak",
             "ripple of the output torque, p-p",
             ripple,
             "N m",
-            max(abs(float(np.ptp(one)) - ripple) for one in others),
+            max(abs(float(np.ptp(other)) - ripple) for other in others),
         ),
         Quantity(
             "ripple_rms",
             "ripple of the output torque, rms",
             rms,
             "N m",
-            max(abs(float(np.std(one)) - rms) for one in others),
+            max(abs(float(np.std(other)) - rms) for other in others),
         ),
         Quantity("input_torque", "mean input torque", ours.input, "N m", None, reducer.design.drive.torque, "as given"),
         Quantity("efficiency", "efficiency by powers", 1e2 * powers.efficiency, "%", 1e2 * error),
@@ -232,9 +234,9 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}; {drag_told(reducer)}; the shafts' own bearings are left out",
+        f"output {design.friction_of('output'):g}; {drag_assumption(reducer)}; the shafts' own bearings are left out",
         "contacts have the secant stiffness of one working force in all runs: "
-        f"{working_forces_told(reducer, design.pair_kinds)}",
+        f"{working_forces_text(reducer, design.pair_kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "

@@ -77,7 +77,7 @@ class Trace(ErrorCurves):
     run: Run
 
 
-def own(compiled: ReducerModel) -> ReducerModel:
+def copied(compiled: ReducerModel) -> ReducerModel:
     """Copy a model with its specification: one cannot be written to XML by two threads at a time."""
     return replace(compiled, spec=compiled.spec.copy())
 

@@ -17,9 +17,9 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
-from cycloid_mj.measure.trace import own
+from cycloid_mj.measure.trace import copied
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at, working_forces_told
+from cycloid_mj.statics.working import working_at, working_forces_text
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""
@@ -86,9 +86,9 @@ def vibration(
     half = halved(reducer)
     points = [(reducer, build(reducer.design), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, build(half.design), speed)]
-    tasks = [(one, own(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
+    tasks = [(one, copied(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
     levels = each(lambda task: sway(*task), tasks, progress)
-    checks = {} if quick else {one.load: one for one in levels[-len(torques) :]}
+    checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
     at_speed = [one for one in full if one.speed == speed]
     return Measurement(
@@ -101,12 +101,12 @@ def vibration(
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
             "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
-            *_planes_told(reducer),
-            _band_told(at_speed[0]),
+            *_planes_assumption(reducer),
+            _band_assumption(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
             "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-            f"{working_forces_told(reducer, reducer.design.pair_kinds)}",
+            f"{working_forces_text(reducer, reducer.design.pair_kinds)}",
             "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
             "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
             "percent off",
@@ -175,17 +175,17 @@ def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, 
     yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
 
 
-def _error(one: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
+def _error(sway: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
     """Compute by how much half the step changes a reading."""
-    return None if check is None else abs(read(check) - read(one))
+    return None if check is None else abs(read(check) - read(sway))
 
 
-def _orbit(one: Sway) -> float:
-    return one.orbit
+def _orbit(sway: Sway) -> float:
+    return sway.orbit
 
 
-def _mean_force(one: Sway) -> float:
-    return float(np.hypot(*one.mean_force))
+def _mean_force(sway: Sway) -> float:
+    return float(np.hypot(*sway.mean_force))
 
 
 def _sweep(reducer: Reducer, levels: Sequence[Sway]) -> Iterator[Curve]:
@@ -194,14 +194,14 @@ def _sweep(reducer: Reducer, levels: Sequence[Sway]) -> Iterator[Curve]:
     for key in _signals(reducer):
         name, unit = _ALL[key]
         panel = f"rms of the {name}"
-        loads = dict.fromkeys(one.load for one in levels)
+        loads = dict.fromkeys(level.load for level in levels)
         if key == "housing_bare":
-            rpm = np.linspace(0.0, max(abs(one.rpm) for one in levels), 61)
+            rpm = np.linspace(0.0, max(abs(level.rpm) for level in levels), 61)
             force = bare * (rpm * RPM) ** 2
             yield Curve(panel, "sum of m c omega^2", rpm, force, _RPM, f"rms [{unit}]", "theory")
         for load in loads:
-            points = [one for one in levels if one.load == load]
-            x, y = np.array([abs(one.rpm) for one in points]), np.array([one.rms(key) for one in points])
+            points = [level for level in levels if level.load == load]
+            x, y = np.array([abs(point.rpm) for point in points]), np.array([point.rms(key) for point in points])
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
@@ -220,7 +220,7 @@ def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
                 yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
 
-def _planes_told(reducer: Reducer) -> tuple[str, ...]:
+def _planes_assumption(reducer: Reducer) -> tuple[str, ...]:
     if reducer.design.gear.discs == 1:
         return ()
     return (
@@ -229,7 +229,7 @@ def _planes_told(reducer: Reducer) -> tuple[str, ...]:
     )
 
 
-def _band_told(one: Sway) -> str:
+def _band_assumption(one: Sway) -> str:
     return (
         f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are kept "
         f"at {1e-3 * one.rate:.4g} kHz: their rms holds what is below {5e-4 * one.rate:.3g} kHz (the filter falls from "
@@ -238,6 +238,6 @@ def _band_told(one: Sway) -> str:
     )
 
 
-def _row(reducer: Reducer, one: Sway) -> dict[str, Any]:
-    levels = {f"{key}_rms": one.rms(key) for key in _signals(reducer)}
-    return {"speed_rpm": one.rpm, "load": one.load, "orbit_m_s2": one.orbit, **levels}
+def _row(reducer: Reducer, sway: Sway) -> dict[str, Any]:
+    levels = {f"{key}_rms": sway.rms(key) for key in _signals(reducer)}
+    return {"speed_rpm": sway.rpm, "load": sway.load, "orbit_m_s2": sway.orbit, **levels}

@@ -79,7 +79,7 @@ def papers() -> tuple[Paper, ...]:
 
 def published_torques(reducer: "Reducer") -> "list[Published]":
     """List the output torques that the papers have for a design."""
-    return [one for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for one in torques]
+    return [torque for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for torque in torques]
 
 
 def vibration() -> PublishedVibration:

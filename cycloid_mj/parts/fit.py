@@ -13,17 +13,17 @@ def require_above(key: str, value: float, bound: float, otherwise: str) -> None:
 def require_below(key: str, value: float, bound: float, otherwise: str) -> None:
     """Raise DesignError unless the length ``key`` is less than the bound [m], or else ``otherwise``."""
     if not value < bound:
-        raise _misfit(key, value, f"less than {_told(bound)}", otherwise)
+        raise _misfit(key, value, f"less than {_millimetres(bound)}", otherwise)
 
 
 def too_small(key: str, value: float, bound: float, otherwise: str) -> DesignError:
     """Return the error of a length ``key`` that must be more than the bound [m], or else ``otherwise``."""
-    return _misfit(key, value, f"more than {_told(bound)}", otherwise)
+    return _misfit(key, value, f"more than {_millimetres(bound)}", otherwise)
 
 
 def _misfit(key: str, value: float, allowed: str, otherwise: str) -> DesignError:
-    return DesignError(f"{key}_{MILLIMETRE.suffix} = {_told(value)} is not allowed: {allowed}, or {otherwise}")
+    return DesignError(f"{key}_{MILLIMETRE.suffix} = {_millimetres(value)} is not allowed: {allowed}, or {otherwise}")
 
 
-def _told(length: float) -> str:
+def _millimetres(length: float) -> str:
     return f"{MILLIMETRE.from_si(length):.9g}"

@@ -46,10 +46,10 @@ def mesh(part: Prism | Solid) -> Mesh:
     """
     name, prisms = (part.name, part.prisms) if isinstance(part, Solid) else ("prism", (part,))
     meshes = [_prism_mesh(prism, name) for prism in prisms]
-    first = np.cumsum([0, *(len(one.vertices) for one in meshes)])
+    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
     return Mesh(
-        vertices=np.concatenate([one.vertices for one in meshes]),
-        faces=np.concatenate([one.faces + np.int32(start) for one, start in zip(meshes, first, strict=False)]),
+        vertices=np.concatenate([mesh.vertices for mesh in meshes]),
+        faces=np.concatenate([mesh.faces + np.int32(start) for mesh, start in zip(meshes, first, strict=False)]),
     )
 
 

@@ -119,12 +119,12 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
     _heading(figure, heading, top)
     name, unit, condition = (LEFT + share * (RIGHT - LEFT) for share in COLUMNS)
     line = top - 0.0185
-    for one in quantities:
+    for quantity in quantities:
         look: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
-        figure.text(name, line, one.name, **look)
-        figure.text(unit - 0.012, line, written(one), weight="bold", ha="right", **look)
-        figure.text(unit, line, "" if one.unit == "1" else one.unit, **look)
-        figure.text(condition, line, _shortened(one.note), **{**look, "fontsize": 6.8, "color": SOFT})
+        figure.text(name, line, quantity.name, **look)
+        figure.text(unit - 0.012, line, written(quantity), weight="bold", ha="right", **look)
+        figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **look)
+        figure.text(condition, line, _shortened(quantity.note), **{**look, "fontsize": 6.8, "color": SOFT})
         line -= ROW
         _rule(figure, line + 0.5 * ROW, RULE, 0.4)
     return line - 0.012
@@ -135,13 +135,13 @@ def _shortened(text: str) -> str:
     return textwrap.shorten(text, 76, placeholder=" …")
 
 
-def written(one: Quantity) -> str:
+def written(quantity: Quantity) -> str:
     """Write a value with three digits, without a power of ten; a dash where there is none."""
-    if not np.isfinite(one.value):
+    if not np.isfinite(quantity.value):
         return "\N{EN DASH}"
-    if one.key == "ratio":
-        return f"{one.value:.0f} : 1"
-    return f"{one.value:.3g}" if abs(one.value) < 999.5 else f"{float(f'{one.value:.4g}'):.0f}"
+    if quantity.key == "ratio":
+        return f"{quantity.value:.0f} : 1"
+    return f"{quantity.value:.3g}" if abs(quantity.value) < 999.5 else f"{float(f'{quantity.value:.4g}'):.0f}"
 
 
 def _heading(figure: Figure, text: str, at: float) -> None:

@@ -102,7 +102,7 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
 
 def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None:
     """Draw the bars of one curve beside those of the panel's others, so that none hides another."""
-    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(one.x) for one in bars)), THINNEST_BAR, BAR))
+    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(bar.x) for bar in bars)), THINNEST_BAR, BAR))
     aside = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
     shifted = axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
     axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted)

@@ -35,7 +35,7 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     first = figure.add_subplot(grid[0, :])
     columns = optimum.frame.columns
     if len(objectives) > 1:
-        x, y = (np.asarray(columns[one.key], dtype=float) for one in objectives)
+        x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
         _scatter(first, optimum, x, y)
         front = list(optimum.front)
         first.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)

@@ -127,7 +127,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     axes.set_xlabel("unknowns")
     axes.set_ylabel("largest bulk stress, off the finest grid's [%]")
     axes.set_title(f"Refinement: one more step may change a maximum by {100 * BOUND:g} % (grey)")
-    parts = dict.fromkeys(one.part for each in findings for one in each.parts)
+    parts = dict.fromkeys(part.part for each in findings for part in each.parts)
     entries: Entries = [(each.design, {"color": _color(number)}) for number, each in enumerate(findings)]
     entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=4)

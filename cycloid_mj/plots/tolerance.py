@@ -59,7 +59,10 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
     figure = sheet(1.75 * rows + 0.4)
     for axes, key in zip(np.ravel(figure.subplots(rows, 3)), keys_of, strict=False):
         _histogram(
-            axes, key, tolerances.figures[key][~tolerances.jams], [one for one in tolerances.limits if one.key == key]
+            axes,
+            key,
+            tolerances.figures[key][~tolerances.jams],
+            [limit for limit in tolerances.limits if limit.key == key],
         )
     state(figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jams left out")
     return figure
@@ -78,6 +81,6 @@ def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -
     if not high > low:
         low, high = low - 0.5 * abs(low) - 1e-9, high + 0.5 * abs(high) + 1e-9
     axes.hist(values, bins=min(MOST_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
-    for one in limits:
-        axes.axvline(one.bound, color=VERMILION, linewidth=1.2)
-        axes.set_title(str(one), fontsize=8.0, color=VERMILION)
+    for limit in limits:
+        axes.axvline(limit.bound, color=VERMILION, linewidth=1.2)
+        axes.set_title(str(limit), fontsize=8.0, color=VERMILION)

@@ -73,7 +73,7 @@ def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
     teeth = f"{ring.teeth} pins Ø{2 * mm * ring.pin_radius:.4g}" if ring.kind == "pin" else f"{ring.teeth} lobes"
     for angle, radius, text, side in (
         (math.radians(128.0), ring.pin_circle_radius, f"{teeth}\non Ø{2 * mm * ring.pin_circle_radius:.5g}", -1.0),
-        (_pin_angle(reducer), output.pin_circle_radius, _pins_told(reducer), 1.0),
+        (_pin_angle(reducer), output.pin_circle_radius, _pins_label(reducer), 1.0),
     ):
         point = (mm * radius * math.cos(angle), mm * radius * math.sin(angle))
         leader(axes, point, (side * outer * (0.78 + STEP), outer * (0.86 + 1.0 * STEP)), text)
@@ -86,7 +86,7 @@ def _pin_angle(reducer: Reducer) -> float:
     return float(min(angles, key=lambda angle: abs(angle - math.radians(50.0))))
 
 
-def _pins_told(reducer: Reducer) -> str:
+def _pins_label(reducer: Reducer) -> str:
     output, mm = reducer.design.output, MILLIMETRES
     core = f"Ø{2 * mm * output.core_radius:.4g}, rollers " if output.has_roller_parts else ""
     round_ = f"{core}Ø{2 * mm * output.pin_radius:.4g}"

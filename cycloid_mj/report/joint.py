@@ -73,8 +73,13 @@ def _numbers(reduced: ReducedJoint) -> dict[str, str]:
 
 def _quantities(reduced: ReducedJoint) -> TextTable:
     rows = [
-        (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}")
-        for one in reduced.quantities.values()
+        (
+            quantity.name,
+            f"{quantity.value:.6g}",
+            quantity.unit,
+            "" if quantity.error is None else f"{quantity.error:.2g}",
+        )
+        for quantity in reduced.quantities.values()
     ]
     return TextTable([("quantity", "value", "unit", "numerical error")], rows)
 
@@ -130,7 +135,11 @@ def _efficiency(reduced: ReducedJoint) -> Result:
 def _harmonics(reduced: ReducedJoint) -> TextTable:
     """Tabulate the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
-    rated = [one for one in reduced.ripple.harmonics(reduced.way, reduced.rated_torque) if one["load_nm"] == load]
+    rated = [
+        harmonic
+        for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
+        if harmonic["load_nm"] == load
+    ]
     least = SMALLEST * max((one["value"] for one in rated), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
     for one in rated:

@@ -47,13 +47,13 @@ def _varied(sweep: Sweep) -> Table:
         else:
             text = ", ".join(map(str, values))
         rows.append((key, text))
-    rows += [(one.key, f"follows: {one.words}") for one in sweep.task.followers]
+    rows += [(follower.key, f"follows: {follower.words}") for follower in sweep.task.followers]
     return Table("varied", ("key of the design file", "values"), tuple(rows))
 
 
 def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
     """Tabulate the first points, with the quantities shown."""
-    follows = (one.key for one in sweep.task.followers)
+    follows = (follower.key for follower in sweep.task.followers)
     names = ("point", *sweep.task.keys, *follows, *quantities, "error")
     columns = [sweep[name][:MOST_ROWS].tolist() for name in names]
     cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))

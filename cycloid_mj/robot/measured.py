@@ -256,8 +256,10 @@ def _damping(reducer: Reducer) -> float:
     being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
     """
     laws = contact_laws(reducer)
-    compliances = [one.series(reducer) for one in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)]
-    series = {part: float(np.mean([one[part] for one in compliances])) for part in compliances[0]}
+    compliances = [
+        windup.series(reducer) for windup in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)
+    ]
+    series = {part: float(np.mean([compliance[part] for compliance in compliances])) for part in compliances[0]}
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
@@ -336,7 +338,7 @@ def _by_assumed_inputs(reducer: Reducer) -> str:
             return 0.0
 
     assumed = spread.inputs(reducer)
-    return spread.told(
+    return spread.spread_text(
         rate(reducer), spread.moved(assumed, {end: rate(Reducer(end)) for one in assumed for end in one.ends})
     )
 

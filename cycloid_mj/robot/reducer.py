@@ -189,7 +189,9 @@ class ReducedJoint:
     @cached_property
     def _wound(self) -> tuple[Array, Array]:
         """Shares of the rated torque at which the errors or the springs bend, and the wind-up there [rad]."""
-        starts = [sum(one.stiffness * max(at.start - one.start, 0.0) for one in self.springs) for at in self.springs]
+        starts = [
+            sum(spring.stiffness * max(at.start - spring.start, 0.0) for spring in self.springs) for at in self.springs
+        ]
         shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in starts)])
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
 
@@ -288,7 +290,7 @@ class ReducedJoint:
 
     def as_json(self) -> dict[str, Any]:
         """Convert the quantities and, as `joint`, all values in SI to JSON values."""
-        quantities = {key: one.as_json() for key, one in self.quantities.items()}
+        quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(driving)
         return {

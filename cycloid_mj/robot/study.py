@@ -180,9 +180,9 @@ def longest(tried: Iterable[Tried], level: Level, integrator: Integrator, load: 
     """Return the longest step up to which every one that was tried is accurate; None where none is."""
     steps = [one for one in tried if (one.level, one.integrator, one.load) == (level, integrator, load)]
     best = None
-    for one in sorted(steps, key=lambda one: one.timestep):
-        if one.accurate:
-            best = one
+    for step in sorted(steps, key=lambda one: one.timestep):
+        if step.accurate:
+            best = step
         elif best is not None:
             break
     return best

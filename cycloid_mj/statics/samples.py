@@ -183,7 +183,7 @@ def solve_samples(
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects, deviations, of = (
         _effects(Reducer(bare), springs, orders),
-        _made(Reducer(bare), springs, samples, orders),
+        _sample_deviations(Reducer(bare), springs, samples, orders),
         reducer.share,
     )
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
@@ -251,7 +251,7 @@ def _of_own_disc(contacts: kernel.KernelSprings, slopes: Array) -> Array:
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
-def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
+def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
     """Compute what the samples put into the contacts; the springs are those of the design's own clearances."""
     design = reducer.design
     discs, count = design.gear.discs, len(samples)

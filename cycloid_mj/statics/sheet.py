@@ -21,9 +21,9 @@ from cycloid_mj.statics.kernel import CARRIES
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
-from cycloid_mj.statics.structure import structure_told, twisting_compliance
+from cycloid_mj.statics.structure import structure_text, twisting_compliance
 from cycloid_mj.statics.windup import SERIES, Windup, windups
-from cycloid_mj.statics.working import working_at, working_forces_told
+from cycloid_mj.statics.working import working_at, working_forces_text
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
 """What makes some figures of a design under a load [N m]."""
@@ -126,8 +126,8 @@ class Sheet:
             "condition": self.condition,
             "load_source": self.load_source,
             "quantities": {
-                key: {**one.as_json(), "known_difference": known_difference(one)}
-                for key, one in self.quantities.items()
+                key: {**quantity.as_json(), "known_difference": known_difference(quantity)}
+                for key, quantity in self.quantities.items()
             },
             "known_difference_from": COMPARED,
             "assumptions": list(self.assumptions),
@@ -208,11 +208,11 @@ def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     return working_at(reducer.but(load={"torque": load}), load), load
 
 
-def known_difference(one: Quantity) -> float | None:
+def known_difference(quantity: Quantity) -> float | None:
     """Compute the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
-    if math.isnan(one.value) or one.key in KNOWN:
-        return KNOWN.get(one.key)
-    return next((share for end, share in KNOWN_OF_KINDS.items() if one.key.endswith(f"_{end}")), None)
+    if math.isnan(quantity.value) or quantity.key in KNOWN:
+        return KNOWN.get(quantity.key)
+    return next((share for end, share in KNOWN_OF_KINDS.items() if quantity.key.endswith(f"_{end}")), None)
 
 
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -250,7 +250,7 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _stiffness(windups: Sequence[Windup]) -> float:
     """Compute the mean stiffness [N m/arcmin]."""
-    return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in windups]))
+    return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in windups]))
 
 
 def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -422,10 +422,10 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "and modification; of inertia the gear's centrifugal force alone",
         f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
-        f"contacts have the secant stiffness of the load: {working_forces_told(reducer, design.pair_kinds)}",
+        f"contacts have the secant stiffness of the load: {working_forces_text(reducer, design.pair_kinds)}",
         "flanks of an internal gear carry as one patch with the arc beside them",
         *([SEVERAL] if design.gear.discs > 1 else []),
-        *([structure_told(reducer)] if design.structure == "springs" else []),
+        *([structure_text(reducer)] if design.structure == "springs" else []),
         f"forces and losses are over {_angles(reducer).size} crank angles, the transmission error over "
         f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
         "out",

@@ -111,7 +111,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
     """Compute by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
 
     An Euler beam of the shaft's radius on two bearings that do not give and let it tilt: the integral of M_d M_d'/(E I)
-    along it, exact for moments that are linear from place to place. No figure counts it: `structure_told` states it.
+    along it, exact for moments that are linear from place to place. No figure counts it: `structure_text` states it.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
     return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
 
 
-def structure_told(reducer: Reducer) -> str:
+def structure_text(reducer: Reducer) -> str:
     """Tell what the structure is taken as."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid: only contacts give"

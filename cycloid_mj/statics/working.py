@@ -110,13 +110,13 @@ def for_slices(reducer: Reducer) -> Reducer:
     return working_at(reducer, max(abs(reducer.design.load.torque), reducer.design.rated_torque))
 
 
-def working_forces_told(reducer: Reducer, kinds: Iterable[str]) -> str:
+def working_forces_text(reducer: Reducer, kinds: Iterable[str]) -> str:
     """Tell the working forces of kinds of pairs and where each comes from."""
-    forces = [f"{kind} {working_force(reducer, kind):.3g} N ({_source_told(reducer, kind)})" for kind in kinds]
+    forces = [f"{kind} {working_force(reducer, kind):.3g} N ({_source_text(reducer, kind)})" for kind in kinds]
     return ", ".join(forces)
 
 
-def _source_told(reducer: Reducer, kind: str) -> str:
+def _source_text(reducer: Reducer, kind: str) -> str:
     source = working_source(reducer, kind)
     return {
         "given": "given",

@@ -52,6 +52,6 @@ def cost(grid: Grid, settings: StudySettings) -> Cost:
 def total(costs: Iterable[Cost]) -> Cost:
     """Add the costs of parts that are studied one after the other."""
     seconds, memory, kept = 0.0, BASE, 0.0
-    for one in costs:
-        seconds, memory, kept = seconds + one.seconds, max(memory, kept + one.memory), kept + one.kept
+    for cost in costs:
+        seconds, memory, kept = seconds + cost.seconds, max(memory, kept + cost.memory), kept + cost.kept
     return Cost(seconds, memory, kept)

@@ -118,7 +118,8 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     pins = np.array([number_of(label) for label in loads.labels])
     arms, numbers = root_arms(reducer)[:, discs], np.unique(pins)
     moments = np.stack(
-        [np.einsum("rc,kcx->krx", arms[:, pins == one], loads.force[:, pins == one]) for one in numbers], axis=2
+        [np.einsum("rc,kcx->krx", arms[:, pins == number], loads.force[:, pins == number]) for number in numbers],
+        axis=2,
     )
     size = np.linalg.norm(moments, axis=3)
     row, root, pin = np.unravel_index(int(size.argmax()), size.shape)
@@ -160,12 +161,12 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
         notch(place, largest, math.inf, (1.0, 1.0)),
         *(
             notch(
-                *(one.name, station, fillet),
+                *(shoulder.name, station, fillet),
                 (
-                    shoulder_factor(shaft.radius, fillet, one.outer, BENDING),
-                    shoulder_factor(shaft.radius, fillet, one.outer, TORSION),
+                    shoulder_factor(shaft.radius, fillet, shoulder.outer, BENDING),
+                    shoulder_factor(shaft.radius, fillet, shoulder.outer, TORSION),
                 ),
             )
-            for station, one in enumerate(shaft.shoulders)
+            for station, shoulder in enumerate(shaft.shoulders)
         ),
     )

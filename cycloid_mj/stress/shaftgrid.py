@@ -100,7 +100,7 @@ def shaft_measures(reducer: Reducer) -> ShaftDimensions:
     design = reducer.design
     prisms = crank_stretches(reducer)
     journal, weight = prisms[JOURNAL], prisms.get(COUNTERWEIGHT)
-    cams = [(one.z0, one.z1) for name, one in prisms.items() if names.family(name) == names.CAM]
+    cams = [(prism.z0, prism.z1) for name, prism in prisms.items() if names.family(name) == names.CAM]
     end = min(journal.z1, near_face(reducer))
     return ShaftDimensions(
         radius=design.shaft.radius,

@@ -33,7 +33,7 @@ def contact_table(findings: StressFindings) -> list[list[str]]:
     return [[part.part, *_contact(part)] for part in findings.parts]
 
 
-def told_beside(part: PartFindings) -> list[str]:
+def notes_beside(part: PartFindings) -> list[str]:
     """Tell what stands beside the table: stress at fillets, its range for fatigue, and under other supports."""
     lines = []
     for notch in part.notches:

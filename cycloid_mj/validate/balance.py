@@ -70,7 +70,7 @@ ROLLING = 0.02
 SOURCE = "exact curves"
 
 
-def made(built: str, *changes: str) -> Design:
+def design_with_errors(built: str, *changes: str) -> Design:
     """Return the paper's gear on fixed pins with all errors, some discs, without friction and gravity."""
     still = (*rig.without_friction(), *rig.without_gravity(), "drive.speed_rpm=1.0", f"load.torque_nm={rig.RATED_LOAD}")
     uniform = 'contact.stiffness_law="uniform"'
@@ -97,7 +97,7 @@ def way(unknowns: int, size: float) -> Array:
 
 def state_rows(built: str) -> list[ValidationRow]:
     """Hold energy and forces of displaced parts against exact gaps, and the stiffness against differences of forces."""
-    springs, exact = pressed(Reducer(made(built)))
+    springs, exact = pressed(Reducer(design_with_errors(built)))
     number = springs.slope.shape[2]
     z, load = way(number, NEAR), 100.0 * way(number, 1.0)
     computed = state(springs, 0, load, z)
@@ -139,7 +139,7 @@ def gradient_rows() -> list[ValidationRow]:
 
     A large turn counts to the second order; far from a valley the foot of a normal is hardest to find.
     """
-    springs, _ = pressed(Reducer(made(ONE)))
+    springs, _ = pressed(Reducer(design_with_errors(ONE)))
     rest, source = np.zeros(springs.slope.shape[2]), "differences of gaps"
     apart = [
         springs._replace(distance=np.full(springs.distance.shape, q), shift=np.full(springs.shift.shape, p))
@@ -167,7 +167,7 @@ def normal_rows() -> list[ValidationRow]:
 
     The most curved teeth decide: those in valleys, which are taken along the exact curve.
     """
-    springs, _ = pressed(Reducer(made(ONE)))
+    springs, _ = pressed(Reducer(design_with_errors(ONE)))
     z, step = way(springs.slope.shape[2], 2.5 * NEAR), 1e-9
     ways, rates, turns = step * np.eye(z.size)[:2], [], []
     for i in range(springs.disc.size):
@@ -185,7 +185,7 @@ def closed_rows() -> list[ValidationRow]:
 
     And of gaps that are hardly open or closed, which must not pass for open.
     """
-    springs, _ = pressed(Reducer(made(ONE)))
+    springs, _ = pressed(Reducer(design_with_errors(ONE)))
     draw, shape = np.random.default_rng(6).uniform, springs.distance.shape
     drawn = [
         springs._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
@@ -212,7 +212,7 @@ def far_apart(springs: KernelSprings) -> KernelSprings:
 def tight_rows() -> list[ValidationRow]:
     """Hold force and energy of a cam that is wider than its bore against those of two springs, one on either side."""
     tight, push = 1e-6, np.array([0.6, -0.8])
-    springs = far_apart(pressed(Reducer(made(ONE)))[0])._replace(cam_clearance=-tight)
+    springs = far_apart(pressed(Reducer(design_with_errors(ONE)))[0])._replace(cam_clearance=-tight)
     forces, energies, reaches = [], [], np.linspace(0.0, 3.0 * tight, 7)
     for reach in reaches:
         z = np.zeros(springs.slope.shape[2])
@@ -232,14 +232,14 @@ def tight_rows() -> list[ValidationRow]:
 
 def work_rows(built: str) -> list[ValidationRow]:
     """Hold the energy that is stored along a way against the work of the forces, with no step on it."""
-    springs, _ = pressed(Reducer(made(built)))
+    springs, _ = pressed(Reducer(design_with_errors(built)))
     number = springs.slope.shape[2]
     end, load = way(number, AWAY), np.zeros(number)
     shares = np.linspace(0.0, 1.0, 201)
     states = [state(springs, 0, load, share * end) for share in shares]
-    pushed = np.array([-one.residual @ end for one in states])
+    pushed = np.array([-state.residual @ end for state in states])
     work = np.concatenate([[0.0], np.cumsum((pushed[1:] + pushed[:-1]) / 2.0 * np.diff(shares))])
-    energy = np.array([one.energy for one in states]) - states[0].energy
+    energy = np.array([state.energy for state in states]) - states[0].energy
     return [deviation(f"energy stored on a way, {built}", 1e3 * energy, 1e3 * work, "mJ", "work of the forces", 0.03)]
 
 
@@ -247,7 +247,7 @@ def balance_rows(
     built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK
 ) -> list[ValidationRow]:
     """Hold the forces at the balance that is found against the load [N m], and each contact's, by exact gaps."""
-    design = made(built, *changes)
+    design = design_with_errors(built, *changes)
     reducer = Reducer(design)
     springs = springs_of(reducer, [crank], friction=False)
     _, exact = pressed(reducer, crank)
@@ -263,7 +263,7 @@ def balance_rows(
 
 def sample_rows() -> list[ValidationRow]:
     """Hold the figures of a sample of two discs over some crank angles against the balances of exact gaps."""
-    design, count = made(TWO), len(TURN)
+    design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=stiffness)
     figures = solve_samples(Reducer(design), alike(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
@@ -306,7 +306,7 @@ def sample_rows() -> list[ValidationRow]:
 def rubbed(built: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
     """Return what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
     rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
-    design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
+    design = design_with_errors(built, *rubs, f"friction.cam_rolling={ROLLING}")
     reducer = Reducer(design)
     springs, exact = pressed(reducer)
     return springs, exact, rubbing_of(reducer, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
@@ -376,7 +376,7 @@ def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Validat
 
 def floating_rows() -> list[ValidationRow]:
     """Hold the way of parts that nothing touches against the stiffness that keeps them where they were before."""
-    design = made(ONE)
+    design = design_with_errors(ONE)
     reducer = Reducer(design)
     springs = far_apart(pressed(reducer)[0])._replace(cam_clearance=1.0)
     rubbing = rubbing_of(reducer, springs, CRANK, Losses(), "crank")

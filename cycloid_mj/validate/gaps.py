@@ -125,7 +125,8 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
     families = [_family_distance(flanks, points, side) for side in (1, -1)]
     first = (families[0][0] <= families[1][0])[:, np.newaxis]
     distance, normals, t = (
-        np.where(first if one.ndim == 2 else first[:, 0], one, other) for one, other in zip(*families, strict=True)
+        np.where(first if family.ndim == 2 else first[:, 0], family, other)
+        for family, other in zip(*families, strict=True)
     )
     return distance, normals, t
 

@@ -64,7 +64,7 @@ KPSI = 1e3 * POUND / INCH**2
 
 def bearing_rows(quick: bool) -> list[ValidationRow]:
     """Hold the ratings of needle cages, and the cam bearing of a published two-disc drive."""
-    rows = [relative(f"C of {one}", one.rating(), one.dynamic, "N", CATALOGUE, 5.0) for one in CAGES]
+    rows = [relative(f"C of {cage}", cage.rating(), cage.dynamic, "N", CATALOGUE, 5.0) for cage in CAGES]
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
     gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
     ring = ideal_loads.ideal_load_sharing(gear, 58.0, crank)

@@ -74,7 +74,7 @@ _STEP, _TURN = 1e-8, 1e-6
 SEARCH = "static solution by scipy"
 
 
-def made(kind: str, *changes: str) -> Design:
+def design_with_errors(kind: str, *changes: str) -> Design:
     """Return a design with errors and modification, without friction and gravity."""
     free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
     return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
@@ -82,7 +82,7 @@ def made(kind: str, *changes: str) -> Design:
 
 def gap_rows(kind: str) -> list[ValidationRow]:
     """Hold the gaps of displaced parts, and their gradient, against exact curves."""
-    design = made(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
+    design = design_with_errors(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
     reducer = Reducer(design)
     springs = springs_of(reducer, CRANK, friction=False).contacts
     computed = [gap(springs, 0, i, WAY) for i in range(springs.disc.size)]
@@ -98,7 +98,7 @@ def gap_rows(kind: str) -> list[ValidationRow]:
 
 def hole_rows() -> list[ValidationRow]:
     """Hold the gaps of output pins in holes, far displaced, against exact circles: finite turns show there."""
-    design = made(FIXED)
+    design = design_with_errors(FIXED)
     reducer = Reducer(design)
     springs = springs_of(reducer, CRANK, friction=False).contacts
     holes = range(design.ring.teeth, springs.disc.size)
@@ -216,7 +216,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
     """
     tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
     errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
-    design = made(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
+    design = design_with_errors(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
     compiled, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
     data, z = mujoco.MjData(compiled.model), way(3 * design.gear.discs + 1, NEAR)
@@ -253,7 +253,7 @@ def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
 
 def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
     """Hold the balance of springs at crank angles [rad] against the independent static solution."""
-    design = made(kind, UNIFORM)
+    design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
     rated = at_rated_load(reducer)
     stiffness = {pair: pair_stiffness(rated, pair) for pair in rated.design.pair_kinds}
@@ -306,7 +306,7 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
 
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Hold the room of the best fit against the least exact gap of parts that stand in the workshop as it tells."""
-    design = made(FIXED, *ROOM, *changes)
+    design = design_with_errors(FIXED, *ROOM, *changes)
     reducer = Reducer(design)
     fit = best_fit(reducer, CRANK)
     seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
@@ -318,7 +318,7 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 def aside_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
-    design = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
+    design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, teeth = best_fit(reducer, CRANK), design.ring.teeth
     seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
@@ -335,7 +335,7 @@ def stop_rows(kind: str) -> list[ValidationRow]:
 
     Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
     """
-    design = made(kind, *ROOM)
+    design = design_with_errors(kind, *ROOM)
     variant = design
     if kind == FREE:
         design = rig.changed(Reducer(design), "errors.pin_radius_um=0.0").design

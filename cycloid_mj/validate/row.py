@@ -72,14 +72,14 @@ def relative(
 ) -> ValidationRow:
     """Judge by |ours/reference - 1| in percent; `bound` in percent too."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
-    return ValidationRow(_held(quantity, ours, reference, unit, source, note), float(error), "%", bound)
+    return ValidationRow(_compared(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 
 
 def absolute(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
     """Judge by |ours - reference| in `unit`; the difference of two percentages is in points."""
-    measured = _held(quantity, ours, reference, unit, source, note)
+    measured = _compared(quantity, ours, reference, unit, source, note)
     return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
 
@@ -92,16 +92,16 @@ def deviation(
     largest reference.
     """
     size, largest, error = (float(_sizes(values).max()) for values in (ours, reference, ours - reference))
-    return ValidationRow(_held(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
+    return ValidationRow(_compared(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
 
 
 def broken(why: str) -> ValidationRow:
     """Fail the row of a part that could not be run."""
     nan = float("nan")
-    return ValidationRow(_held("could not be run", nan, nan, "", "", why), nan, "", 0.0)
+    return ValidationRow(_compared("could not be run", nan, nan, "", "", why), nan, "", 0.0)
 
 
-def _held(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
+def _compared(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
     return Quantity("", name, float(ours), unit, None, float(reference), source, note)
 
 

@@ -80,7 +80,7 @@ def light_rows(kind: str) -> list[ValidationRow]:
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     figures, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
     rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
-    return _held(rows)
+    return _compared_rows(rows)
 
 
 def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
@@ -90,7 +90,7 @@ def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationR
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
     figures = _run(FREE, _periods(FREE, quick), changes)
-    return _held(_compared(FREE, f"massless, {step:g} us", figures, real, "real pins", WITHOUT_INERTIA))
+    return _compared_rows(_compared(FREE, f"massless, {step:g} us", figures, real, "real pins", WITHOUT_INERTIA))
 
 
 def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
@@ -177,7 +177,7 @@ def _compared(
     return compared
 
 
-def _held(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
+def _compared_rows(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
     """List rows, those without a finite bound as told only."""
     return [row if math.isfinite(row.bound or 0.0) else replace(row, bound=None) for row in rows]
 

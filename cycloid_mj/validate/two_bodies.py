@@ -159,13 +159,13 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
     palmgren = float(ideal_loads.palmgren_stiffness(working, length))
     secant = "the model keeps the secant stiffness at the working force, ideal sharing of the load"
 
-    def told(force: float, reference: float, source: str, note: str) -> ValidationRow:
+    def row(force: float, reference: float, source: str, note: str) -> ValidationRow:
         return relative(
             f"stiffness used, at {force:g} N", 1e-6 * stiffness, 1e-6 * reference, "N/um", source, None, note
         )
 
     return [
-        told(0.2 * working, hertz(0.2 * working), "Johnson 1985, 5.6", secant),
-        told(1.5 * working, hertz(1.5 * working), "Johnson 1985, 5.6", secant),
-        told(working, palmgren, "Palmgren", "Palmgren measured rollers on rings, approached from farther away"),
+        row(0.2 * working, hertz(0.2 * working), "Johnson 1985, 5.6", secant),
+        row(1.5 * working, hertz(1.5 * working), "Johnson 1985, 5.6", secant),
+        row(working, palmgren, "Palmgren", "Palmgren measured rollers on rings, approached from farther away"),
     ]

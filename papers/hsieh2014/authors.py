@@ -71,12 +71,12 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         progress(f"stress, {design.name}")
         one, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
         stresses[design.name] = idle_stress(runs(one), rated[design.name], settings(plan), runs(impact)[0])
-    features = _features({name: per_newton(one, rated[name]) for name, one in stresses.items()})
+    features = _features({name: per_newton(stress, rated[name]) for name, stress in stresses.items()})
     return StageResult(
         (*_plates(ours, soft, cases), *height_plates(stresses)),
         (_feature_table(cases, features), _torque_table(torques)),
         findings={
-            "features": [_as_json(cases, one) for one in features],
+            "features": [_as_json(cases, feature) for feature in features],
             "output_torque_nm": {name: {"line": line, "impact": impact} for name, (line, impact) in torques.items()},
         },
         notes=(
@@ -125,7 +125,7 @@ def brought_by(holds: Mapping[str, bool]) -> str:
 
 def mean_curve(forces: Sequence[PeakForces]) -> Any:
     """Average the cam's force over the starts, shape (``peaks.BINS``,) [N]."""
-    return np.mean([one.curve for one in forces], axis=0)
+    return np.mean([force.curve for force in forces], axis=0)
 
 
 def _features(stress: Mapping[str, Mapping[str, float]]) -> list[Feature]:
@@ -195,23 +195,30 @@ def _feature_table(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], feat
     """Put every feature beside what each combination of the changes makes of it, and which change brings it."""
     others = (NO_GRAVITY, STIFFER, SOFTER)
     rows = []
-    for one in features:
+    for feature in features:
         cells = [
-            f"{one.tell(cases[name])} ({'yes' if one.holds(cases[name]) else 'no'})" for name in (*CHANGES, *others)
+            f"{feature.tell(cases[name])} ({'yes' if feature.holds(cases[name]) else 'no'})"
+            for name in (*CHANGES, *others)
         ]
         rows.append(
-            (f"{one.figure}, {one.words}", *cells, brought_by({name: one.holds(cases[name]) for name in CHANGES}))
+            (
+                f"{feature.figure}, {feature.words}",
+                *cells,
+                brought_by({name: feature.holds(cases[name]) for name in CHANGES}),
+            )
         )
     head = ("feature of the paper", "ours (neither change)", *CHANGES[1:], *others, "brought by")
     return Table("what brings the paper's features: the two changes taken away alone", head, tuple(rows))
 
 
-def _as_json(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], one: Feature) -> dict[str, Any]:
+def _as_json(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], feature: Feature) -> dict[str, Any]:
     return {
-        "figure": one.figure,
-        "feature": one.words,
-        "brought_by": brought_by({name: one.holds(cases[name]) for name in CHANGES}),
-        "cases": {name: {"found": one.tell(forces), "holds": one.holds(forces)} for name, forces in cases.items()},
+        "figure": feature.figure,
+        "feature": feature.words,
+        "brought_by": brought_by({name: feature.holds(cases[name]) for name in CHANGES}),
+        "cases": {
+            name: {"found": feature.tell(forces), "holds": feature.holds(forces)} for name, forces in cases.items()
+        },
     }
 
 
@@ -247,7 +254,7 @@ def _plates(
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
 
     for law, forces in (("line contacts", ours), ("IMPACT", soft)):
-        motions, key = [at_degrees(one) for one in forces.values()], law.partition(" ")[0].lower()
+        motions, key = [at_degrees(force) for force in forces.values()], law.partition(" ")[0].lower()
         words = f"no load, {law}:"
         yield PaperFigure(f"authors_fig6_{key}", "Fig. 6", f"{words} speed of the gear.", speeds_figure(motions))
         yield PaperFigure(

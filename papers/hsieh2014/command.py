@@ -107,7 +107,7 @@ def reproduce(
         {
             "quick": quick,
             "stages": [stage.as_json() for stage in stages],
-            "claims": [claim.as_json() for stage in stages for claim in stage.found.claims],
+            "claims": [claim.as_json() for stage in stages for claim in stage.result.claims],
             "errata": errata(),
         }
     )
@@ -136,7 +136,7 @@ def _written(stages: "Sequence[StageRun]", content: dict[str, Any], into: Path, 
     from hsieh2014.page import reproduction_page
     from hsieh2014.plan import LOGGED, main_runs
 
-    drawings = {plate.name: plate.drawing for stage in stages for plate in stage.found.plates}
+    drawings = {plate.name: plate.drawing for stage in stages for plate in stage.result.plates}
     figures = pictures(drawings, into / "figures", FORMATS)
     smaller = {
         name: min((figures[into / "figures" / f"{name}.{form}"] for form in FORMATS), key=len) for name in drawings
@@ -161,17 +161,17 @@ def _report(stages: "Sequence[StageRun]", content: dict[str, Any], page: Path, j
     if json:
         say_json(content | {"page": str(page)})
     else:
-        claims = [claim for stage in stages for claim in stage.found.claims]
+        claims = [claim for stage in stages for claim in stage.result.claims]
         rows = [
             (
-                f"{one.figure}, {one.design}: {one.claim}",
-                one.condition.words,
-                one.stated.text,
-                one.found.text,
-                error_words(one),
-                one.verdict,
+                f"{claim.figure}, {claim.design}: {claim.claim}",
+                claim.condition.words,
+                claim.stated.text,
+                claim.found.text,
+                error_words(claim),
+                claim.verdict,
             )
-            for one in claims
+            for claim in claims
         ]
         if rows:
             say_table("the paper's claims (Hsieh 2014); what decides each is on the page", HEADER, rows)

@@ -72,8 +72,8 @@ def reached(
 def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
     """Put the forces of every case beside those that the paper's stress would take."""
     rows: list[tuple[str | float, ...]] = [
-        (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{one.tooth:.3g}", f"{one.cam:.3g}", f"{one.output:.3g}")
-        for (name, contact, error), one in forces.items()
+        (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{force.tooth:.3g}", f"{force.cam:.3g}", f"{force.output:.3g}")
+        for (name, contact, error), force in forces.items()
     ]
     rows += [
         (f"{name}: what the paper's heights would take", "", f"{one['ring']:.3g}", f"{one['shaft']:.3g}", "")
@@ -116,13 +116,13 @@ def as_json(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str,
                 "stiffness_n_mm": contact.stiffness / 1e3**contact.exponent,
                 "exponent": contact.exponent,
                 "chord_error_um": 1e6 * error,
-                "tooth_n": one.tooth,
-                "seat_n": one.seat,
-                "cam_n": one.cam,
-                "output_pin_n": one.output,
-                "cam_sampled_n": one.sampled,
+                "tooth_n": force.tooth,
+                "seat_n": force.seat,
+                "cam_n": force.cam,
+                "output_pin_n": force.output,
+                "cam_sampled_n": force.sampled,
             }
-            for (name, contact, error), one in forces.items()
+            for (name, contact, error), force in forces.items()
         ],
         "needed_for_the_papers_heights_n": {name: dict(one) for name, one in wanted.items()},
     }

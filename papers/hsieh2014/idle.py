@@ -30,7 +30,8 @@ def idle(plan: Plan, runs: Runs) -> Levels:
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
     """Collect the idle fluctuations with one parameter varied at a time."""
     cases = {
-        one: {design.name: varied_idle_runs(plan, one, design) for design in designs()} for one in variations(plan)
+        variation: {design.name: varied_idle_runs(plan, variation, design) for design in designs()}
+        for variation in variations(plan)
     }
     # all at once, so that the runs fill every core
     runs([run for case in cases.values() for starts in case.values() for run in starts])
@@ -80,9 +81,9 @@ def nudged(design: Design) -> Design:
     return override(design, [f"environment.gravity_y_m_s2={design.environment.gravity_y * (1.0 + NUDGE)!r}"])
 
 
-def divergence(one: Run, other: Run) -> Divergence:
+def divergence(run: Run, other: Run) -> Divergence:
     """Hold two runs of the same length against each other, by the transmission error of the gear."""
-    motion = settled(one)
+    motion = settled(run)
     error, same = motion.gear_angle.error, settled(other).gear_angle.error
     size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)
     turned = np.abs(motion.crank_angle - motion.crank_angle[0]) / (2.0 * math.pi)

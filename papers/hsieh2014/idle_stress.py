@@ -212,13 +212,13 @@ def joined(several: Sequence["PartLoads"]) -> "PartLoads":
     return replace(first, **together)
 
 
-def rated_value(one: IdleStress, part: str) -> Value:
+def rated_value(idle_stress: IdleStress, part: str) -> Value:
     """Compute a part's largest stress under the rated load."""
     at = " at the fillet of a pin" if part == OUTPUT else ""
-    return Value(f"{one.rated[part].high:.3g} MPa{at}", one.rated[part].high, "MPa")
+    return Value(f"{idle_stress.rated[part].high:.3g} MPa{at}", idle_stress.rated[part].high, "MPa")
 
 
-def stress_error(one: IdleStress, parts: Sequence[str]) -> Value:
+def stress_error(idle_stress: IdleStress, parts: Sequence[str]) -> Value:
     """Compute the largest numerical error of some parts' stress at no load."""
-    share, part = max((one.error(part), part) for part in parts)
-    return Value(f"{part}: {ERROR}", share * one.starts[part].mean, "MPa")
+    share, part = max((idle_stress.error(part), part) for part in parts)
+    return Value(f"{part}: {ERROR}", share * idle_stress.starts[part].mean, "MPa")

@@ -120,7 +120,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import pins_figure
 
-    compared = [one for one in motions(plan, runs) if one.pin_1]
+    compared = [motion for motion in motions(plan, runs) if motion.pin_1]
     words = "centre of pin 1 in its socket (dashed: the clearance), its distance from the middle, and its spin"
     plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
     shown = pins_figure({_load(one): at_degrees(one) for one in compared})

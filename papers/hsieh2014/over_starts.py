@@ -62,7 +62,11 @@ def over_starts(
     def of(starts: Sequence[Design]) -> list[T]:
         return [figure(settled(run)) for run in runs(starts)]
 
-    changed = [one for one in variations(plan) if one.of(Reducer(design)) != design and has(one.of(Reducer(design)))]
+    changed = [
+        variation
+        for variation in variations(plan)
+        if variation.of(Reducer(design)) != design and has(variation.of(Reducer(design)))
+    ]
     base, varied = idle_runs(plan, design), {one: varied_idle_runs(plan, one, design) for one in changed}
     # asked for together, so that the runs fill every core
     runs([*base, *(start for starts in varied.values() for start in starts)])
@@ -93,7 +97,7 @@ def ruling(
     """
 
     def of(starts: Sequence[T]) -> Verdict:
-        return judged([holds(one) for one in starts])
+        return judged([holds(start) for start in starts])
 
     reference = of(evidence.base)
     others = {one: of(starts) for one, starts in evidence.varied.items()}

@@ -42,7 +42,7 @@ def reproduction_page(
     about
         Lines on what was run, and how.
     """
-    claims = [claim for stage in stages for claim in stage.found.claims]
+    claims = [claim for stage in stages for claim in stage.result.claims]
     numbers = [f"{sum(claim.verdict == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()]
     rows = [
         (

@@ -216,5 +216,5 @@ def _look(number: int) -> dict[str, Any]:
 
 
 def _legend(figure: Figure, motions: Sequence[Series]) -> None:
-    entries = [("closed form", THEORY), *((one.design.name, _look(number)) for number, one in enumerate(motions))]
+    entries = [("closed form", THEORY), *((motion.design.name, _look(number)) for number, motion in enumerate(motions))]
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))

@@ -68,7 +68,7 @@ class StageRun:
     """A step that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
 
     step: Stage
-    found: StageResult
+    result: StageResult
     seconds: float
     error: str = ""
 
@@ -80,8 +80,8 @@ class StageRun:
             "paper": self.step.paper,
             "seconds": round(self.seconds, 1),
             "error": self.error,
-            "figures": [plate.name for plate in self.found.plates],
-            "findings": dict(self.found.findings),
-            "tables": [table.as_json() for table in self.found.tables],
-            "notes": list(self.found.notes),
+            "figures": [plate.name for plate in self.result.plates],
+            "findings": dict(self.result.findings),
+            "tables": [table.as_json() for table in self.result.tables],
+            "notes": list(self.result.notes),
         }

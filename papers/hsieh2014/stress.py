@@ -40,25 +40,25 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         impact = runs(varied_idle_runs(plan, IMPACT, design))[0]
         studies[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
     varied = {
-        one: {design.name: runs(varied_idle_runs(plan, one, design)) for design in designs()}
-        for one in variations(plan)
+        variation: {design.name: runs(varied_idle_runs(plan, variation, design)) for design in designs()}
+        for variation in variations(plan)
     }
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
-    wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
+    wanted = {name: _needed(name, study, rated[name]) for name, study in studies.items()}
     return StageResult(
         tuple(_plates(studies)),
         (_stress_table(studies), _force_table(starts, rated), hypothesis.table(soft, wanted)),
         tuple(stress_claims(studies, starts, rated, Searched(ranges(plan), varied, hypothesis.reached(soft, wanted)))),
-        {name: _numbers(one) for name, one in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
+        {name: _numbers(study) for name, study in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
         (*hypothesis.sentences(soft, wanted), *_notes(studies)),
     )
 
 
-def _needed(name: str, one: IdleStress, rated: Run) -> dict[str, float]:
+def _needed(name: str, idle_stress: IdleStress, rated: Run) -> dict[str, float]:
     """Compute the forces that the paper's heights would take, from stress and largest force under the rated load."""
     forces = {part: largest_force(rated, pairs_on(rated, part)) for part in ORDER}
-    return hypothesis.needed({part: size.high for part, size in one.rated.items()}, forces, name)
+    return hypothesis.needed({part: size.high for part, size in idle_stress.rated.items()}, forces, name)
 
 
 def _part_begins(progress: Progress, design: str, part: str, number: int, of: int) -> None:
@@ -68,8 +68,8 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, of: in
 def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
     from cycloid_mj.plots.stress import grid_figure, map_figure, refinement_figure
 
-    for name, one in studies.items():
-        parts = {each.findings.part: each for each in one.study.parts}
+    for name, study in studies.items():
+        parts = {each.findings.part: each for each in study.study.parts}
         grids = {part: each.grid for part, each in parts.items()}
         maps = {part: each.map for part, each in parts.items()}
         words = (
@@ -92,8 +92,8 @@ def height_plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
         words += " turn, by line contacts of steel and, short dashes, by the soft contact of motion solvers (IMPACT)"
         curves = {
             f"{name}, {law}": curve
-            for name, one in studies.items()
-            for law, curve in (("line contacts", one.curve(part)), ("IMPACT", one.soft_curve(part)))
+            for name, study in studies.items()
+            for law, curve in (("line contacts", study.curve(part)), ("IMPACT", study.soft_curve(part)))
             if curve is not None
         }
         heights = {name: HEIGHTS[part, name] for name in studies if (part, name) in HEIGHTS}
@@ -110,17 +110,17 @@ def settings(plan: Plan) -> "StudySettings":
     return replace(chosen, map_angle=MAP_ANGLE)
 
 
-def per_newton(one: IdleStress, rated: Run) -> dict[str, float]:
+def per_newton(idle_stress: IdleStress, rated: Run) -> dict[str, float]:
     """Compute the stress of shaft, ring and gear [MPa] for each newton of the largest force on them."""
-    return {part: one.rated[part].high / largest_force(rated, pairs_on(rated, part)) for part in ORDER}
+    return {part: idle_stress.rated[part].high / largest_force(rated, pairs_on(rated, part)) for part in ORDER}
 
 
 def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
     """Tabulate the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
     rows = [
-        (f"{name}, {part}", one.starts[part].words, HEIGHTS.get((part, name), ""), f"{one.rated[part].high:.3g}")
-        for name, one in studies.items()
-        for part in one.starts
+        (f"{name}, {part}", study.starts[part].words, HEIGHTS.get((part, name), ""), f"{study.rated[part].high:.3g}")
+        for name, study in studies.items()
+        for part in study.starts
     ]
     head = ("largest bulk stress [MPa]", f"no load, {STARTS} starts", "the paper, no load, up to about", "rated load")
     return Table("stress by part", head, tuple(rows))
@@ -143,16 +143,16 @@ def _largest_forces(run: Run) -> dict[str, float]:
     return {stem: largest_force(run, among) for stem, kind in KINDS.items() if (among := run.pairs(kind))}
 
 
-def _numbers(one: IdleStress) -> dict[str, dict[str, object]]:
+def _numbers(idle_stress: IdleStress) -> dict[str, dict[str, object]]:
     return {
         part.part: {
-            "no_load_mpa": list(one.starts[part.part].values),
-            "rated_mpa": one.rated[part.part].high,
+            "no_load_mpa": list(idle_stress.starts[part.part].values),
+            "rated_mpa": idle_stress.rated[part.part].high,
             "angle_deg": float(part.bulk_peak.as_json()["angle_deg"]),
             "contact_no_load_mpa": part.contact_peak.stress / MEGAPASCAL,
             "change_by_refinement": part.refinement.change,
         }
-        for part in one.study.findings.parts
+        for part in idle_stress.study.findings.parts
     }
 
 
@@ -161,8 +161,8 @@ def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
 
     rough = [
         f"{name} {part.part}"
-        for name, one in studies.items()
-        for part in one.study.findings.parts
+        for name, study in studies.items()
+        for part in study.study.findings.parts
         if not part.refinement.holds
     ]
     return (

@@ -61,12 +61,12 @@ def stress_claims(
     """
     searched = searched or Searched()
     evidence = Evidence(studies, forces_of(starts), {one: forces_of(runs) for one, runs in searched.varied.items()})
-    for name, one in studies.items():
+    for name, study in studies.items():
         for part in ORDER:
-            yield height(name, part, one, evidence, searched)
+            yield height(name, part, study, evidence, searched)
         yield parts_in_order(name, evidence, searched)
         if name == "pin":
-            yield shaft_peaks(one, evidence, searched.ranges)
+            yield shaft_peaks(study, evidence, searched.ranges)
         yield output(name, evidence, searched.ranges)
         if name == "pin":
             yield pin_1_cycle(evidence, rated[name], searched.ranges)
@@ -76,12 +76,12 @@ def stress_claims(
         yield smaller(stress_fluctuation(part), part, np.std, evidence, searched.ranges)
 
 
-def height(design: str, part: str, one: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
+def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
     """Judge how high the curve of a part reaches: ours, and by every treatment of contact that was searched.
 
     Forces grow without a jump with stiffness and chord error: a height between two that are reached is reached.
     """
-    theirs, ours = HEIGHTS[part, design], one.starts[part]
+    theirs, ours = HEIGHTS[part, design], idle_stress.starts[part]
     low, high = LEAST * theirs, MOST * theirs
     cases = {each.words: evidence.sizes(design, part, np.max, each) for each in evidence.varied}
     cases |= {words: StartSpread((size,)) for words, size in searched.reached.get((part, design), {}).items()}
@@ -94,10 +94,10 @@ def height(design: str, part: str, one: IdleStress, evidence: Evidence, searched
     highest = max(cases, key=lambda words: cases[words].high, default="")
     return stress_height(part, design).judged(
         found=spread_value(f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"),
-        error=stress_error(one, [part]),
+        error=stress_error(idle_stress, [part]),
         verdict=verdict,
         decided_by=TREATMENT + (f"; {highest}: {cases[highest].high:.3g} MPa" if highest else ""),
-        rated=rated_value(one, part),
+        rated=rated_value(idle_stress, part),
         searched=(*searched.ranges, *CONTACT_RANGES),
         removals=[Removal(words, f"{_of(size)} MPa", range_verdict(size, low, high)) for words, size in cases.items()],
         p=most_chance(within(ours, low, high)),

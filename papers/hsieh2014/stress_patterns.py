@@ -44,7 +44,7 @@ OUTPUT_RANGES = (
 """What the paper leaves open of the output pins, and how far it was searched."""
 
 
-def shaft_peaks(one: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
+def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     """Judge where the shaft's two peaks a turn are: those of the cam's force, which alone loads it."""
     curves = [forces["shaft"] for forces in evidence.forces["pin"]]
     each = [largest_of_halves(curve) for curve in curves]
@@ -77,7 +77,9 @@ def shaft_peaks(one: IdleStress, evidence: Evidence, ranges: Sequence[Range]) ->
             for changed, angles in others.items()
         ],
         p=most_chance(_near_the_papers(each)),
-        rated=Value(f"{one.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"),
+        rated=Value(
+            f"{idle_stress.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"
+        ),
     )
 
 

@@ -45,7 +45,9 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         for design in designs()
     }
     progress("search over what the paper leaves open")
-    searches = {design.name: search(design, {one.way: one.rate for one in torques(design)}) for design in designs()}
+    searches = {
+        design.name: search(design, {torque.way: torque.rate for torque in torques(design)}) for design in designs()
+    }
     progress(equalised().name)
     alike = _at_equal_play(plan)
     plates = tuple(
@@ -54,9 +56,9 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             "Fig. 19",
             f"{name}: output torque at 1.048 N m in, its ripple by order, and the output rate by friction with the "
             "paper's rates, where one friction of all that slides gives them.",
-            measurement_figure(one),
+            measurement_figure(measurement),
         )
-        for name, one in measurements.items()
+        for name, measurement in measurements.items()
     )
     views, missing = pictures(runs(rated_runs(plan)[:2]))
     return StageResult(
@@ -64,7 +66,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         (
             _columns(measurements, alike),
             _search_table(searches),
-            *(_named(table, name) for name, one in measurements.items() for table in one.tables),
+            *(_named(table, name) for name, measurement in measurements.items() for table in measurement.tables),
         ),
         (
             *claims(measurements, searches),
@@ -72,9 +74,15 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             precision(runs(rated_runs(plan))),
             capacity(),
         ),
-        {name: {key: each.as_json() for key, each in one.quantities.items()} for name, one in measurements.items()}
+        {
+            name: {key: each.as_json() for key, each in measurement.quantities.items()}
+            for name, measurement in measurements.items()
+        }
         | {equalised().name: {"output_torque_nm": alike}},
-        (*dict.fromkeys(sentence for one in measurements.values() for sentence in one.assumptions), *missing),
+        (
+            *dict.fromkeys(sentence for measurement in measurements.values() for sentence in measurement.assumptions),
+            *missing,
+        ),
     )
 
 
@@ -89,7 +97,9 @@ def _at_equal_play(plan: Plan) -> float:
 
 def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
     """Put the output torques side by side: the design's effect apart from that of clearance and compliance."""
-    torques = {name: one["output_torque"] for name, one in measurements.items()} | {equalised().name: alike}
+    torques = {name: measurement["output_torque"] for name, measurement in measurements.items()} | {
+        equalised().name: alike
+    }
     return Table(
         "output torque at equal friction, 1.048 N m in; the third has the pin design's total play and series stiffness",
         ("", *torques),
@@ -103,7 +113,7 @@ def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
 def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
     """Tabulate the output rate of both designs over everything that was searched."""
     rows: list[tuple[str | float, ...]] = [
-        (bearings.words, friction, *(100 * one.grid[bearings, friction] for one in searches.values()))
+        (bearings.words, friction, *(100 * search.grid[bearings, friction] for search in searches.values()))
         for bearings in SEARCHED
         for friction in GRID
     ]
@@ -131,7 +141,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
                 found=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
-                decided_by=f"friction, left open by the paper: {_told(solutions)}",
+                decided_by=f"friction, left open by the paper: {_listed(solutions)}",
                 searched=RANGES,
                 removals=[
                     Removal(
@@ -155,14 +165,14 @@ def _verdict(ours: float, paper: float, given: bool) -> Verdict:
     return Verdict.DEPENDS if given else Verdict.DISAGREES
 
 
-def _told(solutions: Sequence[Solution]) -> str:
+def _listed(solutions: Sequence[Solution]) -> str:
     return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
 def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
     """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
-    ours = {name: one["output_torque"] for name, one in measurements.items()}
-    error = max(one.quantities["output_torque"].error or 0.0 for one in measurements.values())
+    ours = {name: measurement["output_torque"] for name, measurement in measurements.items()}
+    error = max(measurement.quantities["output_torque"].error or 0.0 for measurement in measurements.values())
     ahead = ours["nonpin"] - ours["pin"]
     grids = searches["pin"].grid, searches["nonpin"].grid
     alike = {case: IDEAL * (grids[1][case] - grids[0][case]) for case in grids[0]}
@@ -178,7 +188,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
     return TORQUE_ORDER.judged(
         found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, "N m"),
-        verdict=order_of_torques(ahead, error, any(one.verdict == Verdict.AGREES for one in removals)),
+        verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
         decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
         f"{alike[least]:+.2f} ({_case_words(least)}) to {alike[best]:+.2f} N m ({_case_words(best)})",
         searched=RANGES,

@@ -128,7 +128,7 @@ def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tup
     ]
     tested = rates(design, inside)
     solutions = [Solution(bearings, friction, tested[bearings, friction]) for bearings, friction in inside]
-    return tuple(one for one in solutions if abs(one.rate - target) <= REACHED)
+    return tuple(solution for solution in solutions if abs(solution.rate - target) <= REACHED)
 
 
 def _removed(design: Design) -> dict[str, float]:

@@ -32,20 +32,20 @@ def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, signif
     return math.ceil(reach**2 / (6.0 * (superiority - 0.5) ** 2))
 
 
-def chance(one: StartSpread, other: StartSpread) -> float:
+def chance(start_spread: StartSpread, other: StartSpread) -> float:
     """Compute p of the rank test (Mann and Whitney, two-sided): of starts as different as these if both were alike."""
     from scipy.stats import mannwhitneyu
 
-    return float(mannwhitneyu(one.values, other.values).pvalue)
+    return float(mannwhitneyu(start_spread.values, other.values).pvalue)
 
 
-def rank_order(one: StartSpread, other: StartSpread) -> int:
+def rank_order(start_spread: StartSpread, other: StartSpread) -> int:
     """Tell which of two quantities is larger by the rank test: 1 the first, -1 the second, 0 neither for sure.
 
     Medians a hair apart, by what the step alone may change, are alike whatever the test says.
     """
-    middles = median(one.values), median(other.values)
-    if chance(one, other) >= SIGNIFICANCE or max(middles) <= ALIKE * min(middles):
+    middles = median(start_spread.values), median(other.values)
+    if chance(start_spread, other) >= SIGNIFICANCE or max(middles) <= ALIKE * min(middles):
         return 0
     return 1 if middles[0] > middles[1] else -1
 

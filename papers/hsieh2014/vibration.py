@@ -170,7 +170,7 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
     """Collect the rated levels with one parameter varied at a time, and with half the step; none if quick."""
     if plan.quick:
         return {}
-    cases = {one.words: varied_rated_runs(plan, one) for one in variations(plan)}
+    cases = {variation.words: varied_rated_runs(plan, variation) for variation in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
     runs([run for each in cases.values() for run in each])
     return {name: _rated(runs(each)) for name, each in cases.items()}
@@ -180,11 +180,11 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     """Tabulate the mean spin of pin 1 over the starts at no load, and under the rated load, in each case."""
     design = designs()[0]
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
-    for one in variations(plan):
-        if one.of(Reducer(design)).ring.has_moving_pins:
-            cases[one.words] = (
-                varied_idle_runs(plan, one, design),
-                [] if plan.quick else varied_rated_runs(plan, one)[:1],
+    for variation in variations(plan):
+        if variation.of(Reducer(design)).ring.has_moving_pins:
+            cases[variation.words] = (
+                varied_idle_runs(plan, variation, design),
+                [] if plan.quick else varied_rated_runs(plan, variation)[:1],
             )
     rows = [(name, _spins(runs(free)), _spins(runs(loaded))) for name, (free, loaded) in cases.items()]
     return Table(

@@ -22,7 +22,7 @@ def collide(**spoiled):
 
 def test_the_release_that_is_installed_passes():
     assert collide() == ""
-    with each_step._installation.made():
+    with each_step._installation.kept():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
     assert selftest.try_lift(lift.between_speeds_and_forces(lift.places()).address) == ""
 

@@ -60,4 +60,4 @@ def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkey
 
 def test_steps_are_named_longest_first():
     runs = [Run(np.zeros(1), {}, {}, {"timestep_s": step}) for step in ("5e-06", "1e-05", "5e-06")]
-    assert bench.steps_told(runs) == "10 us and 5 us"
+    assert bench.steps_text(runs) == "10 us and 5 us"

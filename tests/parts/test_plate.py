@@ -20,7 +20,7 @@ from cycloid_mj.parts import mass_properties, output_centres, parts, sleeve_core
 from cycloid_mj.parts.export import PrintPlate, bill, bill_csv, export, plate, read_stl, stl_bytes, widened
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printing import made
+from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
 
@@ -83,7 +83,7 @@ def laid(request: pytest.FixtureRequest) -> tuple[str, Design, PrintPlate, np.nd
 def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     """Boxes are apart; each triangle is in one; each box has its part's volume, closed, and stands on z = 0."""
     _, design, found, triangles = laid
-    solids = {name: part.solid for name, part in made(widened(Reducer(design), OFFSET), CHORD_ERROR).items()}
+    solids = {name: part.solid for name, part in printed_parts(widened(Reducer(design), OFFSET), CHORD_ERROR).items()}
     for one, other in combinations(found.places, 2):
         apart = np.maximum(np.subtract(one.low, other.high), np.subtract(other.low, one.high))[:2].max()
         assert apart > GAP - 1e-12
@@ -167,7 +167,7 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
     assert lines["shaft_bearing"].size.startswith("bore 12 x length ")
     for name in ("output", "output_2"):
-        bores = made(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
+        bores = printed_parts(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
         for bore, centre in zip(bores, output_centres(Reducer(design)), strict=True):
             np.testing.assert_allclose(np.linalg.norm(bore - centre, axis=1), 2.5e-3, rtol=1e-9)
 
@@ -191,7 +191,7 @@ def test_parts_stand_on_their_larger_end_as_they_are_and_not_mirrored() -> None:
 def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) -> None:
     """About the same axis as before, each in its own direction; the bill tells the bore; nothing else changes."""
     design = DESIGNS[name]
-    drawn, seated = made(Reducer(design), CHORD_ERROR), made(Reducer(design), CHORD_ERROR, seat)
+    drawn, seated = printed_parts(Reducer(design), CHORD_ERROR), printed_parts(Reducer(design), CHORD_ERROR, seat)
     changed = [part for part in drawn if seated[part].solid is not drawn[part].solid and part not in ("housing",)]
     cams = ["shaft"] if design.gear.discs == 1 else ["cam_1", "cam_2", "cam_3"]
     assert set(changed) - {"output", "output_2"} == set(cams)
@@ -208,9 +208,9 @@ def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) 
 def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("3_discs", 9e-3)):
         with pytest.raises(DesignError, match=rf"bore of {2e3 * seat:g} mm does not fit"):
-            made(Reducer(DESIGNS[name]), CHORD_ERROR, seat)
+            printed_parts(Reducer(DESIGNS[name]), CHORD_ERROR, seat)
     with pytest.raises(DesignError, match="it has no bearing"):
-        made(Reducer(DESIGNS["plastic"]), CHORD_ERROR, 10e-3)
+        printed_parts(Reducer(DESIGNS["plastic"]), CHORD_ERROR, 10e-3)
     arguments = ["export", "--design", "pin", "--cam-bearing-bore-mm", "20", "--out", str(tmp_path / "no")]
     assert main(arguments) == 2
     assert "add --plate" in capsys.readouterr().err

@@ -22,7 +22,7 @@ from cycloid_mj.statics.structure import (
     beam_flexibility,
     crank_flexibility,
     pin_flexibility,
-    structure_told,
+    structure_text,
     twisting_compliance,
 )
 
@@ -325,7 +325,7 @@ def test_the_crank_bends_at_its_cams_as_handbooks_have_it() -> None:
     far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(one)))
     overhung = near**2 * -far / (3.0 * stiff[one])
     assert crank_flexibility(Reducer(one)) == pytest.approx(np.array([[overhung]]), rel=1e-9)
-    assert f"{1e9 * overhung:.3g} um at a cam under 1 kN" in structure_told(Reducer(one))
+    assert f"{1e9 * overhung:.3g} um at a cam under 1 kN" in structure_text(Reducer(one))
     far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(two)))
     found, planes = crank_flexibility(Reducer(two)), np.array(two.gear.disc_planes)
     between = ((planes - near) * (far - planes)) ** 2 / (3.0 * stiff[two] * (far - near))

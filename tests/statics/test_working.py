@@ -19,7 +19,7 @@ from cycloid_mj.statics.working import (
     own_load,
     working_at,
     working_force,
-    working_forces_told,
+    working_forces_text,
     working_load,
     working_source,
 )
@@ -90,7 +90,7 @@ def test_what_is_made_for_any_load_is_made_for_the_rated_one():
 def test_a_run_tells_its_working_forces(design):
     told = provenance(Reducer(design))["working_forces"]
     kinds = ("tooth",) if design.ring.kind == "nonpin" else ("pin_gear", "pin_socket")
-    assert told == working_forces_told(Reducer(design), [*kinds, "cam", "output"])
+    assert told == working_forces_text(Reducer(design), [*kinds, "cam", "output"])
     assert ("weight and inertia" in told) == (design.load.torque == 0.0)
     assert ("given" in told) == bool(design.working_force.cam)
 

@@ -141,7 +141,7 @@ def installed(lobes: bool = True) -> Iterator[None]:
     ContactError
         Somebody else answers ``mjcb_control``.
     """
-    with _installation.made():
+    with _installation.kept():
         if lobes:
             # it stays until the last block ends: what it passes on is all that the one of pins takes
             collision_table()[_ENTRY] = _lobe_collider().address

@@ -123,7 +123,7 @@ class EachStep:
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)
         self._drags = np.array(drags, dtype=np.int32)
-        self._impacts = np.array([astuple(one) for one in impacts], dtype=np.float64)
+        self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
         self._step = np.array([model.opt.timestep])
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
@@ -224,7 +224,7 @@ def installed() -> Iterator[None]:
     ContactError
         Somebody else answers user sensors, or MuJoCo is of a release that does not work.
     """
-    with _installation.made():
+    with _installation.kept():
         _require_passed()
         yield
 

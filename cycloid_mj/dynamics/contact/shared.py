@@ -14,7 +14,7 @@ class Shared:
         self._users = 0
 
     @contextmanager
-    def made(self) -> Iterator[None]:
+    def kept(self) -> Iterator[None]:
         """Keep the change made inside this ``with`` block; nested and parallel blocks are allowed."""
         with self._lock:
             if not self._users:

@@ -19,7 +19,7 @@ def laws_of_discs(reducer: Reducer) -> tuple[Laws, ...]:
 
 def stiffest(laws: Sequence[Laws]) -> Laws:
     """Compute the law of each kind on the disc where it is stiffest; elsewhere an output pin may bend more."""
-    return {kind: max((one[kind] for one in laws), key=lambda law: law.stiffness) for kind in laws[0]}
+    return {kind: max((law[kind] for law in laws), key=lambda law: law.stiffness) for kind in laws[0]}
 
 
 def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:

@@ -143,7 +143,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     losses = {"output": design.drag.output, "crank": design.drag.crank}
     return System(
         teeth=teeth[0],
-        offset=np.array([one.flank.offset for one in teeth]),
+        offset=np.array([tooth.flank.offset for tooth in teeth]),
         turned=np.array([one.on.angle[0] for one in mesh]),
         ring=_ring(reducer, ring),
         place=carried.place,
@@ -159,7 +159,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         arc=np.array(arc),
         holes=np.array([one.on.place for one in output]),
         studs=output[0].by.place,
-        cams=np.array([one.by.place[0] for one in cams]),
+        cams=np.array([cam.by.place[0] for cam in cams]),
         hole=float(output[0].on.radius[0]),
         stud=float(output[0].by.radius[0]),
         bore=float(cams[0].on.radius[0]),

@@ -103,7 +103,10 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     exported = _exported(widened(reducer, offset), file_format, chord_error)
     return Export(
         exported.files,
-        tuple(replace(one, asked=getattr(reducer.design.clearance, one.pair)) for one in exported.clearances),
+        tuple(
+            replace(clearance, asked=getattr(reducer.design.clearance, clearance.pair))
+            for clearance in exported.clearances
+        ),
     )
 
 

@@ -18,8 +18,8 @@ from cycloid_mj.parts.export.printing import (
     PrintedPart,
     in_one_piece,
     is_printed,
-    made,
     output_pin_length,
+    printed_parts,
 )
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
@@ -45,7 +45,7 @@ class BillLine:
 
 
 def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
-    """List the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
+    """List the bill of materials of a design: what is made, as `printing.printed_parts` has it, then what is bought.
 
     `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
 
@@ -57,7 +57,7 @@ def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
     DesignError
         A part cannot be made.
     """
-    return (*_made(reducer, cam_seat), *_bought(reducer, cam_seat))
+    return (*_manufactured(reducer, cam_seat), *_bought(reducer, cam_seat))
 
 
 def bill_csv(items: tuple[BillLine, ...]) -> bytes:
@@ -69,8 +69,8 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
     return text.getvalue().encode()
 
 
-def _made(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    for name, part in made(reducer, VISUAL_CHORD_ERROR, cam_seat).items():
+def _manufactured(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
+    for name, part in printed_parts(reducer, VISUAL_CHORD_ERROR, cam_seat).items():
         family = "output" if name.startswith(f"{names.OUTPUT}_") and name != OUTPUT_PIN else names.family(name)
         material = _material(reducer, MADE_OF.get(family, family))
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name

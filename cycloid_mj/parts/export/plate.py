@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.types import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
-from cycloid_mj.parts.export.printing import made
+from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
@@ -78,7 +78,9 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
     DesignError
         A part cannot be made, or its mesh is not watertight.
     """
-    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(reducer, chord_error, cam_seat).items()]
+    lying = [
+        (name, part.count, *_lying(part.solid)) for name, part in printed_parts(reducer, chord_error, cam_seat).items()
+    ]
     meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [mesh(solid)] * count]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
@@ -129,15 +131,17 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 
 def _lying(solid: Solid) -> tuple[Solid, bool]:
     """Lay a part on z = 0, on its end with the larger face, and tell whether it was turned over for that."""
-    low, high = min(one.z0 for one in solid.prisms), max(one.z1 for one in solid.prisms)
-    below = sum(region_moments(one).area for one in solid.prisms if one.z0 == low)
-    above = sum(region_moments(one).area for one in solid.prisms if one.z1 == high)
+    low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
+    below = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
+    above = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
     over = above > below
     prisms = tuple(
-        Prism(_mirrored(one.outline), tuple(_mirrored(hole) for hole in one.holes), high - one.z1, high - one.z0)
+        Prism(
+            _mirrored(prism.outline), tuple(_mirrored(hole) for hole in prism.holes), high - prism.z1, high - prism.z0
+        )
         if over
-        else Prism(one.outline, one.holes, one.z0 - low, one.z1 - low)
-        for one in solid.prisms
+        else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
+        for prism in solid.prisms
     )
     return Solid(solid.name, prisms, solid.density), over
 

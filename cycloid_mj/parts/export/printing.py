@@ -59,7 +59,7 @@ def in_one_piece(reducer: Reducer) -> bool:
     return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, PrintedPart]:
+def printed_parts(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, PrintedPart]:
     """Collect every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
