@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.figures import COMPUTED, FIGURES, Figure, figure, quantities
+from cycloid_mj.figures import COMPUTED, FIGURES, Figure, Need, figure, quantities
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
@@ -180,7 +180,7 @@ def measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
     """Take a measure of a design, or compute a figure of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)
-    return _figure(figure(name, COMPUTED), reducer, options)
+    return _figure(figure(name), reducer, options)
 
 
 def require_measures(names: Iterable[str]) -> tuple[str, ...]:
@@ -196,6 +196,6 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
 
 def _require_figure(name: str) -> None:
     try:
-        figure(name, COMPUTED)
+        figure(name, {*COMPUTED, Need.RUN})
     except UsageError as error:
         raise UsageError(f"there is no measure {name!r:.80}; there are {', '.join(MEASURED)}; {error}") from error

@@ -13,6 +13,7 @@ from cycloid_mj.figures.catalogue import (
     compute_sampled,
     figure,
     figures_of,
+    of_measure,
     quantities,
     values_json,
 )
@@ -29,6 +30,7 @@ __all__ = [
     "compute_sampled",
     "figure",
     "figures_of",
+    "of_measure",
     "quantities",
     "values_json",
 ]

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -11,6 +12,7 @@ from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
 from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solved
+from cycloid_mj.figures.simulated import OF_RUNS
 from cycloid_mj.figures.statics import OF_STATICS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples
@@ -18,7 +20,7 @@ from cycloid_mj.statics.samples import Samples
 FIGURES: Mapping[str, Figure] = {
     one.key: one
     for need in Need
-    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_SAMPLES, *OF_ROOMS_ABOVE)
+    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_SAMPLES, *OF_ROOMS_ABOVE, *OF_RUNS)
     if one.need == need
 }
 """Key -> figure, the cheapest first."""
@@ -90,6 +92,12 @@ def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figur
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
     """Compute figures by the keys that they are asked for, which may be aliases; errors are those of the figures."""
     return {key: figure(key).value(reducer) for key in keys}
+
+
+def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Pick the catalogue's figures from the quantities of a measure, by the catalogue's keys."""
+    rows = {key: row for key in measured if (row := _BY_ANY_NAME.get(f"{measure}/{key}"))}
+    return {row.key: replace(measured[key], key=row.key, name=row.name) for key, row in rows.items()}
 
 
 def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Quantity]:

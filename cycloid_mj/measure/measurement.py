@@ -7,6 +7,7 @@ from typing import Any
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.design import Design, material_limits
+from cycloid_mj.figures import of_measure, values_json
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +62,7 @@ class Measurement:
             "design": self.design.name,
             "condition": self.condition,
             "quantities": {key: quantity.as_json() for key, quantity in self.quantities.items()},
+            "figures": values_json(of_measure(self.measure, self.quantities)),
             "assumptions": list(self.assumptions),
             **self.details,
             "tables": [table.as_json() for table in self.tables],
