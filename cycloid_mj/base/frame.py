@@ -104,7 +104,7 @@ def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapp
 
 def _column(cells: list[Cell | None]) -> Column:
     kinds = {type(cell) for cell in cells}
-    if str in kinds:
+    if any(issubclass(kind, str) for kind in kinds):
         return np.array(["" if cell is None else str(cell) for cell in cells], dtype=object)
     if kinds == {bool} or kinds == {int}:
         return np.array(cells)

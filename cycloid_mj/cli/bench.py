@@ -1,5 +1,7 @@
 """``cycloid-mj calibrate`` and ``compare-bench``: what a test bench measured, held against a design."""
 
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -8,14 +10,16 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
-from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, ForceFlag, JsonFlag, QuietFlag
-from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
+from cycloid_mj.cli.flags import FLAT, LOAD, Delivery, DesignOptions, out_flag
+from cycloid_mj.cli.terminal import tell
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
 
-FILES = (".toml", ".json", "-residuals.csv", ".html", "-loops.png", "-loops.svg")
+FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
 """What a calibration leaves, after the design's name."""
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
 SECONDS_BETWEEN = 5.0
@@ -53,7 +57,6 @@ LossesFlag = Annotated[
         "the contacts, hysteresis of the material, both."
     ),
 ]
-OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the results, made if there is none.")]
 TeFlag = Annotated[
     Path,
     Parameter(
@@ -78,6 +81,23 @@ TE_EXAMPLES = """Examples:
   cycloid-mj compare-bench --design pin --set errors.pin_position_um=2 --te te.csv --json"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CalibrationDelivery(Delivery):
+    """Where a calibration goes."""
+
+    out: Annotated[str | None, out_flag("the calibrated design, JSON, residuals, figure and page", OUT)] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchDelivery(Delivery):
+    """Where a comparison with a bench goes."""
+
+    out: Annotated[str | None, out_flag("the JSON file and the figure", OUT_TE)] = None
+
+
+CALIBRATED, COMPARED = CalibrationDelivery(), BenchDelivery()
+
+
 def calibrate(
     chosen: Annotated[DesignOptions, FLAT],
     *,
@@ -86,10 +106,7 @@ def calibrate(
     held: HeldFlag = "crank",
     crank_deg: CrankFlag = 0.0,
     losses: LossesFlag = False,
-    out: OutFlag = Path(OUT),
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[CalibrationDelivery, FLAT] = CALIBRATED,
 ) -> int:
     """Fit clearances, stiffness and friction of a design to measured hysteresis loops.
 
@@ -106,7 +123,6 @@ def calibrate(
     from cycloid_mj.bench import compare_losses, read_loop
     from cycloid_mj.bench.calibration import calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT
-    from cycloid_mj.cli.outfile import folder
 
     if not math.isfinite(crank_deg):
         raise UsageError(f"--crank-deg {crank_deg:g}: give an angle in degrees")
@@ -116,29 +132,65 @@ def calibrate(
     if len(set(names)) < len(names):
         raise UsageError(f"two loops are called {max(names, key=names.count)}: give their files names of their own")
     design = chosen.sound()
-    into = folder(str(out), "the calibration", [f"{calibrated_name(Reducer(design))}{rest}" for rest in FILES], force)
-    progress = _Trials(quiet)
+    name = calibrated_name(Reducer(design))
+    place = claimed(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
+    progress = _Trials(delivery.quiet)
     calibration = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
-    written = _write(calibration, into)
     if losses:
+        silent = replace(delivery, quiet=True)
+        write(_calibrated(calibration, place), place, silent)
         try:
-            calibration = compare_losses(calibration, progress, lambda so_far: _write(so_far, into))
+            calibration = compare_losses(
+                calibration, progress, lambda so_far: write(_calibrated(so_far, place), place, silent)
+            )
         except KeyboardInterrupt as stop:
-            raise RunError(f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {into}") from stop
-    if not quiet:
-        tell(f"wrote {', '.join(map(str, written))}")
-    if json:
-        say_json(calibration.as_json() | {"files": [str(path) for path in written]})
-        return 0
-    for table in calibration.tables():
-        show(table)
-    for one, other, size in calibration.alike:
-        say(f"the loop cannot tell {one} from {other}: correlation {size:.3f}")
-    if calibration.unidentified:
-        say(f"not determined by the loop: {', '.join(calibration.unidentified)}")
-    for note in calibration.notes:
-        say(note)
-    return 0
+            raise RunError(
+                f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {place.folder}"
+            ) from stop
+    return deliver(_calibrated(calibration, place), place, delivery)
+
+
+def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
+    from cycloid_mj.base.units import DEGREE
+    from cycloid_mj.design import dump
+    from cycloid_mj.plots.bench import calibration_figure
+    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.report.bench import calibration_page
+
+    name, fitted = calibration.design.name, calibration.fitted
+    rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
+    for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
+        measured, model = loop.deflection / DEGREE, turn / DEGREE
+        rows += [
+            f"{loop.name},{torque!r},{one!r},{other!r},{one - other!r}"
+            for torque, one, other in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
+        ]
+    draw = cache(partial(drawn, calibration_figure(calibration)))
+    files = {
+        f"{name}.toml": dump(calibration.design).encode(),
+        f"{name}-residuals.csv": "\n".join([*rows, ""]).encode(),
+    }
+    names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
+    return Outcome(
+        title=f"calibration: {name}",
+        warnings=[
+            *(
+                f"the loop cannot tell {one} from {other}: correlation {size:.3f}"
+                for one, other, size in calibration.alike
+            ),
+            *(
+                [f"not determined by the loop: {', '.join(calibration.unidentified)}"]
+                if calibration.unidentified
+                else []
+            ),
+        ],
+        tables=calibration.tables(),
+        notes=calibration.notes,
+        pictures={f"{name}-loops": draw},
+        files=files,
+        result=calibration.as_json() | {"files": [*place.paths(names), str(place.page)]},
+        page=lambda: calibration_page(calibration, draw("svg").decode()),
+    )
 
 
 def compare_bench(
@@ -146,10 +198,7 @@ def compare_bench(
     *,
     te: TeFlag,
     load_nm: LoadFlag = None,
-    out: OutFlag = Path(OUT_TE),
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[BenchDelivery, FLAT] = COMPARED,
 ) -> int:
     """Hold a measured transmission error against a design, order by order.
 
@@ -158,32 +207,26 @@ def compare_bench(
     share, is fitted. For each order: both amplitudes, their phase, what share of
     the measured power the model explains, and what can give that order.
     """
-    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.bench import compare_bench as compared
     from cycloid_mj.bench import read_te
-    from cycloid_mj.cli.outfile import folder
     from cycloid_mj.plots.bench import comparison_figure
-    from cycloid_mj.plots.save import pictures
+    from cycloid_mj.plots.save import drawn
 
     measured = read_te(te)
     design = chosen.sound()
     stem = f"{design.name}-{measured.name}"
-    into = folder(str(out), "the comparison", [f"{stem}.json", f"{stem}.png"], force)
+    place = claimed(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)
-    path = into / f"{stem}.json"
-    files = {
-        path: (json_text(comparison.as_json()) + "\n").encode(),
-        **pictures({stem: comparison_figure(comparison)}, into),
-    }
-    write_whole(files)
-    if not quiet:
-        tell(f"wrote {', '.join(map(str, files))}")
-    if json:
-        say_json(comparison.as_json())
-        return 0
-    show(comparison.table())
-    say(f"the model explains {comparison.whole:.1%} of the measured curve's variance")
-    return 0
+    outcome = Outcome(
+        title=f"transmission error of {design.name} against {te}",
+        headline={"of the measured variance, the model explains": f"{comparison.whole:.1%}"},
+        summary=[f"the model explains {comparison.whole:.1%} of the measured curve's variance"],
+        tables=[comparison.table()],
+        pictures={stem: partial(drawn, comparison_figure(comparison))},
+        formats=("png",),
+        result=comparison.as_json(),
+    )
+    return deliver(outcome, place, delivery)
 
 
 class _Trials:
@@ -197,31 +240,3 @@ class _Trials:
         if not self._quiet and now - self._told > SECONDS_BETWEEN:
             self._told = now
             tell(f"calibrate: {done} trials in {now - self._start:.0f} s; a fit takes some 500 to 2000")
-
-
-def _write(calibration: "Calibration", into: Path) -> list[Path]:
-    """Write the results of a calibration; give the paths."""
-    from cycloid_mj.base.units import DEGREE
-    from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.design import dump
-    from cycloid_mj.plots.bench import calibration_figure
-    from cycloid_mj.plots.save import pictures
-    from cycloid_mj.report.bench import calibration_page
-
-    name = calibration.design.name
-    figures = pictures({f"{name}-loops": calibration_figure(calibration)}, into, ("png", "svg"))
-    rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
-    for loop, turn in zip(calibration.fitted.loops, calibration.fitted.turns, strict=True):
-        measured, model = loop.deflection / DEGREE, turn / DEGREE
-        rows += [
-            f"{loop.name},{torque!r},{one!r},{other!r},{one - other!r}"
-            for torque, one, other in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
-        ]
-    texts = {
-        into / f"{name}.toml": dump(calibration.design),
-        into / f"{name}.json": json_text(calibration.as_json()) + "\n",
-        into / f"{name}-residuals.csv": "\n".join(rows) + "\n",
-        into / f"{name}.html": calibration_page(calibration, figures[into / f"{name}-loops.svg"].decode()),
-    }
-    write_whole({path: text.encode() for path, text in texts.items()} | figures)
-    return [*texts, *figures]

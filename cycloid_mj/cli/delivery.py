@@ -145,7 +145,8 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
 
 
 def show_outcome(outcome: Outcome, everything: bool) -> None:
-    """Print headline, failures and warnings first; the tables and notes where all is asked for."""
+    """Print headline, failures and warnings first; the tables and notes where all is asked for, or all fits."""
+    everything = everything or _lines(outcome) <= MOST_LINES
     say(", ".join(filter(None, (outcome.title, outcome.condition))))
     if outcome.headline:
         say_table("", ("figure", "value"), list(outcome.headline.items()))
@@ -166,6 +167,13 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
         say(f"with --all: {left}")
     for line in outcome.summary:
         say(line)
+
+
+def _lines(outcome: Outcome) -> int:
+    """Count the lines that all of an outcome takes, if none is broken."""
+    tables = [len(outcome.headline), *(len(table.rows) for table in outcome.tables)]
+    lines = (outcome.failures, outcome.warnings, outcome.passes, outcome.notes, outcome.summary)
+    return 1 + sum(map(len, lines)) + sum(rows + FRAME_LINES for rows in tables if rows)
 
 
 def _left_out(outcome: Outcome, warnings: int) -> str:

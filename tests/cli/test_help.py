@@ -115,7 +115,18 @@ NEEDED = {
 """Flags that a command cannot do without."""
 
 
-RESULTS = {("statics",), ("rate",), ("datasheet",), ("design", "check"), ("sweep",), ("tolerance",), ("optimize",)}
+RESULTS = {
+    ("validate",),
+    ("calibrate",),
+    ("compare-bench",),
+    ("statics",),
+    ("rate",),
+    ("datasheet",),
+    ("design", "check"),
+    ("sweep",),
+    ("tolerance",),
+    ("optimize",),
+}
 RESULTS |= {chain for chain in LEAVES if chain[0] == "measure"}
 """Commands whose results go out by `cycloid_mj.cli.delivery`."""
 
