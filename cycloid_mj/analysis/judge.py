@@ -29,6 +29,7 @@ from cycloid_mj.analysis.findings import (
 )
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
+from cycloid_mj.base.level import peak, rms
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
@@ -103,7 +104,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
 def _crank(motion: Series) -> Crank:
     nominal = abs(motion.design.drive.speed)
     mean = _mean(motion.crank_speed.simulated, motion)
-    return Crank(mean, _peak(motion.crank_speed.error) / nominal if nominal else None)
+    return Crank(mean, peak(motion.crank_speed.error) / nominal if nominal else None)
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
@@ -126,26 +127,26 @@ def _speed(speed: Compared, motion: Series) -> SpeedFindings:
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
-        rms_error_rad_s=_rms(speed.error[motion.judged]),
-        peak_error_rad_s=_peak(speed.error[motion.judged]),
+        rms_error_rad_s=rms(speed.error[motion.judged]),
+        peak_error_rad_s=peak(speed.error[motion.judged]),
     )
 
 
 def _path(motion: Series, rows: Mask) -> PathFindings:
     q_x, q_y = (float(value) for value in 1e3 * motion.q)
     error = motion.q_position.error_size[rows]
-    return PathFindings((q_x, q_y), 1e6 * _rms(error), 1e6 * _peak(error))
+    return PathFindings((q_x, q_y), 1e6 * rms(error), 1e6 * peak(error))
 
 
 def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
     error = velocity.error_size[rows]
-    return VelocityFindings(1e3 * _rms(error), 1e3 * _peak(error))
+    return VelocityFindings(1e3 * rms(error), 1e3 * peak(error))
 
 
 def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     """Compare velocity differences with Eq. 19 at the mean crank angle, speed and acceleration between samples."""
     inner = np.flatnonzero(rows[1:] & rows[:-1])
-    if inner.size == 0 or _peak(np.diff(motion.crank_angle)[inner]) > COARSEST_SAMPLING:
+    if inner.size == 0 or peak(np.diff(motion.crank_angle)[inner]) > COARSEST_SAMPLING:
         return None
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
@@ -153,7 +154,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     path = point_path(Reducer(motion.design), motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
-    return AccelerationFindings(_rms(error), _peak(error))
+    return AccelerationFindings(rms(error), peak(error))
 
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
@@ -173,7 +174,7 @@ def _contacts(motion: Series) -> ContactSummary:
 
 def _pin_1(motion: Series) -> Pin1 | None:
     pin = motion.pin_1
-    return Pin1(1e6 * _peak(pin.radial[motion.judged]), _mean(pin.spin, motion)) if pin else None
+    return Pin1(1e6 * peak(pin.radial[motion.judged]), _mean(pin.spin, motion)) if pin else None
 
 
 def _ramp(motion: Series) -> Ramp | None:
@@ -221,14 +222,6 @@ def _window(motion: Series) -> Window:
 
 def _mean(values: Array, motion: Series) -> float:
     return float(np.mean(values[motion.whole_periods]))
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def _peak(values: Array) -> float:
-    return float(np.max(np.abs(values)))
 
 
 def _middle(values: Array) -> Array:

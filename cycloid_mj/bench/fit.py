@@ -14,6 +14,7 @@ from operator import itemgetter
 import numpy as np
 
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, model_branches, put_all
@@ -126,7 +127,7 @@ class Fitted:
     def rms(self, place: int) -> float:
         """Compute the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
         loop = self.loops[place]
-        return float(np.sqrt(np.mean((self.turns[place] - loop.deflection)[loop.lead :] ** 2)))
+        return rms((self.turns[place] - loop.deflection)[loop.lead :])
 
 
 def fit(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.level import rms, rms_about_mean
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECOND, DEGREE
@@ -132,12 +133,9 @@ class BenchComparison:
             "crank_zero_deg": self.zero / DEGREE,
             "turns": self.measured.turns,
             "explained": self.whole,
-            "measured_rms_arcsec": float(np.std(self.measured.error)) / ARCSECOND,
-            "model_rms_arcsec": float(np.std(self.model)) / ARCSECOND,
-            "residual_rms_arcsec": float(
-                np.sqrt(np.mean((self.measured.error - self.measured.error.mean() - self.model) ** 2))
-            )
-            / ARCSECOND,
+            "measured_rms_arcsec": rms_about_mean(self.measured.error) / ARCSECOND,
+            "model_rms_arcsec": rms_about_mean(self.model) / ARCSECOND,
+            "residual_rms_arcsec": rms(self.measured.error - self.measured.error.mean() - self.model) / ARCSECOND,
             "orders": [
                 {
                     "order": float(self.order[place]),

@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.window import turn_by_turn
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.types import Array
 
 
@@ -27,7 +28,7 @@ def turns(motion: Series) -> list[slice]:
 def level(values: Array, parts: Sequence[slice]) -> Level:
     """Compute the level of a signal (n,), or of a vector's size (n, 2), over parts of it."""
     size = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
-    return Level(_rms(np.concatenate([size[part] for part in parts])), tuple(_rms(size[part]) for part in parts))
+    return Level(rms(np.concatenate([size[part] for part in parts])), tuple(rms(size[part]) for part in parts))
 
 
 def unshifted(error: Array, crank_angle: Array, gear_angle: Array) -> Array:
@@ -41,7 +42,3 @@ def unshifted(error: Array, crank_angle: Array, gear_angle: Array) -> Array:
     together = error[:, 0] + 1j * error[:, 1]
     left = together - shifts @ np.linalg.lstsq(shifts, together, rcond=None)[0]
     return np.stack([left.real, left.imag], axis=1)
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

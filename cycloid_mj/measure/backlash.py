@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.analysis.transmission import output_error
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
@@ -153,7 +154,7 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
 
     largest, duration, samples = max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES
     run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer)
-    turn, phase = bench.output_turn(run, reducer), run.time / dwell
+    turn, phase = output_error(run, reducer), run.time / dwell
     ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
     return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
 

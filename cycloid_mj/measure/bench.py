@@ -24,7 +24,6 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.member import gear_angle, output_angle
 from cycloid_mj.statics.law import IMPRATIO, pair_stiffness
 from cycloid_mj.statics.working import working_force
 
@@ -181,17 +180,6 @@ def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
 def _rubbing(reducer: Reducer) -> float:
     """Largest friction of a contact at its working force [N]."""
     return max(reducer.design.friction_of(kind) * working_force(reducer, kind) for kind in reducer.design.pair_kinds)
-
-
-def output_turn(run: Run, reducer: Reducer) -> Array:
-    """Compute the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
-    return run["output_angle"] - output_angle(reducer.design, run["crank_angle"])
-
-
-def gear_turn(run: Run, reducer: Reducer) -> Array:
-    """Compute the angle of the gear, of several discs in the mean, less the ideal one at the crank's own [rad]."""
-    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
-    return np.mean(turned, axis=0) - gear_angle(reducer.design, run["crank_angle"])
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.analysis.transmission import gear_error, output_error
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
@@ -154,8 +155,8 @@ def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: flo
         rated=rated,
         phase=whole.time / period,
         torque=whole["load_torque"],
-        turn=bench.output_turn(whole, reducer) + wind_up(reducer) * whole["load_torque"],
-        gear_turn=bench.gear_turn(whole, reducer),
+        turn=output_error(whole, reducer) + wind_up(reducer) * whole["load_torque"],
+        gear_turn=gear_error(whole, reducer),
         centre_lead=sense(reducer.design) * bench.centre_lead(whole, reducer),
         run=run,
     )

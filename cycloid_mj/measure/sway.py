@@ -11,6 +11,7 @@ import numpy as np
 
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
@@ -98,11 +99,6 @@ class Sway:
     def rpm(self) -> float:
         """Crank speed [rpm]."""
         return self.speed / RPM
-
-
-def rms(signal: Array) -> float:
-    """Compute the rms size of vectors (n, k)."""
-    return float(np.sqrt(np.mean(np.sum(signal**2, axis=1))))
 
 
 def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, speed: float, turns: int) -> Sway:

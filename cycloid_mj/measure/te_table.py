@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
+from cycloid_mj.base.level import peak_to_peak, rms_about_mean
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.types import Array
 from cycloid_mj.measure.orders import causes
@@ -133,7 +134,7 @@ def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
                 name=f"rms of orders of {cause.name}, {case.words}",
                 value=cause.rms(seen),
                 unit="arcsec",
-                error=_rms(np.subtract(*_change(traces, finer, case, cause.place))) if finer else None,
+                error=rms_about_mean(np.subtract(*_change(traces, finer, case, cause.place))) if finer else None,
                 reference=cause.rms(solved),
                 source=STATICS,
                 note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
@@ -188,12 +189,8 @@ def _change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> tu
     return getattr(coarse, place)[inside], getattr(fine, place)
 
 
-def _rms(error: Array) -> float:
-    return float(np.std(error))
-
-
 _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {
-    "peak_to_peak": ("peak to peak", lambda error: float(np.ptp(error))),
-    "rms": ("rms about the mean", _rms),
+    "peak_to_peak": ("peak to peak", peak_to_peak),
+    "rms": ("rms about the mean", rms_about_mean),
 }
 """Key -> name and measure of an error."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.analysis.transmission import gear_error, output_error
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
@@ -12,7 +13,6 @@ from cycloid_mj.dynamics.mjcf import ReducerModel
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.geometry.kinematics import CrankLaw
-from cycloid_mj.measure import bench
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 
@@ -130,6 +130,6 @@ def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
     grid = first + swept * np.arange(points) / points
     # straight lines would take 2.6 % from what repeats three times in a mesh period
     twisted = wind_up(reducer) * run["load_torque"]
-    turns_by = (bench.gear_turn(run, reducer), bench.output_turn(run, reducer) + twisted)
+    turns_by = (gear_error(run, reducer), output_error(run, reducer) + twisted)
     gear, output = (ARCSECONDS * CubicSpline(crank, turn[order])(grid) for turn in turns_by)
     return Trace(grid, gear, output, run)

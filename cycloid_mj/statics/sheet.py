@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.level import peak_to_peak, rms_about_mean
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.types import Array
@@ -285,11 +286,11 @@ def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantit
     """Yield how far turns spread."""
     for shaft, turn in turns.items():
         for key, words, value in (
-            ("peak_to_peak", "peak to peak", np.ptp(turn)),
-            ("rms", "rms about its mean", turn.std()),
+            ("peak_to_peak", "peak to peak", peak_to_peak(turn)),
+            ("rms", "rms about its mean", rms_about_mean(turn)),
         ):
             name = f"transmission error, {words}, {shaft}, {case}, {way}"
-            yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
+            yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, value / ARCSECOND, "arcsec")
 
 
 def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:

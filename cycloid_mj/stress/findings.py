@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
@@ -96,8 +97,8 @@ class Refinement:
     @property
     def scatter(self) -> float:
         """Change of the stress at each of these angles, rms, relative to the largest."""
-        rms, largest = float(np.sqrt(np.mean((self.stress[0] - self.stress[1]) ** 2))), float(self.stress[1].max())
-        return rms / largest if largest > 0.0 else 0.0
+        change, largest = rms(self.stress[0] - self.stress[1]), float(self.stress[1].max())
+        return change / largest if largest > 0.0 else 0.0
 
     @property
     def holds(self) -> bool:

@@ -8,11 +8,11 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass, replace
 
-import numpy as np
 from scipy.optimize import brentq
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.level import rms
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, PERIODS, SLEEVED, rated_design, rated_run
@@ -152,7 +152,7 @@ def _run(kind: str, periods: int, *changes: str) -> StepFigures:
         gear_speed=1e3 * findings.gear_speed.rms_error_rad_s,
         mean_error=findings.gear_transmission_error.mean_arcsec,
         peak_to_peak=findings.gear_transmission_error.peak_to_peak_arcsec,
-        cam_force=float(np.sqrt(np.mean(np.sum(cam**2, axis=1)))),
+        cam_force=rms(cam),
         efficiency=100.0 * (findings.efficiency or math.nan),
     )
 

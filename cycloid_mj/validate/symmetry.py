@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.analysis.transmission import gear_error
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
@@ -88,7 +89,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
     added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
     vectors = [np.array([[one.real, one.imag]]) for one in added]
-    means = [float(np.mean(transmission_error(run, reducer))) for run in (down, off)]
+    means = [float(np.mean(gear_arcsec(run, reducer))) for run in (down, off)]
     shares = 100.0 * mean_powers(down).efficiency, 100.0 * mean_powers(off).efficiency
     return [
         relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
@@ -113,16 +114,16 @@ def _bounds(kind: str) -> Bounds:
     return CHATTERING if kind == FREE else REPEATING
 
 
-def transmission_error(run: Run, reducer: Reducer) -> Array:
-    """Compute the gear's angle less the ideal one [arcsec], shape (n,)."""
-    return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / reducer.design.lobes)
+def gear_arcsec(run: Run, reducer: Reducer) -> Array:
+    """Compute the gear's transmission error [arcsec], shape (n,)."""
+    return ARCSECONDS * gear_error(run, reducer)
 
 
 def ripple(run: Run, reducer: Reducer, way: float) -> Array:
     """Find the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
     phase = np.mod(way * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)
-    error = transmission_error(run, reducer)
+    error = gear_arcsec(run, reducer)
     return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
 
 
@@ -134,5 +135,5 @@ def mean_force(run: Run, reducer: Reducer) -> Array:
 
 def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
     """Compute the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
-    added = transmission_error(run, reducer) - transmission_error(without, reducer)
+    added = gear_arcsec(run, reducer) - gear_arcsec(without, reducer)
     return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))

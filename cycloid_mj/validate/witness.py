@@ -6,7 +6,10 @@ has no such solver: its own equations of motion, friction from the contact's own
 
 import numpy as np
 
+from cycloid_mj.analysis.transmission import output_error
 from cycloid_mj.base import names
+from cycloid_mj.base.level import peak_to_peak, rms
+from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
@@ -81,16 +84,16 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
     powers = late["crank_torque"] * late["crank_speed"], late["load_torque"] * late["output_speed"]
     speed = late[f"{gear}_speed"] + late["crank_speed"] / design.lobes
-    return _figures(late["output_angle"] + late["crank_angle"] / design.lobes, late.forces("cam")[:, 0], powers, speed)
+    return _figures(output_error(late, reducer), late.forces("cam")[:, 0], powers, speed)
 
 
 def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:
-    """Compute figures: of the output's error [rad], cam's force [N], powers in and out [W], gear's error [rad/s]."""
-    supplied, power_in = (float(power.mean()) for power in powers)
+    """Compute figures of the output's error [rad], cam's force [N], powers of crank and output, gear's speed error."""
+    crank, output = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),
-        ARCSECONDS * float(np.ptp(error)),
+        ARCSECONDS * peak_to_peak(error),
         float(np.hypot(cam[:, 0], cam[:, 1]).mean()),
-        -100.0 * power_in / supplied,
-        1e3 * float(np.sqrt(np.mean(speed**2))),
+        100.0 * Powers(crank, output).efficiency,
+        1e3 * rms(speed),
     )

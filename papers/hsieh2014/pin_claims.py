@@ -1,12 +1,12 @@
 """Claims on pin 1 at no load: how far it moves, whether it turns, and whether it slides on the gear (Figs 9 and 16)."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.result import Claim, Value, Verdict
 from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import StartSpread
@@ -64,7 +64,7 @@ def pin_motion(motion: Series) -> PinMotion:
         span=float(np.ptp(pin.position[motion.hold], axis=0).max()),
         reach=float(pin.radial[motion.hold].max()),
         mean_spin=float(np.mean(spin)),
-        rms_spin=math.sqrt(float(np.mean(spin**2))),
+        rms_spin=rms(spin),
         turned=_turned(motion),
         rolling=_rolling(motion, spin),
     )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from designs import cases, unlike
 
+from cycloid_mj.analysis.transmission import output_error
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
@@ -60,7 +61,7 @@ def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
     torque, still = 0.5 * design.design.rated_torque, design.but(drive={"speed": 0.0})
     for crank in bench.crank_angles(design, 2):
         run = bench.run_to_the_end(design, float(crank), lambda time: np.full_like(time, torque), torque, 0.04, 4)
-        turned = bench.output_turn(run, design)[-1]
+        turned = output_error(run, design)[-1]
         assert turned == pytest.approx(transmission_error(still, crank, torque)[0, 1], rel=2e-3)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.level import rms
 from cycloid_mj.base.types import Array
 from cycloid_mj.parts.convex.surface import ConvexSurface, placed_outline
 from cycloid_mj.parts.polygon import area_moments
@@ -130,9 +131,9 @@ def quality(ends: Array, parts: int, volume_error: float) -> Quality:
     return Quality(
         parts=parts,
         max_overfill=float(over.max()),
-        rms_overfill=float(np.sqrt(np.mean(over**2))),
+        rms_overfill=rms(over),
         max_underfill=float(under.max()),
-        rms_underfill=float(np.sqrt(np.mean(under**2))),
+        rms_underfill=rms(under),
         volume_error=volume_error,
         samples=len(ends),
     )

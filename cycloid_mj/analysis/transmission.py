@@ -1,0 +1,26 @@
+"""Transmission error of a run: the turn of output and gear less the ideal one at the measured crank angle."""
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import gear_angle, output_angle
+
+
+def output_error(run: Run, reducer: Reducer) -> Array:
+    """Compute the transmission error of the output [rad], shape (n,), counter-clockwise.
+
+    It is phi - theta/i of the output's angle phi, at the crank's own angle theta and the ratio i, -(N-1) or N.
+    """
+    return run["output_angle"] - output_angle(reducer.design, run["crank_angle"])
+
+
+def gear_error(run: Run, reducer: Reducer) -> Array:
+    """Compute the transmission error of the gear [rad], shape (n,), counter-clockwise; of several discs in the mean.
+
+    It is phi + theta/(N-1) of the gear's angle phi, or phi where the ring is the output, as the gear does not turn.
+    """
+    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
+    return np.mean(turned, axis=0) - gear_angle(reducer.design, run["crank_angle"])

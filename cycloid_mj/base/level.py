@@ -1,0 +1,26 @@
+"""Levels of a signal: its root mean square, about zero or about its mean, and its peak."""
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+
+
+def rms(values: Array) -> float:
+    """Compute the root mean square of numbers (n,), or of the lengths of vectors (n, k)."""
+    squares = values**2
+    return float(np.sqrt(np.mean(squares if values.ndim == 1 else np.sum(squares, axis=1))))
+
+
+def rms_about_mean(values: Array) -> float:
+    """Compute the root mean square of what numbers (n,) differ by from their mean."""
+    return float(np.std(values))
+
+
+def peak(values: Array) -> float:
+    """Find the largest size among numbers."""
+    return float(np.max(np.abs(values)))
+
+
+def peak_to_peak(values: Array) -> float:
+    """Compute the distance from the least of numbers to the largest."""
+    return float(np.ptp(values))
