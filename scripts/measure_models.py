@@ -24,8 +24,8 @@ from cycloid_mj.reducer import Reducer
 MODELS = Path(__file__).parent.parent / "models"
 THRESHOLDS = (0.05, 0.02)
 LOADS = (1.0, 36.0)
-RUNS: tuple[tuple[Contact, float], ...] = (("profile", 1.0), ("mesh", 2.0), ("mesh", 5.0), ("mesh", 10.0))
-"""Kinds of contact with their time steps [us]."""
+RUNS: tuple[tuple[Contact, float], ...] = (("profile", 1.0), ("mesh", 2.0), ("mesh", 5.0))
+"""Kinds of contact with their time steps [us]; at 10 us the free pins are unstable under 36 N m."""
 
 HOLD, SETTLED = 0.057, 0.02
 """Duration of a run, and of what is left out at its start [s]; the rest is a turn of the crank."""
