@@ -1,6 +1,6 @@
 """Measure what the READMEs of models/ tell beside the models: plain CoACD, mesh against profile contact, free running.
 
-Takes a quarter of an hour; writes plain_coacd.json, agreement.json and free_running.json into models/, which
+Takes ten minutes; writes plain_coacd.json, agreement.json and free_running.json into models/, which
 scripts/build_models.py reads. With names of these files as arguments, only those.
 """
 
