@@ -1,4 +1,4 @@
-"""What figures show of a run: its signals in the units of their axes, stated once for matplotlib and for the page."""
+"""Signals of a run in the units of their axes, defined once for matplotlib and for the page."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

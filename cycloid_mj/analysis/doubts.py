@@ -1,4 +1,4 @@
-"""What a reader of a run should know before he trusts its figures: sentences, for a terminal, a page and JSON alike.
+"""Warnings about the figures of a run, as sentences for terminal, page and JSON alike.
 
 Some was known before it began; the rest is its end, its pace, its power balance and its efficiency.
 """

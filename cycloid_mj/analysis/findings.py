@@ -1,4 +1,4 @@
-"""The findings of a run: few numbers, each with its unit in its name, and under what they hold."""
+"""The findings of a run: few numbers, each with its unit in its name, and their operating condition."""
 
 from dataclasses import dataclass
 from typing import Any, Literal

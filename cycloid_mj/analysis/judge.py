@@ -1,4 +1,4 @@
-"""The judgement of a run: from its series to its findings.
+"""Analysis of a run: from its series to its findings.
 
 Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
 it is shorter than a turn). The peak-to-peak transmission error is that of a crank turn, the mean of all whole turns;

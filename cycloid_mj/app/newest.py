@@ -1,4 +1,4 @@
-"""What is shown of the newest design alone: designs that come while an older one is solved replace each other."""
+"""Solve the newest design only: designs that arrive while an older one is solved replace each other."""
 
 import asyncio
 import logging

@@ -1,4 +1,4 @@
-"""How rarely Python looks for circles of objects: modules and classes are a hundred thousand objects that stay."""
+"""Garbage-collector thresholds: modules and classes are a hundred thousand objects that stay."""
 
 import gc
 

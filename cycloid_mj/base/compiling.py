@@ -1,4 +1,4 @@
-"""How number-crunching code is compiled: kept where there is a place for it, and told when it takes time."""
+"""Compilation of numerical code by numba: cached where possible, logged where it takes time."""
 
 import zlib
 from collections.abc import Callable, Iterator

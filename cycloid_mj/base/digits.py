@@ -1,4 +1,4 @@
-"""Derived numbers with as many digits as they mean.
+"""Rounding of derived numbers to their significant digits.
 
 The last bits of a sum or a sine depend on the machine and on the number of threads, and within some turns a rattling
 gear makes them visible. What enters a model is rounded, so that the same design is the same model everywhere.

@@ -1,4 +1,4 @@
-"""How work is stopped: SIGTERM and SIGHUP end it as Ctrl-C does, never in the midst of a file; threads give way."""
+"""Interruption of work: SIGTERM and SIGHUP end it as Ctrl-C does, never in the middle of a file; threads give way."""
 
 import ctypes
 import signal

@@ -1,4 +1,4 @@
-"""Memory that is free but still the process's: given back to the system."""
+"""Return freed memory to the operating system."""
 
 import ctypes
 import sys

@@ -1,4 +1,4 @@
-"""What a command may replace: never a file that it reads; what was there before only where `--force` says so.
+"""Which files a command may replace: never one that it reads, and an earlier one only with `--force`.
 
 The rule is kept by the two writers (`whole` and `log.place`) while a command of the command line is at work, so that a
 command which claims nothing replaces nothing. In Python, files are replaced as their functions say.

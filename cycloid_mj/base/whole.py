@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: every file of results goes through here."""
+"""Atomic file writing: every result file is written whole or not at all."""
 
 import os
 import secrets

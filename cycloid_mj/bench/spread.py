@@ -1,4 +1,4 @@
-"""How sure fitted values are: their covariance, by how the residuals answer to them and which of those are alike."""
+"""Uncertainty of fitted values: their covariance from the slopes of the residuals and their correlation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""``cycloid-mj measure``: the figures by which a reducer is bought, a command for each row of `COMMANDS`.
+"""``cycloid-mj measure``: catalogue figures, with a command for each row of `COMMANDS`.
 
 The class of a measure's own options is the command: its docstring is the help, its fields are the flags. A field ends
 in the flag's unit; the measure takes its value in SI, under the name without the unit.

@@ -1,4 +1,4 @@
-"""What cyclopts finds wrong with a command line, told in one line."""
+"""Command-line errors of cyclopts, restated in one line."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches

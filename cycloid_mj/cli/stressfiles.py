@@ -1,4 +1,4 @@
-"""What ``cycloid-mj stress`` gives out: figures, stress maps for ParaView, a JSON file, and tables."""
+"""Output of ``cycloid-mj stress``: figures, stress maps for ParaView, a JSON file, and tables."""
 
 import json as js
 import textwrap

@@ -1,4 +1,4 @@
-"""How far the dynamic figures of a loaded run move with what the contact model assumes and nobody has measured.
+"""Sensitivity of the dynamic figures of a loaded run to unmeasured assumptions of the contact model.
 
 Friction comes on over a creep speed and contacts lose a share of critical damping; both are choices of the model. Each
 is brought to the other end of its plausible range, and every figure that depends on the motion's detail says how far

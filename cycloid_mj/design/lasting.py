@@ -1,4 +1,4 @@
-"""What time and heat do to the materials of a design: told beside every figure that rests on their values."""
+"""Creep and temperature caveats of materials, added to every result that depends on their values."""
 
 from cycloid_mj.design.materials import MATERIALS, SOFTEST_METAL
 from cycloid_mj.design.model import PARTS, Design, Material

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a design, told in the words of the design file."""
+"""Validation errors of pydantic, restated in the words of the design file."""
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo

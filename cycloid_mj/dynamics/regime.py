@@ -1,4 +1,4 @@
-"""Bad regimes: settings with which a run goes through, and its numbers are not the design's.
+"""Bad regimes: settings that run but give wrong results.
 
 Each is told in one line: what, where, and what to change. What cannot run at all is an error elsewhere.
 """

@@ -1,4 +1,4 @@
-"""By how much the parts of a reducer as made depart from the design: listed, or drawn at random with a seed.
+"""Manufacturing errors of the parts, listed in the design or drawn at random with a seed.
 
 The one place where manufacturing errors are drawn. Each kind has a random stream of its own, so that one kind switched
 on leaves the others as they were. Pins, lobes and holes are counted from 0 on +y, clockwise; lengths in metres.

@@ -1,4 +1,4 @@
-"""The torque that a reducer bears for a life: what makers call its rated torque, solved for."""
+"""Rated torque for a given life, as makers state it."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What a log asks of those who make messages for viewers, and when such a message is due."""
+"""Interface for viewer message writers, and when a message is due."""
 
 from collections.abc import Iterable, Mapping
 from typing import Protocol

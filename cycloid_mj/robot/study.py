@@ -1,4 +1,4 @@
-"""Which time steps and integrators the joint bears: run at each, with nothing, its own and a heavy inertia on it.
+"""Time steps and integrators at which the joint is stable: run at each, with no, its own and a heavy inertia.
 
 A step is stable if the joint vibrates no more than at its start, crank held and free; it is accurate if what the load
 winds up to in an `impact` is right as well.

@@ -1,4 +1,4 @@
-"""What force acts where: from the columns of a run to arrows on the parts."""
+"""Contact forces and where they act: from the columns of a run to arrows on the parts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a maker's data sheet has of a reducer, by statics alone, under the keys of the measures."""
+"""Data-sheet figures of a reducer by statics alone, under the keys of the measures."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What gives between contacts and foundation: output pins that bend, and carrier, shaft and housing that twist.
+"""Compliance between contacts and foundation: bending of output pins, twist of carrier, shaft and housing.
 
 Only where ``structure`` is ``springs``; in a rigid one all of it is 0. The shaft's bearings and the discs' own give are
 left out; the shaft's bending is told, and counted nowhere.

@@ -1,4 +1,4 @@
-"""A part with its loads, factorised: what any crank angle asks of it is one right-hand side, or a sum of unit loads."""
+"""A factorised load case of a part: each crank angle is one right-hand side, or a sum of unit loads."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

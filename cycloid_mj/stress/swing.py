@@ -1,4 +1,4 @@
-"""How far the stress at a node swings over a turn: what fatigue goes by.
+"""Stress range at a node over a turn, which decides fatigue.
 
 The distance of two states of stress is the von Mises stress of their difference. A node's swing lies between the two
 states that are farthest from each other: half of their distance is its amplitude, and the von Mises stress of the state

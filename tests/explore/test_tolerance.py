@@ -194,7 +194,7 @@ def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engin
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
     with pytest.raises(tolerances.Unfinished) as stopped:
         tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
-    found = stopped.value.found
+    found = stopped.value.tolerances
     shorter = tolerance(design, found.samples, 1, ["backlash_arcmin<=1"])
     assert found.samples in (8, 16, 24)
     assert found.asked == 40
@@ -230,8 +230,8 @@ def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatc
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
     with pytest.raises(tolerances.Unfinished) as stopped:
         tolerance(design, 8, 1, engine=Engine(1), verify=3)
-    assert stopped.value.found.verified == (whole,)
-    assert stopped.value.found.budget == tolerance(design, 8, 1).budget
+    assert stopped.value.tolerances.verified == (whole,)
+    assert stopped.value.tolerances.budget == tolerance(design, 8, 1).budget
 
 
 @pytest.mark.slow
@@ -327,7 +327,7 @@ def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: E
         tolerances.AllJam, match=r"^all of the first 6 samples jam: .*pin_gear interferes by"
     ) as stopped:
         tolerance(design, 300, 0, engine=engine)
-    assert stopped.value.found.samples == 6
+    assert stopped.value.tolerances.samples == 6
     assert "without tolerance.pin_position alone" in str(stopped.value)
 
 

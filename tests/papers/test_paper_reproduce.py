@@ -297,7 +297,7 @@ def test_every_stage_has_a_name_and_a_time():
     # on two free cores: quick under 3 minutes, full under 25
     assert sum(step.quick for step in stages.STEPS) < 180
     assert sum(step.full for step in stages.STEPS) < 1500
-    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, StageResult)
+    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).result, StageResult)
 
 
 # --- the page of the documentation

@@ -1,4 +1,4 @@
-"""What a process that works for another one owes it: it leaves Ctrl-C to it, and ends with it."""
+"""Worker-process housekeeping: ignore Ctrl-C, exit with the parent."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Results of joblib as they come, and its end without a word where nobody waits for the rest."""
+"""Stream joblib results; close quietly when abandoned."""
 
 from collections.abc import Generator, Iterator
 from contextlib import suppress

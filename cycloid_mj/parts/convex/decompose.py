@@ -1,4 +1,4 @@
-"""CoACD: the convex pieces of a mesh, and its word on whether a slice is one convex body."""
+"""CoACD: the convex pieces of a mesh, and its check that a slice is convex."""
 
 import numpy as np
 
