@@ -1,0 +1,22 @@
+"""A comparison has the catalogue's figures of every design beside those of its runs."""
+
+import pytest
+
+from cycloid_mj.cli.verdict import HEADLINE, catalogue_table, catalogued
+from cycloid_mj.design import PRESETS
+from cycloid_mj.figures import figure
+from cycloid_mj.reducer import Reducer
+
+
+def test_designs_stand_side_by_side_under_the_catalogue_s_keys() -> None:
+    designs = [PRESETS["pin"], PRESETS["nonpin"]]
+    found = catalogued(designs)
+    table = catalogue_table(found)
+    assert table.header == ("figure", "pin", "nonpin", "unit")
+    assert tuple(row[0] for row in table.rows) == HEADLINE
+    for place, design in enumerate(designs, 1):
+        values = {row[0]: row[place] for row in table.rows}
+        for key in ("te_loaded_arcsec", "mass_kg"):
+            assert values[key] == pytest.approx(figure(key).value(Reducer(design)))
+    assert "pin_gear_pressure_mpa" in found["pin"]
+    assert "pin_gear_pressure_mpa" not in found["nonpin"]
