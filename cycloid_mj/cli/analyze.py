@@ -1,27 +1,32 @@
 """``cycloid-mj analyze``: hold a logged run against the closed form, from the log alone."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import warn
-from cycloid_mj.cli.flags import JsonFlag, PointFlag, point
-from cycloid_mj.cli.terminal import say, say_groups, say_json
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, PointFlag, point
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
+    from cycloid_mj.analysis.table import RowGroup
 
 EXAMPLES = """Examples:
   cycloid-mj analyze runs/pin.mcap
   cycloid-mj analyze runs/pin.mcap --q 26,0 --json"""
 
 HEADER = ("quantity", "simulated", "closed form", "error", "unit")
+COLUMNS = ("part", "quantity", "simulated", "closed_form", "error", "unit")
 
 LogName = Annotated[str, Parameter(metavar="RUN.mcap", help="Log of a run, written by `cycloid-mj simulate`.")]
 
 
-def analyze(log: LogName, /, *, q: PointFlag = None, json: JsonFlag = False) -> int:
+def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Compare a logged run with the closed form, from the log alone.
 
     Over the hold phase: transmission error and speed of the output and the
@@ -33,33 +38,43 @@ def analyze(log: LogName, /, *, q: PointFlag = None, json: JsonFlag = False) -> 
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    place = point(q)
+    place = claimed(delivery, f"{Path(log).stem}-analysis")
     run = read(log)
-    findings = judged(run, place, log=log)
+    findings = judged(run, point(q), log=log)
     if not run.complete:
         # the log knows how many steps were planned, not how many were made
         findings = replace(findings, steps=None)
-    report(findings, json)
-    return 0
-
-
-def report(findings: "Findings", json: bool) -> None:
-    """Write the findings of a run, and what to know before trusting them as warnings."""
     warn(findings.design, findings.warnings)
-    if json:
-        say_json(findings.as_json())
-        return
-    from cycloid_mj.analysis import groups
+    return deliver(outcome_of(findings), place, delivery)
 
-    window = findings.window
+
+def outcome_of(findings: "Findings") -> Outcome:
+    """Turn the findings of a run into an outcome."""
+    from cycloid_mj.analysis import groups
+    from cycloid_mj.base.frame import framed
+
+    window, parts = findings.window, groups(findings)
     span = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} crank turns)"
-    say_groups(
-        f"{findings.design}, {findings.condition_words}: {span}",
-        HEADER,
-        [(f"{group.name} {group.detail}".strip(), group.rows) for group in groups(findings)],
-    )
-    say(f"log: {findings.log}")
+    headings = [(f"[{f'{part.name} {part.detail}'.strip()}]", "", "", "", "") for part in parts]
+    rows = [row for heading, part in zip(headings, parts, strict=True) for row in (heading, *part.rows)]
+    notes = [f"log: {findings.log}"]
     if findings.timestep_for:
-        say(f"time step {findings.timestep}, for {findings.timestep_for}")
+        notes.append(f"time step {findings.timestep}, for {findings.timestep_for}")
     if findings.wall_s is not None:
-        say(f"{findings.steps} steps of {findings.timestep_s * 1e6:g} us in {findings.wall_s:.1f} s of wall time")
+        step = f"{findings.steps} steps of {findings.timestep_s * 1e6:g} us"
+        notes.append(f"{step} in {findings.wall_s:.1f} s of wall time")
+    return Outcome(
+        title=f"{findings.design}, {findings.condition_words}",
+        condition=span,
+        headline=dict(map(_first, parts)),
+        summary=notes,
+        tables=[Table("findings", HEADER, tuple(rows))],
+        frame=framed([{"part": part.name, **row._asdict()} for part in parts for row in part.rows], COLUMNS, {}),
+        result=findings.as_json(),
+    )
+
+
+def _first(part: "RowGroup") -> tuple[str, str]:
+    """Choose the figure that stands for its part of the drive."""
+    row = part.rows[0]
+    return row.quantity, f"{row.simulated or row.error} {row.unit}".strip()

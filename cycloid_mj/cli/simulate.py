@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError
+from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError, warn
 from cycloid_mj.base.interrupt import cause, unbroken
 from cycloid_mj.base.replacing import claim
-from cycloid_mj.cli.analyze import report
+from cycloid_mj.cli.analyze import outcome_of
+from cycloid_mj.cli.delivery import show_outcome
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
+from cycloid_mj.cli.terminal import say_json
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -108,7 +110,12 @@ def simulate(
         claim(*names, force=False)
     with Progress(design.drive.ramp + design.drive.hold, quiet) as progress:
         ran = run_into_log(design, names, force, progress, contact, solver)
-    report(ran.judged(), json)
+    findings = ran.judged()
+    warn(findings.design, findings.warnings)
+    if json:
+        say_json(findings.as_json())
+    else:
+        show_outcome(replace(outcome_of(findings), headline={}), everything=True)
     return 0
 
 

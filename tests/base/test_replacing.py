@@ -44,6 +44,7 @@ WRITING = {
     "stress": ("stress --design pin --quick --out d", "d/pin.mcap"),
     "stress result": ("stress --log run.mcap --part pin_1 --quick --out d", "d/stress.json"),
     "rate": ("rate --design pin --html page.html", "page.html"),
+    "analyze": ("analyze run.mcap --out d", "d/run-analysis.json"),
     "validate": ("validate --only friction --quick --out d", "d/validation.json"),
     "statics": ("statics pin --out d", "d/pin-statics.json"),
     "design check": ("design check pin --out d", "d/pin-check.csv"),
@@ -71,7 +72,7 @@ WRITING = {
 }
 """Command -> how it is called, and a file that it writes."""
 
-READING = {"analyze", "app", "view", "doctor", "figures"}
+READING = {"app", "view", "doctor", "figures"}
 READING |= {"design show", "log info", "log columns", "log layout"}
 
 QUICK = {"plot", "report", "animate", "profile", "kinematics", "design new", "log csv", "log parquet", "log repair"}

@@ -117,6 +117,7 @@ NEEDED = {
 
 RESULTS = {
     ("validate",),
+    ("analyze",),
     ("calibrate",),
     ("compare-bench",),
     ("statics",),
