@@ -58,9 +58,8 @@ def load(condition: dict[str, float]) -> str:
 
 def _row(one: dict[str, Any]) -> tuple[str, ...]:
     error, rated = one["numerical_error"], one["at_rated_load"]
-    error_text = (
-        f"{error['value']:.2g} {error['unit']} ({error['source']})" if error["value"] is not None else error["source"]
-    )
+    unit = "" if error["unit"] == "1" else f" {error['unit']}"
+    error_text = f"{error['value']:.2g}{unit} ({error['source']})" if error["value"] is not None else error["source"]
     return (
         *(one["figure"], one["design"], load(one["condition"]), one["paper"]["claim"], one["paper"]["text"]),
         *(one["ours"]["text"], error_text, one["verdict"], one["decided_by"], rated["text"] if rated else ""),

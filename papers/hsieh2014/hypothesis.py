@@ -4,7 +4,7 @@ Our idle reducer is stressed a hundred times less than the paper's. Here it turn
 paper's kind of motion solver, on exact flanks and on flanks made of facets.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from cycloid_mj.base.result import Table
@@ -57,15 +57,18 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
 
 
 def reached(
-    forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]
+    forces: Mapping[Case, PeakForces], stress: Mapping[str, Mapping[str, Callable[[float], Any]]]
 ) -> dict[tuple[str, str], dict[str, float]]:
-    """Compute the stress that the forces of every case make: (part, design) -> case -> stress [MPa]."""
+    """Compute the stress that the forces of every case make: (part, design) -> case -> stress [MPa].
+
+    `stress` is that of a design's part by the largest force on it.
+    """
     stresses: dict[tuple[str, str], dict[str, float]] = {}
     for (name, contact, error), one in forces.items():
         words = f"{contact.name}, facets of {1e6 * error:g} um" if error else f"{contact.name}, exact flanks"
         acting = {"shaft": one.cam, "ring": one.seat, "gear": max(one.cam, one.tooth)}
         for part, force in acting.items():
-            stresses.setdefault((part, name), {})[words] = HEIGHTS[part, name] * force / wanted[name][part]
+            stresses.setdefault((part, name), {})[words] = float(stress[name][part](force))
     return stresses
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj.analysis.series import DESIGN_FILE, design_of
 from cycloid_mj.base.names import OUTPUT
@@ -47,6 +48,44 @@ RATED_ANGLES = 23
 """Crank angles under the rated load: no divisor of the mesh periods in a turn, so that they fall on all its phases."""
 
 
+@dataclass(frozen=True)
+class ByForce:
+    """Largest stress of a part by the largest force on it: weight and centrifugal force stress it without any.
+
+    Attributes
+    ----------
+    offset, slope
+        Of the line through the idle cases that were solved for [MPa], [MPa/N].
+    reach
+        Largest force of these cases [N].
+    rated
+        Slope beyond, that of the rated load [MPa/N].
+    residual
+        Rms of what the line misses [MPa].
+    """
+
+    offset: float
+    slope: float
+    reach: float
+    rated: float
+    residual: float = 0.0
+
+    @classmethod
+    def through(cls, force: Array, stress: Array, rated: float) -> "ByForce":
+        """Fit the line to forces [N] and stresses [MPa], shape (n,) each; a stress never falls with the force."""
+        slope, offset = np.polyfit(force, stress, 1)
+        if slope < 0.0:
+            slope, offset = 0.0, np.mean(stress)
+        residual = float(np.std(stress - offset - slope * force))
+        return cls(float(offset), float(slope), float(force.max()), rated, residual)
+
+    def __call__(self, force: npt.ArrayLike) -> Array:
+        """Estimate the stress [MPa] under forces [N] of any shape."""
+        force = np.asarray(force, float)
+        within, beyond = np.minimum(force, self.reach), np.maximum(force - self.reach, 0.0)
+        return np.maximum(self.offset + self.slope * within + self.rated * beyond, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class IdleStress:
     """Stress of one design at no load, and under the rated load.
@@ -64,6 +103,8 @@ class IdleStress:
         Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start.
     outputs
         What is assumed of the output pins and taken away -> largest bulk stress of the output in each start [MPa].
+    by_force
+        Part -> its stress by the largest force on it.
     """
 
     study: "StressStudy"
@@ -71,6 +112,7 @@ class IdleStress:
     rated: Mapping[str, StartSpread]
     soft: Mapping[str, Array]
     outputs: Mapping[str, StartSpread]
+    by_force: Mapping[str, ByForce]
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
         """Find crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
@@ -123,7 +165,7 @@ def idle_stress(
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     parts = [*((part, NO_OTHERS) for part in grids), *((OUTPUT, pins) for pins in OTHER_PINS.values())]
     heavy = _heavy(starts, parts, turn, window)
-    largest, loaded, curves = {}, {}, {}
+    largest, loaded, curves, by_force = {}, {}, {}, {}
     for (part, grid), of_starts in zip(grids.items(), heavy, strict=False):
         under, loaded[part] = _under_load(rated, part, grid)
         # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
@@ -131,13 +173,15 @@ def idle_stress(
         stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
         split = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
         largest[part] = StartSpread.of(each.max() for each in split[: len(of_starts)])
+        slope = float(under.bulk_stress.max() / under.load.max()) / MEGAPASCAL
+        by_force[part] = ByForce.through(largest_forces(joined(cases)), stress, slope)
         if softly:
             curves[part] = split[-1]
     outputs = {
         words: _with_pins(Reducer(design.but(output=pins)), settings, of_starts)
         for (words, pins), of_starts in zip(OTHER_PINS.items(), heavy[len(grids) :], strict=True)
     }
-    return IdleStress(study, largest, loaded, curves, outputs)
+    return IdleStress(study, largest, loaded, curves, outputs, by_force)
 
 
 def _heavy(
@@ -199,6 +243,11 @@ def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
         later = [int(row) for row in np.argsort(weight)[::-1] if row not in rows]
         rows += later[: count // 2]
     return at_angles(loads, rows)
+
+
+def largest_forces(loads: "PartLoads") -> Array:
+    """Find the largest force at each crank angle of some loads [N], shape (n,)."""
+    return np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1)
 
 
 def joined(several: Sequence["PartLoads"]) -> "PartLoads":

@@ -106,6 +106,6 @@ def ruling(
     return Ruling(
         Verdict.DEPENDS if reference == Verdict.DISAGREES and agrees else reference,
         most_chance([holds(one) for one in evidence.base]),
-        "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes it"))),
+        "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes the verdict"))),
         tuple(Removal(one.words, words(starts), others[one]) for one, starts in evidence.varied.items()),
     )

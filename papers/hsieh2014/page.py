@@ -72,7 +72,8 @@ def reproduction_page(
 def error_words(claim: Claim) -> str:
     """Return the numerical error of a claim, and where it comes from."""
     error = claim.error
-    return error.text if error.value is None else f"{error.value:.2g} {error.unit} ({error.text})"
+    unit = "" if error.unit == "1" else f" {error.unit}"
+    return error.text if error.value is None else f"{error.value:.2g}{unit} ({error.text})"
 
 
 def _source(picture: bytes) -> str:

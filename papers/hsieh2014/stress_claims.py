@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
+from statistics import median
 
 import numpy as np
 
@@ -116,7 +117,10 @@ def smaller(
     pin, nonpin = sizes(None)
     ratio = nonpin.over(pin)
     varied = {each: sizes(each) for each in evidence.varied}
-    verdict, by = order_verdict(rank_order(pin, nonpin), _left_open(varied))
+    missed = max(evidence.stress[name].by_force[part].residual for name in ("pin", "nonpin"))
+    # what the line over the force misses may turn a smaller difference round
+    found = rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
+    verdict, by = order_verdict(found, _left_open(varied))
     return statement.judged(
         found=Value(
             f"{nonpin.words} against {pin.words} MPa, {ratio.values[0]:.2g} to 1, p = {chance(pin, nonpin):.2g}",
@@ -124,7 +128,7 @@ def smaller(
             BY_DESIGN,
             (ratio.low, ratio.high),
         ),
-        error=Value(f"spread of {len(pin.values)} starts", ratio.half, BY_DESIGN),
+        error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
         decided_by=order_decided(verdict, by, "nothing varied that the paper leaves open"),
         searched=ranges,

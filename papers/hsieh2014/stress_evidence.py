@@ -42,7 +42,7 @@ class Searched:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Stress of both designs with the forces of all runs: a stress goes with the largest force on its part."""
+    """Stress of both designs with the forces of all runs, by which it is estimated where it was not solved for."""
 
     stress: Mapping[str, IdleStress]
     forces: Forces
@@ -56,10 +56,9 @@ class Evidence:
     def sizes(
         self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None
     ) -> StartSpread:
-        """Compute the stress [MPa] of a design's part that a property `of` the force's curve makes, start by start."""
-        largest = float(np.mean([curve.max() for curve in self.curves(design, part)]))
-        base = self.stress[design].starts[part].mean / largest if largest else 0.0
-        return StartSpread.of(base * of(curve) for curve in self.curves(design, part, changed))
+        """Compute the stress [MPa] of a design's part over a turn, a property `of` its curve in each start."""
+        stress = self.stress[design].by_force[part]
+        return StartSpread.of(of(stress(curve)) for curve in self.curves(design, part, changed))
 
     def peaks(self, design: str, part: str, changed: Variation | None = None) -> StartSpread:
         """Compute the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""

@@ -54,8 +54,11 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
     }
     verdict = most(_near_the_papers(each))
     # some starts are enough to say that the paper's angles can come out
-    by = [changed.words for changed, angles in others.items() if any(_near_the_papers(angles))]
+    near = [changed for changed, angles in others.items() if any(_near_the_papers(angles))]
+    by, given = ([one.words for one in near if (one.parameter in LEFT_OPEN) == is_open] for is_open in (True, False))
     verdict = Verdict.DEPENDS if by and verdict == Verdict.DISAGREES else verdict
+    deciding = [f"left open by the paper: {', '.join(by)}"] if by else []
+    deciding += [f"given by the paper: {', '.join(given)}"] if given else []
     mean = largest_of_halves(np.mean(curves, axis=0))
     at = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judged(
@@ -68,12 +71,10 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         ),
         error=spread_error(at[0], "deg"),
         verdict=verdict,
-        decided_by=f"left open by the paper: {', '.join(by)}"
-        if by
-        else "gravity; nothing varied gives the paper's angles",
+        decided_by="; ".join(deciding) or "nothing varied gives the paper's angles",
         searched=ranges,
         removals=[
-            Removal(changed.words, _angles(angles), most(_near_the_papers(angles)))
+            Removal(changed.words, angles_told(angles), most(_near_the_papers(angles)))
             for changed, angles in others.items()
         ],
         p=most_chance(_near_the_papers(each)),
@@ -88,7 +89,7 @@ def _near_the_papers(pairs: Sequence[tuple[float, float]]) -> list[bool]:
     return [all(abs(angle - wanted) <= NEAR for angle, wanted in zip(pair, SHAFT_PEAKS, strict=True)) for pair in pairs]
 
 
-def _angles(pairs: Sequence[tuple[float, float]]) -> str:
+def angles_told(pairs: Sequence[tuple[float, float]]) -> str:
     """Tell peaks over starts: their range, the median, and how many starts have both near the paper's."""
     first, second = (StartSpread.of(angles) for angles in zip(*pairs, strict=True))
     near = sum(_near_the_papers(pairs))

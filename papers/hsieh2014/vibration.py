@@ -48,7 +48,7 @@ CAPTIONS = {
     "compare_gear_speed": ("Fig. 6", "Error of the gear's speed over a turn, both designs on one scale."),
     "compare_q_path": ("Fig. 7", "Distance of q from its path over a turn, both designs on one scale."),
     "compare_q_speed": ("Fig. 8", "Error of the speed of q over a turn, both designs on one scale."),
-    "compare_transmission_error": ("vibration", "Transmission error of the gear over a turn."),
+    "compare_transmission_error": ("vibration", "Transmission error of the output over a turn, its mean left out."),
     "compare_vibration": (
         "vibration",
         "Spectra of the acceleration of gear centre and output about their closed forms.",

@@ -29,6 +29,7 @@ from hsieh2014 import (
     torque_search,
     vibration,
 )
+from hsieh2014.idle_stress import ByForce
 from hsieh2014.page import reproduction_page
 from hsieh2014.plan import IMPACT, QUICK, TIGHT, at_speed, designs, idle_runs
 from hsieh2014.plan import STARTS as STARTS_OF_PAPER
@@ -321,7 +322,8 @@ def stressed(thicker=False, **sizes):
     full = {part: StartSpread(tuple(np.linspace(*sizes.get(part, (0.1, 0.2)), 12))) for part in parts}
     rated = {part: StartSpread.of(10.0 * value for value in one.values) for part, one in full.items()}
     outputs = {"output pins as cantilevers": StartSpread((0.01,) * 12)} if thicker else {}
-    return SimpleNamespace(starts=full, rated=rated, error=lambda part: 0.01, outputs=outputs)
+    by_force = dict.fromkeys(parts, ByForce(0.0, 0.1, 10.0, 0.1))
+    return SimpleNamespace(starts=full, rated=rated, error=lambda part: 0.01, outputs=outputs, by_force=by_force)
 
 
 @pytest.fixture(scope="module")
@@ -460,6 +462,33 @@ def test_the_output_is_low_and_regular(idle):
     places = np.random.default_rng(7).uniform(0.0, 360.0, len(alike))
     unlike = [at_degrees(run, "output_pin_2", (at,)) for run, at in zip(idle[0]["pin"], places, strict=True)]
     assert judged_output(low, unlike).verdict != "agrees"
+
+
+def test_a_stress_by_the_force_has_the_weights_part_and_never_falls():
+    force = np.linspace(0.5, 20.0, 40)
+    line = ByForce.through(force, 0.3 + 0.02 * force, 0.05)
+    assert line([0.0, 10.0, 20.0, 100.0]) == pytest.approx([0.3, 0.5, 0.7, 0.7 + 0.05 * 80.0])
+    assert line.residual == pytest.approx(0.0, abs=1e-12)
+    # a shaft that its own rotation stresses
+    flat = ByForce.through(force, 0.3 - 0.001 * force, 0.05)
+    assert flat(force) == pytest.approx(np.full(40, 0.3 - 0.001 * force.mean()))
+    assert flat.residual == pytest.approx(0.001 * force.std(), rel=1e-9)
+
+
+def test_a_difference_that_the_line_over_the_force_misses_is_no_order(idle):
+    starts, rated = idle
+    pressed = {
+        name: [at_degrees(run, "cam", (75.0,), force) for run in starts[name]]
+        for name, force in (("pin", 6.0), ("nonpin", 3.0))
+    }
+    verdicts = []
+    for residual in (0.0, 1.0):
+        both = stressed()
+        both.by_force = dict.fromkeys(both.by_force, ByForce(0.0, 0.1, 10.0, 0.1, residual))
+        with np.errstate(invalid="ignore"):
+            found = judged(both, both, (pressed, rated))
+        verdicts.append((found["stress_mean_shaft"].verdict, found["stress_fluctuation_shaft"].verdict))
+    assert verdicts == [("agrees", "agrees"), ("not determined", "not determined")]
 
 
 def test_the_order_of_parts_is_searched_over_treatments_of_contact(idle):

@@ -1,7 +1,6 @@
 """The stages, claims and page of `reproduce` on runs with known waves; README and JSON; both designs alike."""
 
 import gc
-import importlib.util
 import json
 import math
 import re
@@ -301,14 +300,6 @@ def test_every_stage_has_a_name_and_a_time():
 
 
 # --- the page of the documentation
-
-
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location("docs_results", ROOT / "scripts" / "docs_results.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_the_page_says_what_the_json_says(script):

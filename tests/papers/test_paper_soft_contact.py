@@ -137,7 +137,7 @@ def test_bulk_begins_where_it_does_under_the_rated_load_in_every_start(monkeypat
 
     def solve(design, grid, loads, distance=None):
         asked.append((len(loads.angle), distance))
-        return SimpleNamespace(bulk_stress=1e6 * loads.angle, bulk_distance=0.007)
+        return SimpleNamespace(bulk_stress=1e6 * loads.angle, bulk_distance=0.007, load=loads.angle)
 
     many = loads([[0.0, 1.0], [9.0, 0.0], [6.0, 6.0], [0.0, 0.0], [5.0, 4.5], [8.0, 0.0]])
     part = SimpleNamespace(findings=SimpleNamespace(part="gear"), grid=None)
