@@ -8,27 +8,28 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import Design
+from cycloid_mj.figures import figure
 from cycloid_mj.life import RatedItem, rate
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.rated import is_bearing_life
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance
 
-KEYS = {
-    "backlash": "backlash",
-    "lost_motion_ideal": "lost motion at +-3 %",
-    "stiffness_ideal": "torsional stiffness",
-    "output_peak_to_peak_loaded_forward_speed": "transmission error, peak to peak",
-    "efficiency": "efficiency",
-    "capacity": "torque at first yield",
-    "pin_gear_peak_force": "largest force on a pin",
-    "tooth_peak_force": "largest force on a tooth",
-    "pin_gear_pressure": "its Hertz pressure",
-    "tooth_pressure": "its Hertz pressure",
-    "output_peak_force": "largest force on an output pin",
-    "cam_peak_force": "largest force of the cam",
+NAMES = {
+    "backlash_arcmin": "backlash",
+    "lost_motion_arcmin": "lost motion at +-3 %",
+    "stiffness_nm_per_arcmin": "torsional stiffness",
+    "te_loaded_forward_arcsec": "transmission error, peak to peak",
+    "efficiency_percent": "efficiency",
+    "capacity_nm": "torque at first yield",
+    "pin_gear_peak_force_n": "largest force on a pin",
+    "tooth_peak_force_n": "largest force on a tooth",
+    "pin_gear_pressure_mpa": "its Hertz pressure",
+    "tooth_pressure_mpa": "its Hertz pressure",
+    "output_peak_force_n": "largest force on an output pin",
+    "cam_peak_force_n": "largest force of the cam",
 }
-"""Keys of the data sheet -> short names, in their order on the page."""
+"""Keys of the catalogue -> short names, in their order on the page."""
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,14 @@ def static_lines(design: Design) -> tuple[FigureLine, ...]:
         sheet = glance(Reducer(design), design.load.torque or None)
     except CycloidError as error:
         return (FigureLine("no figures by statics", str(error)),)
-    quantities = [sheet.quantities[key] for key in KEYS if key in sheet.quantities]
+    computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     head = FigureLine("by statics, at", sheet.condition)
     return (
         head,
         *(
-            FigureLine(KEYS[quantity.key], _written(quantity), quantity.note or sheet.condition)
-            for quantity in quantities
+            FigureLine(name, _written(computed[key]), computed[key].note or sheet.condition)
+            for key, name in NAMES.items()
+            if key in computed
         ),
     )
 

@@ -35,11 +35,12 @@ from cycloid_mj.app.local import LocalOnly
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.page import Page, in_one_line
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import FigureLine, check_lines, error_lines, life_lines, static_lines
+from cycloid_mj.app.shown import NAMES, FigureLine, check_lines, error_lines, life_lines, static_lines
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.figures import FIGURES
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
 
@@ -87,7 +88,10 @@ def test_figures_follow_the_design() -> None:
 @pytest.mark.parametrize("design", [PRESETS["twodisc"], unlike("light")], ids=["twodisc", "light"])
 def test_every_design_has_its_figures(design: Design) -> None:
     wanted = {"backlash", "lost motion at +-3 %", "transmission error, peak to peak", "efficiency"}
-    assert wanted <= {line.name for line in static_lines(design)}
+    lines = static_lines(design)
+    assert wanted <= {line.name for line in lines}
+    assert NAMES.keys() <= FIGURES.keys()
+    assert len(lines) == 1 + sum(FIGURES[key].exists(Reducer(design)) for key in NAMES)
     head, weakest, *bearings = life_lines(design)
     assert head.name == "by rating, at"
     assert weakest.name.startswith("weakest: ")
