@@ -26,7 +26,8 @@ Which value counts: `--set table.key=value` overrides the file for a single comm
 COMMANDS = """# Reference: the commands
 
 What `--help` says, in one page. Results go to stdout, progress and messages to stderr; exit code 0 is done, 1 failed,
-2 wrong usage.
+2 wrong usage. A design is given by its place or by `--design`. The terminal shows headline, failures and warnings of a
+result, all of it with `--all`; `--out` names the folder of its files, `--html` its page.
 `cycloid-mj --install-completion` makes the shell complete commands and flags.
 """
 
