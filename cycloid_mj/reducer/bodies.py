@@ -242,7 +242,7 @@ def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
 
 def mechanism(design: Design) -> Mechanism:
     """Return the reducer of a design."""
-    errors, discs = deviations(design), range(len(phases(design)))
+    errors, discs = deviations(design), range(design.gear.discs)
     pins, seats = _ring(design, errors)
     output = design.output
     studs = names.all_numbered(names.OUTPUT_PIN, output.pins)
@@ -344,7 +344,7 @@ def _holes(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mat
 
 
 def _of_disc(design: Design, name: str, disc: int) -> str:
-    return names.of_disc(name, disc, len(phases(design)))
+    return names.of_disc(name, disc, design.gear.discs)
 
 
 def _around(
