@@ -38,9 +38,9 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    place = claimed(delivery, f"{Path(log).stem}-analysis")
+    place, point_q = claimed(delivery, f"{Path(log).stem}-analysis"), point(q)
     run = read(log)
-    findings = judged(run, point(q), log=log)
+    findings = judged(run, point_q, log=log)
     if not run.complete:
         # the log knows how many steps were planned, not how many were made
         findings = replace(findings, steps=None)
