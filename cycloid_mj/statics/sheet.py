@@ -79,7 +79,7 @@ POSES_OF_SEVERAL = 241
 
 KNOWN = {
     "backlash": 0.001,
-    "lost_motion_ideal": 0.002,
+    "lost_motion_ideal": 0.003,
     "stiffness_ideal": 0.002,
     "output_peak_to_peak_loaded_forward_speed": 0.04,
     "efficiency": 0.001,
