@@ -84,7 +84,7 @@ KNOWN = {
     "output_peak_to_peak_loaded_forward_speed": 0.04,
     "efficiency": 0.001,
     "back_driving_efficiency": 0.0015,
-    "capacity": 0.01,
+    "capacity": 0.012,
     "capacity_shakedown": 0.015,
 }
 KNOWN_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
