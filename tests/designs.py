@@ -17,6 +17,18 @@ UNLIKE = ("light", "printed", "large", "few", "teeth21")
 What is called printed here is another drive than the preset of that name.
 The last is the paper's own load on fewer teeth; the others are sized with room to spare."""
 
+FEW_TEETH_CHANGES = [
+    "ring.teeth=8",
+    "ring.pin_circle_radius_mm=40.0",
+    "ring.pin_radius_mm=5.0",
+    "gear.eccentricity_mm=2.5",
+    "gear.bore_radius_mm=10.0",
+    "output.pins=6",
+    "output.pin_circle_radius_mm=21.0",
+    "output.hole_radius_mm=6.5",
+]
+"""What makes a preset of the paper one of eight teeth."""
+
 
 def design_file(name: str) -> Path:
     """Where a design's file is."""

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_compiling import RUN, ran
+from own_process import RUN, ran
 
 from cycloid_mj.base import compile_cache
 

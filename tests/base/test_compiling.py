@@ -1,15 +1,13 @@
 """The contact code is compiled once and kept; where nothing can be kept, it is compiled for each run, and said so."""
 
-import os
 import shutil
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import mujoco
 import pytest
 from numba import njit
+from own_process import RUN, ran
 
 import cycloid_mj
 from cycloid_mj.base import compile_cache
@@ -19,20 +17,6 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact.collider import CYLINDER, TYPES, collision_table, installed
 from cycloid_mj.dynamics.run import simulate
-
-RUN = ("simulate", "--design", "pin", "--ramp-s", "0", "--hold-s", "0.001", "--timestep-us", "5", "--json")
-
-
-def ran(folder: Path, *argv: str, code: Path | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run a command in a process of its own, whose code is, if given, in another place."""
-    environment = {
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "PYTHONPATH": str(code or Path(cycloid_mj.__file__).parents[1]),
-        **environment,
-    }
-    kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    command = [sys.executable, "-m", "cycloid_mj.cli", *argv]
-    return subprocess.run(command, cwd=folder, env=kept | environment, capture_output=True, text=True)
 
 
 @pytest.mark.slow

@@ -7,12 +7,12 @@ import signal
 import subprocess
 import sys
 import threading
-from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import told
 
 import cycloid_mj.dynamics.run
 from cycloid_mj import __version__
@@ -57,14 +57,6 @@ FIXED_KEYS = {
 def no_progress_lines(monkeypatch):
     """On a slow machine a run takes long enough for a line of progress; what a command prints must not depend on it."""
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", math.inf)
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main(list(argv))
-    return code, out.getvalue(), err.getvalue()
 
 
 def rejected(*argv: str) -> tuple[int, str]:

@@ -1,16 +1,14 @@
 """`cycloid-mj design`: a new file of one's own, and what a check sums up."""
 
 import json
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import pytest
+from commands import told
 from designs import UNLIKE, design_file
 
 from cycloid_mj.base.result import plain
 from cycloid_mj.checks import summary
-from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override
 from cycloid_mj.figures import FIGURES
 from cycloid_mj.life import rate
@@ -24,14 +22,6 @@ MEASURED = {"pin": (0.9678, 28.1), "nonpin": (0.7471, 34.55)}
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main(list(argv))
-    return code, out.getvalue(), err.getvalue()
 
 
 @pytest.mark.parametrize("name", ["my", "my.toml"])

@@ -4,21 +4,19 @@ import json
 import tracemalloc
 import zlib
 from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import lz4.frame
 import numpy as np
 import pytest
 import zstandard
+from commands import told
 from designs import unlike
 from made_run import made_groups, made_run
 from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 
 from cycloid_mj.base.errors import DesignError, LogError
-from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import LONGEST_MESSAGE, printable, tell
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.mjcf import build
@@ -28,13 +26,6 @@ from cycloid_mj.log.container import LARGEST_CHUNK, inflated
 
 RUN = ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"]
 DESIGNS = {name: override(PRESETS[name], RUN) for name in ("pin", "nonpin")}
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main([str(word) for word in argv])
-    return code, out.getvalue(), err.getvalue()
 
 
 def write(

@@ -2,19 +2,18 @@
 
 import json
 import sys
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from commands import told
 from made_run import made_groups, made_run
 from mcap.reader import make_reader
 from PIL import Image
 
-from cycloid_mj.cli import animate, main, render
+from cycloid_mj.cli import animate, render
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.model import xml
@@ -27,14 +26,6 @@ from cycloid_mj.scene.layout import layout
 
 DESIGN = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"])
 COLUMNS = [name for names in made_groups(DESIGN).values() for name in names]
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main([str(word) for word in argv])
-    return code, out.getvalue(), err.getvalue()
 
 
 def rejected(*argv: str) -> tuple[int, str]:

@@ -4,16 +4,14 @@ import json
 import math
 import re
 import threading
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import told
 
 import cycloid_mj.dynamics.run
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.cli import main
 from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
 from cycloid_mj.cli.flags import designed
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
@@ -33,14 +31,6 @@ NAMES = (
     *("transmission_error", "gear_transmission_error", "output_speed", "gear_speed", "q_path", "q_speed"),
     *("teeth", "tooth_force", "cam_force", "vibration"),
 )
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main(list(argv))
-    return code, out.getvalue(), err.getvalue()
 
 
 def rejected(*argv: str) -> tuple[int, str]:

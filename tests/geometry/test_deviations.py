@@ -5,8 +5,8 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
+from ring_rig import Rig, brute_minima, chain_point, turned
 from scipy.spatial import cKDTree
-from test_ring import Rig, brute_minima, chain_point, turned
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import check

@@ -3,17 +3,15 @@
 import json
 import signal
 import threading
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import told
 
 import cycloid_mj.dynamics.run
 from cycloid_mj.base.errors import LogError, RunError
 from cycloid_mj.base.interrupt import STOPPING, Stopped, raise_on_signals
-from cycloid_mj.cli import main
 from cycloid_mj.cli.compare import RUNS
 from cycloid_mj.cli.simulate import logs_folder
 from cycloid_mj.log import LogTakenError, LogWriter, read
@@ -22,13 +20,6 @@ from cycloid_mj.log.reader import load
 
 GROUPS = {"/reducer": [("crank_angle", "rad")]}
 SHORT = ("--ramp-s", "0", "--hold-s", "0.01", "--quiet")
-
-
-def told(*argv: str) -> tuple[int, str, str]:
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main(argv)
-    return code, out.getvalue(), err.getvalue()
 
 
 def write(log: LogWriter, first: int, last: int) -> None:

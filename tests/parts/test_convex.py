@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from designs import FEW_TEETH_CHANGES
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, Design, override
@@ -40,19 +41,7 @@ from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.reducer import Reducer
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
-FEW_TEETH = override(
-    NONPIN,
-    [
-        "ring.teeth=8",
-        "ring.pin_circle_radius_mm=40.0",
-        "ring.pin_radius_mm=5.0",
-        "gear.eccentricity_mm=2.5",
-        "gear.bore_radius_mm=10.0",
-        "output.pins=6",
-        "output.pin_circle_radius_mm=21.0",
-        "output.hole_radius_mm=6.5",
-    ],
-)
+FEW_TEETH = override(NONPIN, FEW_TEETH_CHANGES)
 SETTINGS = ConvexSettings()
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 UP = np.array([[0.0, 1.0]])

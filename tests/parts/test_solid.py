@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 import trimesh
+from designs import FEW_TEETH_CHANGES
 from matplotlib.path import Path as PolygonPath
 
 from cycloid_mj.base import names
@@ -39,19 +40,7 @@ from cycloid_mj.parts.polygon import arc, area_moments, crossing
 from cycloid_mj.reducer import Reducer
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
-FEW_TEETH = override(
-    PIN,
-    [
-        "ring.teeth=8",
-        "ring.pin_circle_radius_mm=40.0",
-        "ring.pin_radius_mm=5.0",
-        "gear.eccentricity_mm=2.5",
-        "gear.bore_radius_mm=10.0",
-        "output.pins=6",
-        "output.pin_circle_radius_mm=21.0",
-        "output.hole_radius_mm=6.5",
-    ],
-)
+FEW_TEETH = override(PIN, FEW_TEETH_CHANGES)
 MANY_TEETH = override(
     NONPIN,
     [

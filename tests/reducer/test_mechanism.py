@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
+from exact_gaps import exact
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import kinematics, profile
-from cycloid_mj.geometry.deviations import deviations
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.reducer.bodies import mechanism
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places, gaps, ideal_motion
 from cycloid_mj.statics import springs_of
 from cycloid_mj.statics.kernel import gap
-from cycloid_mj.validate.gaps import Flanks, GearPose, flanks_of, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validate.gaps import Flanks, GearPose, ring_gaps
 
 ERRORS = (
     "errors.pin_position_um=1.0",
@@ -36,22 +36,6 @@ AHEAD = 2.0 * np.pi / 3.0 * np.arange(3)
 def design_of(name: str) -> Design:
     """Return one of `UNLIKE`, or a preset."""
     return unlike(name) if name in UNLIKE else PRESETS[name]
-
-
-def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gaps of teeth (pins or arcs) and of output pins at departures z, by search and by two circles."""
-    gear, made, output = tooth_profile(design), deviations(design), design.output
-    centre = kinematics.gear_centre(gear, crank) + z[:2]
-    turned = float(kinematics.gear_rotation(gear, crank))
-    angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
-    flanks = flanks_of(Reducer(design))
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
-    mesh = pin_gaps(gear, GearPose(centre, angle), pins, flanks)
-    teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius
-    around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    between = rotate(around, out) - centre - rotate(around + made.hole_place[0], angle)
-    room = output.hole_radius + design.clearance.output - output.pin_radius
-    return teeth, room - np.linalg.norm(between, axis=1)
 
 
 def curved(design: Design, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

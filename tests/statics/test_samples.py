@@ -6,8 +6,8 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
+from exact_gaps import exact
 from scipy.optimize import root
-from test_mechanism import exact
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer, limits
