@@ -54,6 +54,19 @@ class Motion:
     cpu: float
 
 
+def _solved(exu: Any, mbs: Any, end: float, step: float, solver: Any) -> float:
+    """Solve an assembled system up to an end by a step [s]; CPU time of a simulated second [s]."""
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / step)
+    settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
+    settings.timeIntegration.verboseMode = 0
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.solutionSettings.sensorsWritePeriod = SAMPLING
+    begin = time.process_time()
+    mbs.SolveDynamic(settings, solverType=solver)
+    return (time.process_time() - begin) / end
+
+
 def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
     """Return the reducer without what Exudyn's model leaves out."""
     changes = [
@@ -167,15 +180,7 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
         sensor(item.SensorObject, "Force", objectNumber=bearing),
     ]
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / step)
-    settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
-    settings.timeIntegration.verboseMode = 0
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = SAMPLING
-    begin = time.process_time()
-    mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
-    cpu = (time.process_time() - begin) / end
+    cpu = _solved(exu, mbs, end, step, exu.DynamicSolverType.GeneralizedAlpha)
     turned, moved, velocity, force = (mbs.GetSensorStoredData(number)[:, 1:] for number in sensors)
     theta = turned[:, 0]
     torque = eccentricity * (np.sin(theta) * force[:, 1] + np.cos(theta) * force[:, 0])
@@ -338,15 +343,7 @@ def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") 
         for kind in kinds
     ]
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / step)
-    settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
-    settings.timeIntegration.verboseMode = 0
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = SAMPLING
-    begin = time.process_time()
-    mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-    cpu = (time.process_time() - begin) / end
+    cpu = _solved(exu, mbs, end, step, exu.DynamicSolverType.RK44)
     stored = [mbs.GetSensorStoredData(number) for number in sensors]
     theta = of.speed * stored[0][:, 0]
     (x, y, turn), (u, v, rate) = (one[:, 1:4].T for one in stored)

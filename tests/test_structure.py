@@ -174,3 +174,26 @@ def test_each_room_says_what_it_owns_in_a_sentence_of_its_own() -> None:
         assert re.fullmatch(r"[A-Z`].{25,}\.", sentence), f"{path.relative_to(ROOT)}: {sentence!r}"
         said[path] = sentence
     assert len(set(said.values())) == len(ROOMS)
+
+
+def documented_parameters(docstring: str) -> list[str]:
+    """Names in the section Parameters of a docstring."""
+    _, _, rest = docstring.partition("Parameters\n----------\n")
+    section = re.split(r"\n\n(?=\S)", rest)[0]
+    return [name for line in section.splitlines() if line[:1].strip() for name in re.findall(r"\w+", line)]
+
+
+def unknown_parameters(module: Nodes) -> Iterator[str]:
+    """Parameters that a docstring describes and its function has not."""
+    for node in module:
+        if isinstance(node, ast.FunctionDef):
+            taken = {each.arg for each in ast.walk(node.args) if isinstance(each, ast.arg)}
+            for name in documented_parameters(ast.get_docstring(node) or ""):
+                if name not in taken:
+                    yield f"{node.lineno}: {node.name} has no {name}"
+
+
+def test_docstrings_describe_parameters_that_are_there() -> None:
+    assert {str(path): unknown for path in SOURCES if (unknown := list(unknown_parameters(nodes(path))))} == {}
+    spoiled = 'def f(a):\n    """Do.\n\n    Parameters\n    ----------\n    a, b\n        Two.\n    """\n'
+    assert list(unknown_parameters(nodes_of(spoiled))) == ["1: f has no b"]

@@ -36,7 +36,6 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.timestep import timestep
-from cycloid_mj.reducer import Reducer
 
 COARSEST_SAMPLING = np.radians(5.0)
 """Crank angle from sample to sample beyond which velocities give no acceleration: the error is its square / 24."""
@@ -71,7 +70,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         design=motion.design.name,
         contact=provenance.get("contact"),
         log=log,
-        timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(Reducer(motion.design)),
+        timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(motion.reducer),
         timestep=provenance.get("timestep"),
         timestep_for=provenance.get("timestep_for"),
         steps=int(provenance["steps"]) if "steps" in provenance else None,
@@ -96,7 +95,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         window=judged,
         complete=run.complete,
         note=run.note,
-        condition=condition(Reducer(motion.design)),
+        condition=condition(motion.reducer),
         warnings=tuple(warnings(motion, judged, contacts)),
     )
 
@@ -151,7 +150,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / step
-    path = point_path(Reducer(motion.design), motion.q, motion.disc, angle, speed, crank_acceleration)
+    path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
     return AccelerationFindings(rms(error), peak(error))

@@ -122,6 +122,11 @@ class Series:
     pin_1: PinPath | None
 
     @property
+    def reducer(self) -> Reducer:
+        """The reducer that ran."""
+        return Reducer(self.design)
+
+    @property
     def time(self) -> Array:
         """Times of the samples [s], shape (n,)."""
         return self.run.time
@@ -144,7 +149,7 @@ class Series:
 
     def of_disc(self, disc: int) -> "Series":
         """Return the same with the motion of another disc, by its index."""
-        motion: dict[str, Any] = _disc_motion(self.run, Reducer(self.design), self.q, disc)
+        motion: dict[str, Any] = _disc_motion(self.run, self.reducer, self.q, disc)
         return replace(self, disc=disc, **motion)
 
     @property
@@ -229,8 +234,8 @@ def point_path(
 
     Parameters
     ----------
-    design, q, disc
-        The design, the point in the disc's frame [m], shape (2,), and the index of the disc.
+    reducer, q, disc
+        The reducer, the point in the disc's frame [m], shape (2,), and the index of the disc.
     crank_angle, speed, acceleration
         Of the crank [rad], [rad/s], [rad/s2], shape (n,).
     """

@@ -127,7 +127,7 @@ def verdict(
 
     Parameters
     ----------
-    design, name, limit, why, severity
+    reducer, name, limit, why, severity
         As in ``Check``.
     instead
         Limits on other keys that would do as well: further remedies.
@@ -153,7 +153,7 @@ def wall_verdict(
 
     Parameters
     ----------
-    design, name, tied
+    reducer, name, tied
         As in `verdict`.
     limits
         Gives the limits that leave a wall of a share of E, that of the checked value first.

@@ -55,7 +55,7 @@ def settled(run: Run, q: npt.ArrayLike | None = None) -> Series:
         The run did not reach the hold, too.
     """
     motion = series(run, q, settling(Reducer(design_of(run))))
-    require_hold(Reducer(motion.design), motion.time)
+    require_hold(motion.reducer, motion.time)
     return motion
 
 

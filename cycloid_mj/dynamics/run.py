@@ -268,8 +268,8 @@ def provenance(
         "contact": contact,
         "timestep_s": repr(step),
         "timestep": str(chosen if chosen.seconds == step else Step(step, "the model's")),
-        "timestep_for": steps.held_figures(
-            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step})
+        "timestep_for": mujoco_steps.held_figures(
+            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step}), steps.ACCURACY
         ),
         "working_forces": working_forces_text(stiffened, reducer.mechanism.kinds),
         "cycloid_mj": __version__,

@@ -9,6 +9,7 @@ added mass acts there, so the step must follow it. And the teeth must not pass t
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import moving_masses, output_inertia
@@ -87,22 +88,36 @@ def whole_in_samples(rate: float, allowed: Mapping[str, float]) -> Step:
     return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
 
 
-def held_figures(reducer: Reducer) -> str:
-    """Tell for which figures the step of a design was chosen, and how near they are: against half of it, and a witness.
+class StepAccuracy(NamedTuple):
+    """How near figures under a load are, in words: with moving pins, without these pins' inertia, and of all others."""
 
-    Moving pins chatter: the rms of the gear's speed of 20 lobes at 3000 rpm is 74, 84 and 78 mrad/s at 2.9, 1.4 and
-    1 us, where means agree within 0.01 %; an integrator without constraints reads 73 and 81 at 1 and 0.5 us.
-    """
+    moving: str
+    massless: str
+    others: str
+
+
+ACCURACY = StepAccuracy(
+    "means within 0.1 %, peaks to peak within 3 %; rms of speeds within 15 %, as moving pins chatter",
+    "means within 0.2 %; no peaks and no rms of speeds, which the inertia of pins has its part in",
+    "means within 0.3 %, peaks to peak and rms of speeds within 2 %",
+)
+"""Against half the step, and a witness.
+
+Moving pins chatter: the rms of the gear's speed of 20 lobes at 3000 rpm is 74, 84 and 78 mrad/s at 2.9, 1.4 and 1 us,
+where means agree within 0.01 %; an integrator without constraints reads 73 and 81 at 1 and 0.5 us.
+"""
+
+
+def held_figures(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
+    """Tell for which figures the step of a design was chosen, and how near they are."""
     design = reducer.design
     if design.settings.timestep:
         return "given: hold its figures against those of half of it"
     if not design.load.torque:
         return "without a load spreads over independent starts alone: motion in the play is chaotic"
     if design.ring.has_pin_bodies:
-        return "means within 0.1 %, peaks to peak within 3 %; rms of speeds within 15 %, as moving pins chatter"
-    if design.ring.has_massless_pins:
-        return "means within 0.2 %; no peaks and no rms of speeds, which the inertia of pins has its part in"
-    return "means within 0.3 %, peaks to peak and rms of speeds within 2 %"
+        return accuracy.moving
+    return accuracy.massless if design.ring.has_massless_pins else accuracy.others
 
 
 def limits(reducer: Reducer) -> dict[str, float]:

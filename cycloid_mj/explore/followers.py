@@ -99,7 +99,7 @@ def following(reducer: Reducer, requested: str | Sequence[str], varied: Iterable
 
     Parameters
     ----------
-    design
+    reducer
         What all points change.
     requested
         In the order in which they are set; a later one may be of an earlier one.

@@ -121,7 +121,7 @@ def run_to_the_end(
 
     Parameters
     ----------
-    design
+    reducer
         What to run.
     crank
         Where it is locked [rad].

@@ -28,8 +28,8 @@ def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0
 
     Parameters
     ----------
-    design
-        The design; each clearance is taken from the gear (profile and holes) or added to its bore.
+    reducer
+        The reducer; each clearance is taken from the gear (profile and holes) or added to its bore.
     chord_error
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
     disc

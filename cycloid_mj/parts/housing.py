@@ -52,8 +52,8 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
     Parameters
     ----------
-    design
-        The design; ``ring.kind`` chooses between the two.
+    reducer
+        The reducer; ``ring.kind`` chooses between the two.
     chord_error
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
 

@@ -37,8 +37,8 @@ def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     chord_error
         Largest distance of a chord from its circle [m]; right for mass properties when left out.
     """
@@ -71,8 +71,8 @@ def roller_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
     Parameters
     ----------
-    design
-        The design, with rollers that are parts of their own.
+    reducer
+        The reducer, with rollers that are parts of their own.
     chord_error
         Largest distance of a chord from its circle [m]; right for mass properties when left out.
     """

@@ -26,8 +26,8 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     chord_error
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
 

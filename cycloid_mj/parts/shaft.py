@@ -28,8 +28,8 @@ def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     chord_error
         Largest distance of a chord from its arc [m]; right for mass properties when left out.
 

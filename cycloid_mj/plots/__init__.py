@@ -14,7 +14,6 @@ from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.point import path_figure, velocity_figure
 from cycloid_mj.plots.save import FigureError, save
 from cycloid_mj.plots.style import state
-from cycloid_mj.reducer import Reducer
 
 __all__ = ["FigureError", "figures", "mechanism", "save"]
 
@@ -49,5 +48,5 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
     followed = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
     for figure in drawn.values():
-        state(figure, f"{motion.design.name}, {condition(Reducer(motion.design))}{ended}{followed}")
+        state(figure, f"{motion.design.name}, {condition(motion.reducer)}{ended}{followed}")
     return drawn

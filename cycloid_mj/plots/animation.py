@@ -63,7 +63,7 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
     if not 0 <= disc < motion.design.gear.discs:
         raise UsageError(f"{motion.design.name} has no gear {disc + 1}: give 1 to {motion.design.gear.discs}")
     motion = motion.of_disc(disc)
-    drawn_radii(Reducer(motion.design), magnification)
+    drawn_radii(motion.reducer, magnification)
     start = motion.one_turn.start
     swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
     wanted = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
@@ -88,7 +88,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.design, columns)
     drawn = drawing(reducer, gaps(reducer, seen, motion.disc), scene.magnification)
     script = Script(
-        reducer=Reducer(motion.design),
+        reducer=motion.reducer,
         drawn=drawn,
         acting=contact_forces(reducer, seen, drawn).of_disc(motion.disc),
         ideal=ideal_forces(reducer, seen, motion.disc),

@@ -129,7 +129,7 @@ def _spectra(grid: Grid) -> Figure:
 
 
 def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
-    mesh = Reducer(motion.design).mesh_periods * abs(motion.design.drive.speed) / (2 * np.pi)
+    mesh = motion.reducer.mesh_periods * abs(motion.design.drive.speed) / (2 * np.pi)
     for multiple in np.arange(1, 4) * mesh:
         if frequency[1] < multiple < frequency[-1]:
             panel.axvline(multiple, color=GREY, linewidth=0.7, linestyle=":", zorder=0)

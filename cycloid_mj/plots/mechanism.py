@@ -48,8 +48,8 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     run
         If given, the parts stand as in its last turn, and the forces on the gear are drawn as the run has them.
     crank_angle

@@ -38,7 +38,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _path(axes["p"], position, _limit(Reducer(motion.design), clearance, float(np.abs(position).max())), place)
+    _path(axes["p"], position, _limit(motion.reducer, clearance, float(np.abs(position).max())), place)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
         panel.plot(degrees, values, color=BLUE, linewidth=0.9)
         panel.set_title(title)

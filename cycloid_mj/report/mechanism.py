@@ -34,7 +34,7 @@ def mechanism(motion: Series) -> dict[str, Any]:
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
     reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.design, columns)
     widest = widest_gap(reducer, gaps(reducer, seen))
-    return _shape(Reducer(motion.design)) | {
+    return _shape(motion.reducer) | {
         "usual": fitting_magnification(reducer, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
         "frames": _frames(reducer, seen, motion.time[rows]),

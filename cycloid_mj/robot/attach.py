@@ -30,7 +30,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
         ``MjSpec``, changed in place.
     joint
         Name of a hinge.
-    reducer
+    reduced
         What `reduce` found, or `ReducedJoint.read` read.
 
     Raises

@@ -245,8 +245,8 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     outline, normals
         Its points and unit normals into the bore, shape (m, 2).
     drawn

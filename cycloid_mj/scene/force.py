@@ -104,8 +104,8 @@ def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawin
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     columns
         Name -> values, shape (n,), in SI units.
     drawn

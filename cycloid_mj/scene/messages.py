@@ -93,6 +93,11 @@ class Scene:
                 f"a scene cannot have {self.rate:g} frames per second: give more than 0, at most {HIGHEST_RATE:g}"
             )
 
+    @cached_property
+    def reducer(self) -> Reducer:
+        """What is shown."""
+        return Reducer(self.design)
+
     @property
     def schemas(self) -> dict[str, tuple[str, bytes]]:
         """Map topic to name and serialized FileDescriptorSet of its message."""
@@ -108,10 +113,10 @@ class Scene:
             A part of the design cannot be made.
         """
         update = SceneUpdate()
-        files = {name: glb(pieces) for name, pieces in shapes(Reducer(self.design)).items()}
+        files = {name: glb(pieces) for name, pieces in shapes(self.reducer).items()}
         one_pin = files.pop("pin", b"")
         if one_pin:
-            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(Reducer(self.design)), start=1)}
+            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(self.reducer), start=1)}
         for part, data in files.items():
             entity = update.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
@@ -135,8 +140,8 @@ class Scene:
         LogError
             A column of the parts' motion is missing.
         """
-        place = poses(Reducer(self.design), columns)
-        acting = on_gear(Reducer(self.design), columns)
+        place = poses(self.reducer, columns)
+        acting = on_gear(self.reducer, columns)
         for row, now in enumerate(time.tolist()):
             if all(np.isfinite(pose[row]).all() for pose in place.values()):
                 stamp = _nanoseconds(now)
@@ -171,13 +176,13 @@ class Scene:
 
     @cached_property
     def _heights(self) -> tuple[float, ...]:
-        return arrow_heights(Reducer(self.design))
+        return arrow_heights(self.reducer)
 
     @cached_property
     def _scales(self) -> dict[str, float]:
         """Length of an arrow for each newton of force [m/N], by kind of pair."""
         longest = ARROW * self.design.ring.pin_circle_radius
-        return {kind: longest / force for kind, force in reference_force(Reducer(self.design)).items()}
+        return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
 
 
 def _transforms(stamp: int, place: Mapping[str, list[float]]) -> bytes:

@@ -34,8 +34,8 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     columns
         Name -> values, shape (n,), in SI units; fixed pins have no columns and stay in their places, massless ones
         lie where the gear presses them.

@@ -38,8 +38,8 @@ def render(
 
     Parameters
     ----------
-    run, design
-        The run, with its ``model.xml``, and its design.
+    run, reducer
+        The run, with its ``model.xml``, and its reducer.
     sample
         Number of the sample.
     size

@@ -33,8 +33,8 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     ----------
     run
         The run.
-    design
-        Its design.
+    reducer
+        Its reducer.
     path
         File to write; replaced if it exists.
 

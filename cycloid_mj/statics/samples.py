@@ -158,7 +158,7 @@ def solve_samples(
 
     Parameters
     ----------
-    design
+    reducer
         What the samples are samples of; its own errors, clearances and modification do not matter.
     samples
         How they were made.

@@ -65,7 +65,7 @@ def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, he
 
     Parameters
     ----------
-    design
+    reducer
         Whose clearances, errors, stiffness, friction and weight count; its drive and load do not.
     torque
         On the output, counter-clockwise; or on the crank times the ratio, that way.

@@ -133,8 +133,8 @@ def stress_study(
 
     Parameters
     ----------
-    run, design
-        The run, and the design that ran.
+    run, reducer
+        The run, and the reducer that ran.
     parts
         Names of parts; by default every part of the design.
     settings
@@ -370,10 +370,6 @@ def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
     narrow = loads.half_width < distance / 2.0
     force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
     return float(2.0 * force / (np.pi * reducer.design.gear.face_width * distance))
-
-
-def _strength(reducer: Reducer, loads: PartLoads) -> float:
-    return material_of(reducer, loads.part).yield_strength
 
 
 def _safety(stress: float, strength: float) -> float:

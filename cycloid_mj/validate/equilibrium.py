@@ -136,8 +136,8 @@ def solve(
 
     Parameters
     ----------
-    design
-        The design; the load is that of a positive crank speed.
+    reducer
+        The reducer; the load is that of a positive crank speed.
     stiffness
         Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
     crank
@@ -291,7 +291,7 @@ def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    design
+    reducer
         Which pins or sleeves they are, of the radius that is drawn.
     shift
         Of each from the middle of its seat [m], shape (n, 2).

@@ -10,7 +10,6 @@ from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import StartSpread, load_words, settled, settling
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
 from hsieh2014.pin_claims import pin_claims, pin_motion
@@ -162,7 +161,7 @@ def _each(
 
 def at_degrees(motion: Series) -> Series:
     """Return a run at one sample for each degree, the paper's sampling."""
-    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(Reducer(motion.design)))
+    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(motion.reducer))
 
 
 def _load(motion: Series) -> str:

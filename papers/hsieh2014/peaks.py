@@ -104,7 +104,7 @@ def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
     }
-    turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(Reducer(motion.design)), 2 * np.pi)
+    turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(motion.reducer), 2 * np.pi)
     number = np.minimum((turned * BINS / (2 * np.pi)).astype(int), BINS - 1)
     largest = {part: np.zeros(BINS) for part in forces}
     for part, force in forces.items():

@@ -15,7 +15,7 @@ from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.parts import MassProperties, carried
 from cycloid_mj.parts.tint import Colour, tinted
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import Body, Mechanism, Role, Surfaces
+from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 from cycloid_mj.statics.law import curvature_law, pair_stiffness
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
@@ -38,23 +38,23 @@ it above a creep of some mrad/s."""
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def add_bodies(spec: Any, mechanism: Mechanism, masses: Mapping[str, MassProperties]) -> None:
+def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]) -> None:
     """Add every body with its joints and its mass; what is held needs none."""
     # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
-    for body in mechanism.bodies:
+    for body in reducer.mechanism.bodies:
         carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
         element = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
-        _add_joints(element, body, Reducer(mechanism.design))
+        _add_joints(element, body, reducer)
         if body.joints:
             set_inertia(element, masses[body.part])
 
 
-def add_shapes(spec: Any, mechanism: Mechanism) -> None:
+def add_shapes(spec: Any, reducer: Reducer) -> None:
     """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
-    planes = {body.name: body.plane for body in mechanism.bodies}
-    for body in mechanism.bodies:
-        for part, place in seen(Reducer(mechanism.design), body):
+    planes = {body.name: body.plane for body in reducer.mechanism.bodies}
+    for body in reducer.mechanism.bodies:
+        for part, place in seen(reducer, body):
             spec.body(body.name).add_geom(
                 type=mujoco.mjtGeom.mjGEOM_MESH,
                 meshname=part,
@@ -65,8 +65,8 @@ def add_shapes(spec: Any, mechanism: Mechanism) -> None:
                 rgba=list(colour(part)),
                 pos=point(place[:2], float(place[2])),
             )
-    for surfaces in mechanism.surfaces:
-        middle, half_width = span(Reducer(mechanism.design), surfaces)
+    for surfaces in reducer.mechanism.surfaces:
+        middle, half_width = span(reducer, surfaces)
         for i, name in enumerate(surfaces.names):
             spec.body(surfaces.bodies[i]).add_geom(
                 name=name,
@@ -79,7 +79,7 @@ def add_shapes(spec: Any, mechanism: Mechanism) -> None:
                 conaffinity=0,
                 mass=0.0,
                 rgba=[0.9, 0.4, 0.2, 0.3],
-                **attributes(Reducer(mechanism.design), surfaces, i),
+                **attributes(reducer, surfaces, i),
             )
 
 

@@ -7,7 +7,6 @@ from cycloid_mj.base import names
 from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.reducer import Reducer, member
-from cycloid_mj.reducer.bodies import Mechanism
 from cycloid_mj.reducer.limits import best_fit
 
 QUARTERS = (0, 90, 180, 270)
@@ -50,24 +49,23 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
     turned, slow = float(member.gear_angle(design, crank)), float(member.gear_angle(design, speed))
     position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(member.output_angle(design, crank))}
     velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(member.output_angle(design, speed))}
-    mechanism = reducer.mechanism
-    for disc, phase in zip(mechanism.discs, mechanism.phases, strict=True):
+    for disc, phase in zip(reducer.mechanism.discs, reducer.mechanism.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
         position |= dict(zip(disc.joints, (x, y, turned), strict=True))
         velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
     if not is_ideal(design):
-        for joint, shift in _room(mechanism, crank).items():
+        for joint, shift in _room(reducer, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
 
 
-def _room(mechanism: Mechanism, crank: float) -> dict[str, float]:
+def _room(reducer: Reducer, crank: float) -> dict[str, float]:
     """Compute how far joints are from the ideal mesh in the pose that leaves the most room."""
-    fit, angle = best_fit(Reducer(mechanism.design), crank), float(member.ring_angle(mechanism.design, crank))
+    fit, angle = best_fit(reducer, crank), float(member.ring_angle(reducer.design, crank))
     cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}
-    for disc, (x, y), turn in zip(mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+    for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
         joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
-    for pin, place in zip(mechanism.pins, fit.pin_shift, strict=False):
+    for pin, place in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
         joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
     return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -25,12 +25,10 @@ from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.stl import stl_bytes
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import Mechanism
 from cycloid_mj.reducer.sockets import require_drawn
 from cycloid_mj.statics.law import ContactParameters, SolverParameters, curvature_law, solver_parameters, stock_impratio
 from cycloid_mj.statics.working import for_slices, working_force
@@ -117,14 +115,14 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     require_drawn(reducer.design, "meshes for stock collision")
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
-    mechanism, spec = reducer.mechanism, empty_spec(reducer, stock_impratio(reducer, laws))
+    spec = empty_spec(reducer, stock_impratio(reducer, laws))
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):
         spec.delete(item)
-    add_bodies(spec, mechanism, masses)
+    add_bodies(spec, reducer, masses)
     set_inertia(spec.body(names.HOUSING), masses[names.HOUSING])
     _options(spec)
-    _add_visuals(spec, mechanism)
+    _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
     working = surfaces(reducer, settings)
     collision = spec.add_default(COLLISION, spec.default)
@@ -133,8 +131,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     for surface in working:
         discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
         of = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
-        _add_surface(spec, mechanism, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
-    _add_round_parts(spec, mechanism)
+        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
+    _add_round_parts(spec, reducer)
     return MeshSpec(spec, working, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
 
 
@@ -171,27 +169,25 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
     return {model.body(i).name: float(model.body_invweight0[i, 0]) for i in range(model.nbody)}
 
 
-def _add_visuals(spec: Any, mechanism: Mechanism) -> None:
+def _add_visuals(spec: Any, reducer: Reducer) -> None:
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
-    for part, solid in parts(Reducer(mechanism.design), VISUAL_CHORD_ERROR).items():
+    for part, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
-        for body, place in _homes(mechanism, part):
+        for body, place in _homes(reducer, part):
             spec.body(body).add_geom(visual, meshname=part, material=part, pos=place)
 
 
-def _homes(mechanism: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
+def _homes(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
     """Yield the body that each copy of a part belongs to, and its place in it [m]."""
-    shown = [
-        (body.name, at) for body in mechanism.bodies for one, at in seen(Reducer(mechanism.design), body) if one == part
-    ]
+    shown = [(body.name, at) for body in reducer.mechanism.bodies for one, at in seen(reducer, body) if one == part]
     for body, at in shown:
         yield body, point(at[:2], float(at[2]))
     if not shown:  # pins that do not move belong to the housing
-        ring = tooth_profile(mechanism.design)
+        ring = reducer.tooth_profile
         for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
             yield names.HOUSING, point(place)
 
@@ -208,7 +204,7 @@ def _sub_default(spec: Any, name: str) -> Any:
 
 def _add_surface(
     spec: Any,
-    mechanism: Mechanism,
+    reducer: Reducer,
     surface: ConvexSurface,
     discs: Sequence[int],
     laws: Sequence[Laws],
@@ -220,25 +216,25 @@ def _add_surface(
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
     for disc in discs:
         # the holes of each disc have errors of their own
-        holes = gear_holes(Reducer(mechanism.design), settings, disc) if surface.name == "hole" and disc else surface
-        _add_slices(spec, mechanism, holes, disc, laws, weights)
+        holes = gear_holes(reducer, settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, reducer, holes, disc, laws, weights)
 
 
 def _add_slices(
     spec: Any,
-    mechanism: Mechanism,
+    reducer: Reducer,
     surface: ConvexSurface,
     disc: int,
     laws: Sequence[Laws],
     weights: Mapping[str, float],
 ) -> None:
     """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
-    design, carriers, discs = mechanism.design, mechanism.carriers, mechanism.design.gear.discs
+    design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
     reducer = Reducer(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
     copies = discs if surface.name in _OF_DISCS else 1
     curve, force = curvature_law(reducer), working_force(reducer, kind)
-    mating = mechanism.mating(kind, disc)
+    mating = reducer.mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
     first = next(mating.pairs)
     weight = weights[carriers[first.on]] + weights[carriers[first.by]]
@@ -256,7 +252,7 @@ def _add_slices(
         else:
             _meet_by_bits(default.geom, parameters, surface.name, part.width, disc)
         classes.append(default)
-    ahead = mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
+    ahead = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
     for place in surface.places:
         counts[place.member] = counts.get(place.member, 0) + 1
@@ -295,12 +291,12 @@ def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
     return 0, {"socket": SOCKETS, "bore": BORES[disc], "hole": HOLES}[surface]
 
 
-def _add_round_parts(spec: Any, mechanism: Mechanism) -> None:
+def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
-    design, collision = mechanism.design, spec.find_default(COLLISION)
+    design, collision = reducer.design, spec.find_default(COLLISION)
     cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
     for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
-        round_parts = mechanism.mating(kind, disc).by
+        round_parts = reducer.mechanism.mating(kind, disc).by
         middle, half_width = span(Reducer(design), round_parts)
         half = half_width * (1.0 + 2.0 * CAP)
         for i, name in enumerate(round_parts.names):

@@ -94,7 +94,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     reducer = Reducer(design)
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
-    mechanism, spec = reducer.mechanism, empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
+    spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
     for name, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
         shape = mesh(solid)
         spec.add_mesh(
@@ -103,8 +103,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
             userface=shape.faces.ravel().tolist(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
         )
-    add_bodies(spec, mechanism, masses)
-    add_shapes(spec, mechanism)
+    add_bodies(spec, reducer, masses)
+    add_shapes(spec, reducer)
     crank = crank_inertia(reducer, masses[names.SHAFT])
     inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
@@ -112,8 +112,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     each_step.add_sensor(spec, reducer.design.contact.law == "impact")
     if reducer.design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
-    model = _add_pairs(spec, mechanism.pairs, laws)
-    return judged(ReducerModel(spec, model, mechanism.pairs, stiffest(laws), gains, crank), reducer)
+    model = _add_pairs(spec, reducer.mechanism.pairs, laws)
+    return judged(ReducerModel(spec, model, reducer.mechanism.pairs, stiffest(laws), gains, crank), reducer)
 
 
 def judged(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:

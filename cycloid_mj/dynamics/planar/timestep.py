@@ -1,7 +1,7 @@
 """The time step of planar runs: contacts and moving pins are implicit, so only what is to be followed sets it."""
 
 from cycloid_mj.dynamics.swing import swing_period
-from cycloid_mj.dynamics.timestep import Step, passing_limit, whole_in_samples
+from cycloid_mj.dynamics.timestep import Step, StepAccuracy, passing_limit, whole_in_samples
 from cycloid_mj.reducer import Reducer
 
 LONGEST = 35e-6
@@ -13,6 +13,13 @@ STEPS_OF_SWING = 5.5
 At 33 us, against 1 us at the rated load, all means of pin, nonpin, twodisc and printed are right to 0.001 %, peaks to
 peak of the transmission error to 0.5 %; rms of the gear's speed are 5 % low with free pins and 1 to 3 % high without.
 """
+
+ACCURACY = StepAccuracy(
+    "means within 0.1 %, peaks to peak within 1 %; rms of speeds within 10 %, as moving pins chatter",
+    "means within 0.1 %; no peaks and no rms of speeds, which the inertia of pins has its part in",
+    "means within 0.1 %, peaks to peak within 1 % and rms of speeds within 4 %",
+)
+"""Against a tenth of the step."""
 
 
 def chosen(reducer: Reducer) -> Step:
@@ -28,17 +35,3 @@ def chosen(reducer: Reducer) -> Step:
     if design.drive.speed:
         allowed["the passing of teeth"] = passing_limit(reducer)
     return whole_in_samples(design.settings.log_rate, allowed)
-
-
-def held_figures(reducer: Reducer) -> str:
-    """Tell for which figures the step was chosen, and how near they are to those of a tenth of it."""
-    design = reducer.design
-    if design.settings.timestep:
-        return "given: hold its figures against those of half of it"
-    if not design.load.torque:
-        return "without a load spreads over independent starts alone: motion in the play is chaotic"
-    if design.ring.has_pin_bodies:
-        return "means within 0.1 %, peaks to peak within 1 %; rms of speeds within 10 %, as moving pins chatter"
-    if design.ring.has_massless_pins:
-        return "means within 0.1 %; no peaks and no rms of speeds, which the inertia of pins has its part in"
-    return "means within 0.1 %, peaks to peak within 1 % and rms of speeds within 4 %"

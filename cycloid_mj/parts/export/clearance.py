@@ -70,8 +70,8 @@ def measure(
 
     Parameters
     ----------
-    design
-        The design that asks for them.
+    reducer
+        The reducer that asks for them.
     gear_loops
         Points (n, 2) [m] of the disc's outline, its bore, and its holes in the order of ``output_centres``.
     ring_loop

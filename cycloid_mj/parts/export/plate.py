@@ -66,8 +66,8 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
 
     Parameters
     ----------
-    design
-        The design; its clearances are in the outlines.
+    reducer
+        The reducer; its clearances are in the outlines.
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat

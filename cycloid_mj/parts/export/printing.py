@@ -68,8 +68,8 @@ def printed_parts(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -
 
     Parameters
     ----------
-    design
-        The design; its clearances are in the outlines.
+    reducer
+        The reducer; its clearances are in the outlines.
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat

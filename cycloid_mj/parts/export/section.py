@@ -42,8 +42,8 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSec
 
     Parameters
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     splines
         Splines to each lobe of the gear and each root of the internal gear.
 
