@@ -2,11 +2,14 @@
 
 import os
 import signal
+import subprocess
+import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+import cycloid_mj
 from cycloid_mj.base.engine import Engine, versions
 from cycloid_mj.base.engine.packages import require_same
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
@@ -84,6 +87,32 @@ def test_what_kills_its_process_each_time_is_given_up_alone() -> None:
     assert found == {n: n**2 for n in range(12)} | {5: -5}
     with pytest.raises(RunError, match=r"item 6: the process .* died"):
         Engine(2).each(die_always, range(12))
+
+
+GROW = """
+import time, warnings
+from cycloid_mj.base.engine import Engine
+
+kept = []
+
+def grow(number):
+    kept.append(b"1" * 100_000_000)
+    time.sleep(0.2)
+    return number
+
+if __name__ == "__main__":
+    import grow
+    warnings.simplefilter("error")
+    assert Engine(2).each(grow.grow, range(16)) == list(range(16))
+"""
+
+
+@pytest.mark.slow
+def test_a_worker_that_ends_amid_its_work_is_replaced_where_warnings_are_errors(tmp_path: Path) -> None:
+    (tmp_path / "grow.py").write_text(GROW)
+    paths = os.pathsep.join([str(tmp_path), str(Path(cycloid_mj.__file__).parents[1])])
+    environment = os.environ | {"PYTHONPATH": paths}
+    subprocess.run([sys.executable, str(tmp_path / "grow.py")], env=environment, check=True, timeout=600)
 
 
 def test_other_versions_are_refused() -> None:

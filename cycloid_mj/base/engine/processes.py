@@ -1,5 +1,6 @@
 """Work in processes of this machine; a process that dies is replaced, and its work tried again."""
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
@@ -51,6 +52,9 @@ def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: 
             begun.add(place)
             yield delayed(_piece)(work, place, item)
 
+    # The thread of joblib that replaces a worker which ended, idle or grown, warns of it first: where warnings are
+    # errors that ends the thread, and the work waits for ever.
+    warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
     with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
     yield from handed_on(pool(pieces()))
