@@ -77,4 +77,4 @@ def outcome_of(findings: "Findings") -> Outcome:
 def _first(part: "RowGroup") -> tuple[str, str]:
     """Choose the figure that stands for its part of the drive."""
     row = part.rows[0]
-    return row.quantity, f"{row.simulated or row.error} {row.unit}".strip()
+    return row.quantity, f"{row.simulated or row.error} {row.unit if row.unit != '1' else ''}".strip()

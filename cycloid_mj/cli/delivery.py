@@ -87,13 +87,13 @@ def claimed(
     out = wanted.out or usual
     files = () if resumed else (f"{stem}.json", f"{stem}.csv", *names)
     into = folder(out, "the results", files, wanted.force) if out else None
-    page = _page(wanted, stem, into, paged)
-    if page and not resumed:
-        claim(page, force=wanted.force)
-    return Destination(stem, into, page)
+    return Destination(stem, into, claimed_page(wanted, stem, into, paged, resumed))
 
 
-def _page(wanted: Delivery, stem: str, into: Path | None, paged: bool) -> Path | None:
+def claimed_page(
+    wanted: Delivery, stem: str, into: Path | None, paged: bool = False, resumed: bool = False
+) -> Path | None:
+    """Claim the name of the page, None where there is none; parameters and errors are those of `claimed`."""
     if wanted.html is None and not paged:
         return None
     named = wanted.html or ()
@@ -103,6 +103,8 @@ def _page(wanted: Delivery, stem: str, into: Path | None, paged: bool) -> Path |
         raise UsageError(f"--html {named[0]} is a design: name it before the flags, or the page {named[0]}.html")
     path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
     require_ending(path, ".html")
+    if not resumed:
+        claim(path, force=wanted.force)
     return path
 
 

@@ -1,21 +1,24 @@
 """``cycloid-mj reduce``: a reducer as one joint of a robot's model."""
 
+from dataclasses import dataclass
+from functools import partial
 from json import dumps
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
-from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag
-from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
+from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint
+    from cycloid_mj.robot.against import Against
     from cycloid_mj.robot.study import Tried
 
-OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the files, made if there is none.")]
+OUT = "runs/reduce"
 LevelFlag = Annotated[
     Literal["rigid", "backlash", "full"],
     Parameter(
@@ -42,7 +45,8 @@ InertiaFlag = Annotated[
     Parameter(metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reducer's own, reflected."),
 ]
 
-FILES = ("joint.xml", "scene.xml", "reducer.json", "bam.json", "reducer.html")
+STEM = "reducer"
+FILES = ("joint.xml", "scene.xml", "bam.json")
 
 EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
@@ -50,17 +54,24 @@ EXAMPLES = """Examples:
   python -m mujoco.viewer --mjcf=joint/scene.xml"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReduceDelivery(Delivery):
+    """Where the files of a joint go."""
+
+    out: Annotated[str | None, out_flag("the model, the figures as JSON and CSV, and the page", OUT)] = None
+
+
+DELIVERED = ReduceDelivery()
+
+
 def reduce(
     chosen: Annotated[DesignOptions, FLAT],
     *,
-    out: OutFlag,
     level: LevelFlag = "full",
     timestep_ms: StepFlag = None,
     integrator: IntegratorFlag = None,
     load_inertia_kgm2: InertiaFlag = None,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Reduce a reducer to one joint for a robot's model: ratio, play, springs, friction, ripple.
 
@@ -74,62 +85,72 @@ def reduce(
     What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
     any model.
     """
-    from cycloid_mj.base.result import plain
-    from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.against import against
-    from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.measured import reduce as measured
-    from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-    from cycloid_mj.robot.study import recommended, recommended_table, scene, study, table
+    from cycloid_mj.robot.study import scene, study
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
     design = chosen.sound()
-    into = folder(str(out), "the joint", FILES, force)
-    reduced = measured(design, level, counted("reduce", quiet))
+    place = claimed(delivery, STEM, FILES, OUT, paged=True)
+    reduced = measured(design, level, counted("reduce", delivery.quiet))
     inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
-    comparison, steps, bammed = against(Reducer(design), reduced), study(reduced), bam(reduced)
+    comparison, steps = against(Reducer(design), reduced), study(reduced)
     step = None if timestep_ms is None else 1e-3 * timestep_ms
     asked = scene(reduced, inertia, step, *([] if integrator is None else [(integrator,)]))
     warn(
         design.name,
         [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in comparison.missed)],
     )
-    result = plain(
-        {
-            **reduced.as_json(),
-            "scene": asked.as_json(),
-            "comparison": comparison.as_json(),
-            "te_holds_to_rpm": comparison.highest_speed_rpm,
-            "recommended": recommended(steps),
-            "steps": [one.as_json() for one in steps],
-        }
-    )
+    return deliver(_outcome(reduced, comparison, steps, asked), place, delivery)
+
+
+def _outcome(reduced: "ReducedJoint", comparison: "Against", steps: "tuple[Tried, ...]", asked: "Tried") -> Outcome:
+    from cycloid_mj.base.frame import quantity_frame
+    from cycloid_mj.base.result import plain, quantity_table
+    from cycloid_mj.report.joint import joint_page
+    from cycloid_mj.robot.bam import bam
+    from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+    from cycloid_mj.robot.study import recommended, recommended_table, table
+
+    bammed, quantities = bam(reduced), reduced.quantities
     texts = (
         joint_xml(reduced),
-        scene_xml(reduced, inertia, asked.timestep, asked.integrator),
-        f"{json_text(result)}\n",
+        scene_xml(reduced, asked.inertia, asked.timestep, asked.integrator),
         f"{dumps(plain(bammed), indent=2)}\n",
-        joint_page(reduced, comparison, steps, asked, bammed),
     )
-    files = {into / name: text.encode() for name, text in zip(FILES, texts, strict=True)}
-    write_whole(files)
-    if not quiet:
-        tell(f"wrote {', '.join(map(str, files))}")
-    if json:
-        say_json(result)
-        return 0
-    _print(reduced)
-    show(comparison.table())
-    show(recommended_table(steps))
-    show(table(steps))
-    say(f"scene: {asked.integrator}, {1e3 * asked.timestep:g} ms, {inertia:.4g} kg m2 on the output: {asked.sentence}")
-    return 0
+    return Outcome(
+        title=f"reduce: {reduced.name}",
+        condition=f"level {reduced.level}",
+        headline=headline(quantities.values()),
+        summary=[
+            f"scene: {asked.integrator}, {1e3 * asked.timestep:g} ms, {asked.inertia:.4g} kg m2 on the output: "
+            f"{asked.sentence}"
+        ],
+        tables=[
+            quantity_table(f"reduce: {reduced.name}, level {reduced.level}", quantities.values()),
+            comparison.table(),
+            recommended_table(steps),
+            table(steps),
+        ],
+        notes=[f"{one.name}: {one.note}" for one in quantities.values() if one.note],
+        frame=quantity_frame(quantities),
+        files={name: text.encode() for name, text in zip(FILES, texts, strict=True)},
+        page=partial(joint_page, reduced, comparison, steps, asked, bammed),
+        result=plain(
+            {
+                **reduced.as_json(),
+                "scene": asked.as_json(),
+                "comparison": comparison.as_json(),
+                "te_holds_to_rpm": comparison.highest_speed_rpm,
+                "recommended": recommended(steps),
+                "steps": [one.as_json() for one in steps],
+            }
+        ),
+    )
 
 
 def _inaccurate(asked: "Tried") -> list[str]:
@@ -139,12 +160,3 @@ def _inaccurate(asked: "Tried") -> list[str]:
         f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output: "
         f"{asked.sentence}; leave out --timestep-ms and --integrator, or give a larger --load-inertia-kgm2"
     ]
-
-
-def _print(reduced: "ReducedJoint") -> None:
-    from cycloid_mj.base.result import quantity_table
-
-    show(quantity_table(f"reduce: {reduced.name}, level {reduced.level}", reduced.quantities.values()))
-    for quantity in reduced.quantities.values():
-        if quantity.note:
-            say(f"{quantity.name}: {quantity.note}")

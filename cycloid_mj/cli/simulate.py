@@ -14,11 +14,10 @@ from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError,
 from cycloid_mj.base.interrupt import cause, unbroken
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import outcome_of
-from cycloid_mj.cli.delivery import show_outcome
-from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, Delivery, DesignOptions
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
-from cycloid_mj.cli.terminal import say_json
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -53,21 +52,31 @@ SolverFlag = Annotated[
         "MuJoCo, with the same contacts, course and log, many times cheaper. Default: mujoco."
     ),
 ]
-OutFlag = Annotated[
-    str | None,
-    Parameter(
-        metavar="DIR",
-        help=f"Folder of the log, made if there is none; the log is DIR/<design>.mcap and must not exist yet, unless "
-        f"--force. Default: {RUNS}, where a design's next runs become <design>-2.mcap, <design>-3.mcap, ...",
-    ),
-]
-ForceFlag = Annotated[
-    bool,
-    Parameter(
-        help="Replace DIR/<design>.mcap if it exists, once the new run is complete. Until then its samples are in "
-        "DIR/<design>.partial.mcap; those of a run that does not reach its end stay there, and the old log as it was."
-    ),
-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateDelivery(Delivery):
+    """Where the log of a run goes."""
+
+    out: Annotated[
+        str | None,
+        Parameter(
+            metavar="DIR",
+            help=f"Folder of the log, made if there is none; the log is DIR/<design>.mcap and must not exist yet, "
+            f"unless --force. Default: {RUNS}, where a design's next runs become <design>-2.mcap, <design>-3.mcap, ...",
+        ),
+    ] = None
+    force: Annotated[
+        bool,
+        Parameter(
+            help="Replace DIR/<design>.mcap if it exists, once the new run is complete. Until then its samples are in "
+            "DIR/<design>.partial.mcap; those of a run that does not reach its end stay there, and the old log as it "
+            "was."
+        ),
+    ] = False
+
+
+DELIVERED = SimulateDelivery()
 
 
 def simulate(
@@ -75,15 +84,12 @@ def simulate(
     *,
     contact: ContactFlag = "profile",
     solver: SolverFlag = "mujoco",
-    out: OutFlag = None,
     timestep_us: Annotated[float | None, TIMESTEP.flag("Time step")] = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp; negative turns the other way")] = None,
     ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0 starts at full speed")] = None,
     hold_s: Annotated[float | None, HOLD.flag("Duration at constant speed after the ramp")] = None,
     load_nm: Annotated[float | None, LOAD.flag("Constant torque against the output's rotation")] = None,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[SimulateDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Run a design in MuJoCo or by the planar solver, log it, and compare the run with the closed form.
 
@@ -102,21 +108,19 @@ def simulate(
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     design = chosen.resolved(values)
     require_possible(design, solver)
-    into = folder(RUNS if out is None else out, "the log", (), force)
+    force = delivery.force
+    into = folder(delivery.out or RUNS, "the log", (), force)
+    place = Destination(design.name, None, claimed_page(delivery, design.name, into))
     names: Iterable[Path] = [into / f"{design.name}.mcap"]
-    if out is None and not force:
+    if delivery.out is None and not force:
         names = _free_names(into, design.name)
     elif not force:
         claim(*names, force=False)
-    with Progress(design.drive.ramp + design.drive.hold, quiet) as progress:
+    with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
         ran = run_into_log(design, names, force, progress, contact, solver)
     findings = ran.judged()
     warn(findings.design, findings.warnings)
-    if json:
-        say_json(findings.as_json())
-    else:
-        show_outcome(replace(outcome_of(findings), headline={}), everything=True)
-    return 0
+    return deliver(outcome_of(findings), place, delivery)
 
 
 @dataclass(frozen=True)

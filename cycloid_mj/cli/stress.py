@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import (
+    FLAT,
     LOAD,
     NAMES,
+    Delivery,
     DesignNames,
-    ForceFlag,
-    JsonFlag,
-    QuietFlag,
     SetFlag,
     SeveralFlag,
     designed,
@@ -26,7 +26,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
-from cycloid_mj.cli.stressfiles import RESULT, report
+from cycloid_mj.cli.stressfiles import FILES, STEM, outcome_of
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.papers import stress_references
@@ -84,15 +84,6 @@ AngleFlag = Annotated[
         "is largest.",
     ),
 ]
-OutFlag = Annotated[
-    str | None,
-    Parameter(
-        metavar="DIR",
-        help="Folder of logs, figures, VTU files and stress.json, made if there is none. "
-        f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
-        "with --log, the first log's path with -stress for .mcap.",
-    ),
-]
 StressQuickFlag = Annotated[
     bool,
     Parameter(
@@ -112,6 +103,24 @@ SolidFlag = Annotated[
 ]
 
 
+@dataclass(frozen=True, kw_only=True)
+class StressDelivery(Delivery):
+    """Where figures, maps and logs go."""
+
+    out: Annotated[
+        str | None,
+        Parameter(
+            metavar="DIR",
+            help="Folder of logs, figures, VTU files, stress.json and stress.csv, made if there is none. "
+            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
+            "with --log, the first log's path with -stress for .mcap.",
+        ),
+    ] = None
+
+
+DELIVERED = StressDelivery()
+
+
 def stress(
     *designs: Annotated[
         DesignNames,
@@ -123,17 +132,14 @@ def stress(
     set_: SetFlag = (),
     load_nm: LoadFlag = None,
     angle_deg: AngleFlag = None,
-    out: OutFlag = None,
     quick: StressQuickFlag = False,
     solid: SolidFlag = False,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Find the stress of the parts by finite elements, at each degree of a crank turn.
 
     The loads are the contact forces that a run logged, with friction, put on
-    as Hertz-wide patches, and inertia. A table tells for each part the
+    as Hertz-wide patches, and inertia. Tables tell for each part the
     largest von Mises stress away from the contacts (bulk) and below them (by
     Hertz), where and at which crank angle it sits, the safety against yield,
     and how much one more refinement of the grid changes it; below it stand
@@ -171,16 +177,23 @@ def stress(
     )
     if log:
         runs = _read(log, asked)
-        planned = _planned([ran for ran, _, _ in runs], part, settings, quiet)
-        into = folder(out or f"{log[0].removesuffix('.mcap')}-stress", "the figures", [RESULT], force)
+        planned = _planned([ran for ran, _, _ in runs], part, settings, delivery.quiet)
+        usual = f"{log[0].removesuffix('.mcap')}-stress"
+        place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
     else:
         loaded = [_loaded(designed(name, set_, ()), load_nm) for name in asked]
         _require_apart(loaded)
-        planned = _planned(loaded, part, settings, quiet)
-        into, runs = _run(loaded, out, force, quiet)
-    studies = _studied(runs, planned, settings, quiet)
-    report(studies, into, json)
-    return 0
+        planned = _planned(loaded, part, settings, delivery.quiet)
+        names = (*(f"{one.name}.mcap" for one in loaded), *FILES)
+        into = logs_folder(RUNS, delivery.out, names, delivery.force)
+        place = _place(into, delivery)
+        runs = _run(loaded, into, delivery)
+    studies = _studied(runs, planned, settings, delivery.quiet)
+    return deliver(outcome_of(studies, place), place, delivery)
+
+
+def _place(into: Path, wanted: Delivery) -> Destination:
+    return Destination(STEM, into, claimed_page(wanted, STEM, into))
 
 
 def _loaded(design: Design, load_nm: float | None) -> Design:
@@ -196,15 +209,13 @@ def _loaded(design: Design, load_nm: float | None) -> Design:
     return design.steady(settling(Reducer(design)), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
 
 
-def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -> "tuple[Path, list[Logged]]":
+def _run(designs: Sequence[Design], into: Path, wanted: Delivery) -> "list[Logged]":
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.log import read
 
-    names = [design.name for design in designs]
-    into = logs_folder(RUNS, out, [*(f"{name}.mcap" for name in names), RESULT], force)
     logs = {design: into / f"{design.name}.mcap" for design in designs}
-    run_all(logs, force, quiet)
-    return into, [(design, read(path), path) for design, path in logs.items()]
+    run_all(logs, wanted.force, wanted.quiet)
+    return [(design, read(path), path) for design, path in logs.items()]
 
 
 Logged = tuple[Design, "Run", Path]

@@ -1,64 +1,155 @@
-"""Output of ``cycloid-mj stress``: figures, stress maps for ParaView, a JSON file, and tables."""
+"""Outcome of ``cycloid-mj stress``: figures, stress maps for ParaView, tables."""
 
-import json as js
-import textwrap
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from heapq import nsmallest
+from typing import TYPE_CHECKING
 
-from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.terminal import say, say_json, say_table, with_warnings
+from cycloid_mj.base.outcome import MOST_FIGURES, Outcome, Picture
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.units import MEGAPASCAL
+from cycloid_mj.cli.delivery import Destination
+from cycloid_mj.cli.terminal import with_warnings
 from cycloid_mj.papers import stress_claims
 
 if TYPE_CHECKING:
     from cycloid_mj.base.result import Claim
+    from cycloid_mj.stress.findings import StressFindings
     from cycloid_mj.stress.study import StressStudy
 
-RESULT = "stress.json"
-FORMATS = ("png", "svg")
-LINE = 110
+STEM = "stress"
+FILES = (f"{STEM}.json", f"{STEM}.csv")
 CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
+COLUMNS = (
+    *("design", "part", "bulk_mpa", "bulk_angle_deg", "contact_mpa", "contact_angle_deg", "governing_mpa"),
+    *("safety_against_yield", "safety_against_shakedown", "refinement_change"),
+)
+"""Columns of the CSV file."""
 
 
-def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
-    """Write figures, maps and the JSON file, then the tables or the JSON object."""
+def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
+    """Turn studies of stress into an outcome whose files go to a place."""
+    from cycloid_mj.base.frame import framed
+    from cycloid_mj.stress.findings import BOUND
+
     findings = [study.findings for study in studies]
     judged = stress_claims(studies)
-    drawn = _drawn(studies, into)
-    files = [*drawn]
-    content: dict[str, Any] = with_warnings(
-        {
-            "designs": [each.as_json() for each in findings],
-            "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
-            "files": [str(path) for path in files],
-        }
+    pictures, maps = _pictures(studies), _maps(studies)
+    drawn = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
+    return Outcome(
+        title="largest von Mises stress of a crank turn",
+        condition=", ".join(f"{one.design} under {one.load:g} N m" for one in findings),
+        headline=_headline(findings),
+        failures=[
+            f"{one.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa, more than its yield strength"
+            for one in findings
+            for part in one.parts
+            if part.safety < 1.0
+        ],
+        warnings=[
+            f"{one.design} {part.part}: not converged to {100 * BOUND:g} % under one more refinement"
+            for one in findings
+            for part in one.parts
+            if not part.refinement.holds
+        ],
+        tables=[*_tables(findings), *_claim_tables(judged)],
+        notes=[*_notes(findings), *_claim_notes(judged, any(one.references for one in findings))],
+        summary=["logs: " + " ".join(str(one.log) for one in findings)],
+        frame=framed(list(_rows(findings)), COLUMNS, {}),
+        pictures=pictures,
+        files=maps,
+        result=with_warnings(
+            {
+                "designs": [one.as_json() for one in findings],
+                "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
+                "files": place.paths([*drawn, *maps]),
+            }
+        ),
     )
-    result = into / RESULT
-    write_whole({**drawn, result: (js.dumps(content, indent=1) + "\n").encode()})
-    if json:
-        say_json(content)
-        return
-    _say(studies, judged, [*files, result])
 
 
-def _drawn(studies: "Sequence[StressStudy]", into: Path) -> dict[Path, bytes]:
-    """Draw figures and maps: path -> content."""
-    from cycloid_mj.plots.save import pictures
+def _pictures(studies: "Sequence[StressStudy]") -> dict[str, Picture]:
+    from cycloid_mj.plots.save import drawn
     from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
-    from cycloid_mj.stress.vtu import as_vtu
 
     figures = stress_figures([study.findings for study in studies])
-    vtu: dict[Path, bytes] = {}
     for study in studies:
+        grids = {one.findings.part: one.grid for one in study.parts}
         maps = {one.findings.part: one.map for one in study.parts}
-        for part, stress_map in maps.items():
-            vtu[into / f"{study.design.name}_{part}.vtu"] = as_vtu(stress_map)
-        figures[f"fig10_grid_{study.design.name}"] = grid_figure(
-            {one.findings.part: one.grid for one in study.parts}, study.design.name
-        )
         condition = f"{study.design.name}, {study.findings.load:g} N m"
+        figures[f"fig10_grid_{study.design.name}"] = grid_figure(grids, study.design.name)
         figures[f"fig11_map_{study.design.name}"] = map_figure(maps, condition)
-    return pictures(figures, into, FORMATS) | vtu
+    return {name: partial(drawn, figure) for name, figure in figures.items()}
+
+
+def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
+    from cycloid_mj.stress.vtu import as_vtu
+
+    return {f"{study.design.name}_{one.findings.part}.vtu": as_vtu(one.map) for study in studies for one in study.parts}
+
+
+def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
+    """Choose the parts that are nearest to yielding."""
+    parts = [(f"{one.design} {part.part}", part) for one in findings for part in one.parts]
+    return {
+        name: f"{part.governing / MEGAPASCAL:.3g} MPa, safety {part.safety:.3g}"
+        for name, part in nsmallest(MOST_FIGURES, parts, key=lambda each: each[1].safety)
+    }
+
+
+def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
+    """Yield a row of `COLUMNS` for each part."""
+    for one in findings:
+        for part in one.parts:
+            content = part.as_json()
+            bulk, contact = content["bulk_peak"], content["contact_peak"]
+            yield {
+                **{key: content[key] for key in ("part", "governing_mpa", *COLUMNS[-3:-1])},
+                "design": one.design,
+                "bulk_mpa": bulk["stress_mpa"],
+                "bulk_angle_deg": bulk["angle_deg"],
+                "contact_mpa": contact["stress_mpa"],
+                "contact_angle_deg": contact["angle_deg"],
+                "refinement_change": part.refinement.change,
+            }
+
+
+def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
+    """Yield two tables for each design: stress away from contacts, and below them."""
+    from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
+
+    for one in findings:
+        title = f"{one.design}, {one.load:g} N m"
+        yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(one))))
+        yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(one))))
+
+
+def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
+    from cycloid_mj.stress.findings import ASSUMPTIONS
+    from cycloid_mj.stress.table import notes_beside
+
+    yield "bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls"
+    for one in findings:
+        for part in one.parts:
+            yield from notes_beside(part)
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in one.parts)
+        yield f"{one.design}, out of balance, of the largest force: {balance}"
+    yield from (f"assumed: {text}" for text in ASSUMPTIONS)
+
+
+def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
+    for source, claims in judged.items():
+        if claims:
+            rows = tuple((one.figure, one.claim, one.found.text, str(one.verdict)) for one in claims)
+            yield Table(f"against the paper ({source})", CLAIM_HEADER, rows)
+
+
+def _claim_notes(judged: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
+    """Yield what decides a paper's claims, or why none of them is judged though the paper has these designs."""
+    for source, claims in judged.items():
+        if not claims and referred:
+            yield f"not held against the paper ({source}), whose figures of stress are without load: see --load-nm 0"
+        yield from (f"{claim.figure}, {claim.claim}: {claim.decided_by}" for claim in claims)
 
 
 def _as_json(claim: "Claim") -> dict[str, str]:
@@ -70,54 +161,3 @@ def _as_json(claim: "Claim") -> dict[str, str]:
         "verdict": claim.verdict,
         "decided_by": claim.decided_by,
     }
-
-
-def _say(studies: "Sequence[StressStudy]", judged: "Mapping[str, Sequence[Claim]]", files: Sequence[Path]) -> None:
-    from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
-    from cycloid_mj.stress.table import (
-        BULK_HEADER,
-        CONTACT_HEADER,
-        bulk_table,
-        contact_table,
-        notes_beside,
-    )
-
-    for study in studies:
-        findings = study.findings
-        title = f"{findings.design}, {findings.load:g} N m: largest von Mises stress of a crank turn"
-        say_table(f"{title}, away from contacts", BULK_HEADER, bulk_table(findings))
-        say_table(f"{title}, below contacts", CONTACT_HEADER, contact_table(findings))
-        say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
-        for part in findings.parts:
-            for line in notes_beside(part):
-                say(line)
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in findings.parts)
-        say(f"out of balance, of the largest force: {balance}")
-        if rough := [part.part for part in findings.parts if not part.refinement.holds]:
-            say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
-    for source, claims in judged.items():
-        _say_claims(source, claims, any(study.findings.references for study in studies))
-    say("Assumptions:")
-    for text in ASSUMPTIONS:
-        for line in _wrapped(text, "- "):
-            say(line)
-    say("logs: " + " ".join(str(study.findings.log) for study in studies))
-    say("files: " + " ".join(str(path) for path in files))
-
-
-def _say_claims(source: str, claims: "Sequence[Claim]", referred: bool) -> None:
-    """Tell what becomes of a paper's claims, or why none of them is judged though the paper has these designs."""
-    if not claims:
-        if referred:
-            say(f"not held against the paper ({source}), whose figures of stress are without load: see --load-nm 0")
-        return
-    rows = [(claim.figure, claim.claim, claim.found.text, claim.verdict) for claim in claims]
-    say_table(f"against the paper ({source})", CLAIM_HEADER, rows)
-    say("What decides it:")
-    for claim in claims:
-        for line in _wrapped(f"{claim.figure}, {claim.claim}: {claim.decided_by}", "- "):
-            say(line)
-
-
-def _wrapped(text: str, mark: str) -> list[str]:
-    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

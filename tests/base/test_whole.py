@@ -1,21 +1,23 @@
 """Every file of results is written whole or not at all: on a full disk, and when the program is stopped meanwhile."""
 
+import math
 import resource
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from made_run import made_groups, made_run
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.whole import whole_file, whole_files, write_whole
 from cycloid_mj.cli import main
+from cycloid_mj.cli.delivery import Destination, write
+from cycloid_mj.cli.flags import Delivery
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf.folder import write_folder
 from cycloid_mj.log import LogWriter
@@ -157,36 +159,20 @@ def test_model_folder_is_never_a_mixture(tmp_path):
     assert set(contents(tmp_path).values()) == {b"old"}
 
 
-def test_stress_maps_are_written_whole(tmp_path, monkeypatch):
-    from matplotlib.figure import Figure
-
-    from cycloid_mj.cli import stressfiles
-
-    monkeypatch.setattr("cycloid_mj.plots.stress.stress_figures", lambda findings: {"fig": Figure()})
-    monkeypatch.setattr("cycloid_mj.plots.stress.grid_figure", lambda grids, name: Figure())
-    monkeypatch.setattr("cycloid_mj.plots.stress.map_figure", lambda maps, name: Figure())
-    monkeypatch.setattr("cycloid_mj.stress.vtu.as_vtu", lambda found: found)
-    monkeypatch.setattr("cycloid_mj.cli.stressfiles.stress_claims", lambda studies: {})
+def test_an_outcome_is_written_whole(tmp_path):
     sizes = {"shaft": 100, "gear": 100}
 
-    class Study:
-        design = DESIGN
-        findings = SimpleNamespace(as_json=lambda: {"x": np.pi}, load=36.0)
+    def written():
+        maps = {f"nonpin_{part}.vtu": b"x" * size for part, size in sizes.items()}
+        outcome = Outcome(title="stress", files=maps, pictures={"fig": lambda form: b"drawn"}, result={"x": math.pi})
+        write(outcome, Destination("stress", tmp_path, None), Delivery(quiet=True))
 
-        @property
-        def parts(self):
-            return [
-                SimpleNamespace(findings=SimpleNamespace(part=part), grid=None, map=b"x" * size)
-                for part, size in sizes.items()
-            ]
-
-    with redirect_stdout(StringIO()):
-        stressfiles.report([Study()], tmp_path, True)
+    written()
     before = dict.fromkeys(contents(tmp_path), b"whole")
-    assert {"nonpin_shaft.vtu", "nonpin_gear.vtu", "stress.json"} < before.keys()
+    assert {"nonpin_shaft.vtu", "nonpin_gear.vtu", "stress.json", "fig.png"} < before.keys()
     for name, content in before.items():
         (tmp_path / name).write_bytes(content)
     sizes["gear"] = 10_000
-    with disk_of(1000), pytest.raises(CycloidError, match="cannot write"), redirect_stdout(StringIO()):
-        stressfiles.report([Study()], tmp_path, True)
+    with disk_of(1000), pytest.raises(CycloidError, match="cannot write"):
+        written()
     assert contents(tmp_path) == before

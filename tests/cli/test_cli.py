@@ -192,7 +192,7 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
 @pytest.mark.parametrize(("between_lines", "progress"), [(math.inf, False), (-1.0, True)])
 def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch, between_lines, progress):
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
-    code, out, err = told("simulate", "--design", "pin", *SHORT)
+    code, out, err = told("simulate", "--design", "pin", *SHORT, "--all")
     assert code == 0
     first, step, *lines, last = err.splitlines()
     assert first == "preparing the model"

@@ -104,7 +104,6 @@ WITHOUT_DESIGN = {("validate",), ("doctor",), ("figures",), ("reproduce",), ("de
 """Commands that take neither a design nor a log: what they work on is their own."""
 
 NEEDED = {
-    "reduce": ("--out", "joint"),
     "calibrate": ("--loop", "loop.csv"),
     "compare-bench": ("--te", "te.csv"),
     "build": ("--out", "model"),
@@ -116,8 +115,11 @@ NEEDED = {
 
 
 RESULTS = {
-    ("validate",),
+    ("simulate",),
     ("analyze",),
+    ("stress",),
+    ("reduce",),
+    ("validate",),
     ("calibrate",),
     ("compare-bench",),
     ("statics",),

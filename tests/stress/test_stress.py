@@ -605,7 +605,8 @@ def test_the_command_reads_a_log(told, log):
     assert code == 0
     needs, *progress = unwarned(err)
     assert re.fullmatch(r"grids of \d+ unknowns at 36 crank angles: about [01] s of processor time and 0.\d GB", needs)
-    assert progress == ["pin: pin_1 (1 of 1 parts)"]
+    assert progress[0] == "pin: pin_1 (1 of 1 parts)"
+    assert [line.split()[0] for line in progress[1:]] == ["wrote"]
     result = json.loads(out, parse_constant=pytest.fail)
     into = log.with_name("pin-stress")
     assert {path.name for path in into.iterdir()} == {
@@ -620,6 +621,7 @@ def test_the_command_reads_a_log(told, log):
             )
         ),
         "pin_pin_1.vtu",
+        "stress.csv",
         "stress.json",
     }
     assert json.loads((into / "stress.json").read_text()) == result
@@ -633,13 +635,13 @@ def test_the_command_reads_a_log(told, log):
 @pytest.mark.slow
 @needs_fem
 def test_the_command_runs_a_design(told, tmp_path, monkeypatch):
-    monkeypatch.setattr("cycloid_mj.cli.stressfiles._drawn", lambda studies, into: {})
+    monkeypatch.setattr("cycloid_mj.cli.stressfiles._pictures", lambda studies: {})
     fast = ("--set", "ring.pins=fixed", "--set", "load.rise_s=0.001")
     code, out, err = told(
-        "--design", "pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--angle-deg", "9"
+        "--design", "pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--angle-deg", "9", "--all"
     )
     assert (code, "1 runs" in err) == (0, True), err
-    for words in ("largest von Mises stress", "Assumptions:", "pin.mcap"):
+    for words in ("largest von Mises stress", "assumed: ", "pin.mcap"):
         assert words in out
     code, out, err = told("--design", "pin", "--out", str(tmp_path), "--quick")
     assert (code, out) == (1, "")
