@@ -18,7 +18,7 @@ EXTRAS = {
     "app": ("nicegui",),
     "cad": ("gmsh",),
     "cluster": ("distributed",),
-    "fem": ("gmsh", "meshio", "skfem"),
+    "fem": ("gmsh", "skfem"),
     "parquet": ("duckdb",),
     "rerun": ("rerun",),
     "video": ("imageio_ffmpeg",),

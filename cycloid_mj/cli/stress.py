@@ -168,7 +168,7 @@ def stress(
     from cycloid_mj.stress.packages import package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
-    for name in ("gmsh", "skfem", "meshio"):
+    for name in ("gmsh", "skfem"):
         package(name)
     settings = replace(
         QUICK if quick else StudySettings(),

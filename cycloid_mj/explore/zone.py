@@ -13,6 +13,7 @@ from scipy.special import ndtri
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.types import Array
+from cycloid_mj.design.fits import clearances, grade_width
 
 ZONE_SIGMAS = 6.0
 """Standard deviations in a zone that a process keeps: 3 parts in 1000 lie beyond."""
@@ -67,7 +68,7 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
             case ["between", low, high] if float(low) <= float(high):
                 return Zone("uniform", 0.5e-6 * (float(low) + float(high)), 0.5e-6 * (float(high) - float(low)))
         if match := re.fullmatch(r"IT(\d+)", text.strip()):
-            return Zone("normal", 0.0, 0.5 * _grade(int(match[1]), size) / ZONE_SIGMAS)
+            return Zone("normal", 0.0, 0.5 * grade_width(int(match[1]), size) / ZONE_SIGMAS)
         if clearance is not None and "/" in text:
             return _fit(text, size, clearance)
     except ValueError as error:
@@ -97,21 +98,7 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
     return zones
 
 
-def _grade(grade: int, size: float) -> float:
-    """Compute the width of a standard tolerance grade at a diameter [m]."""
-    from pressfit.tables import GRADES, it_value
-
-    if grade not in GRADES:
-        raise ValueError(f"grades go from IT{min(GRADES)} to IT{max(GRADES)}")
-    return 1e-6 * float(it_value(1e3 * size, grade))
-
-
 def _fit(text: str, size: float, clearance: float) -> Zone:
     """Return the radial clearance of a fit, about the design's own; its limits are 3 standard deviations off."""
-    from pressfit import fit
-
-    try:
-        tight, loose = (0.5e-6 * float(limit) for limit in fit(text.strip(), 1e3 * size).clearance_um)
-    except NotImplementedError as error:
-        raise ValueError(str(error)) from error
+    tight, loose = (0.5 * limit for limit in clearances(text, size))
     return Zone("normal", 0.5 * (tight + loose) - clearance, (loose - tight) / ZONE_SIGMAS)

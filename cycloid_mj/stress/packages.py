@@ -9,8 +9,6 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import signals_kept
 from cycloid_mj.base.units import MILLIMETRES
 
-"""gmsh works in mm: its tolerances are absolute."""
-
 _MESHER_OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
@@ -70,6 +68,7 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
         with signals_kept():
             gmsh.initialize(readConfigFiles=False, interruptible=False)
     kept = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
+    # gmsh works in mm: its tolerances are absolute
     for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": coarsest * MILLIMETRES}.items():
         gmsh.option.setNumber(name, value)
     gmsh.model.add(part)

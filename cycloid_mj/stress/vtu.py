@@ -1,42 +1,69 @@
-"""Stress maps as VTU files for ParaView, through the optional package meshio."""
+"""Stress maps as VTU files (VTK's XML format for unstructured grids), which ParaView opens."""
 
-import tempfile
-from pathlib import Path
+import zlib
+from base64 import b64encode
+from xml.etree import ElementTree
 
 import numpy as np
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.packages import package
 
 NAMES = {3: ("xx", "yy", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}
 
+_QUADRATIC = {2: 22, 3: 24}
+"""VTK's numbers of the quadratic triangle and tetrahedron, by dimension."""
+
+_TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "UInt8"}
+
 
 def as_vtu(stress_map: StressMap) -> bytes:
-    """Encode a stress map as a VTU file: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk.
-
-    Raises
-    ------
-    CycloidError
-        The package meshio is not installed.
-    """
-    meshio = package("meshio")
-    flat = np.zeros((len(stress_map.points), 3 - stress_map.points.shape[1]))
+    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk."""
+    dimension = stress_map.points.shape[1]
+    cells = _outward(stress_map)
+    flat = np.zeros((len(stress_map.points), 3 - dimension))
     components = dict(zip(NAMES[stress_map.stress.shape[1]], stress_map.stress.T, strict=True))
-    mesh = meshio.Mesh(
-        points=np.hstack([stress_map.points, flat]),
-        cells=[("triangle6" if stress_map.points.shape[1] == 2 else "tetra10", _outward(stress_map))],
-        point_data={
-            "displacement": np.hstack([stress_map.displacement, flat]),
-            "von_mises": stress_map.von_mises,
-            **{f"principal_{i + 1}": values for i, values in enumerate(stress_map.principal.T)},
-            **{f"stress_{name}": values for name, values in components.items()},
-            "bulk": stress_map.bulk.astype(np.int8),
-        },
+
+    root = ElementTree.Element(
+        "VTKFile",
+        type="UnstructuredGrid",
+        version="1.0",
+        byte_order="LittleEndian",
+        header_type="UInt64",
+        compressor="vtkZLibDataCompressor",
     )
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "map.vtu"
-        meshio.write(path, mesh, file_format="vtu")
-        return path.read_bytes()
+    counts = {"NumberOfPoints": str(len(stress_map.points)), "NumberOfCells": str(len(cells))}
+    piece = ElementTree.SubElement(ElementTree.SubElement(root, "UnstructuredGrid"), "Piece", counts)
+    _group(piece, "Points", {"points": np.hstack([stress_map.points, flat])})
+    corners = {
+        "connectivity": cells.ravel().astype(np.int64),
+        "offsets": np.arange(1, len(cells) + 1, dtype=np.int64) * cells.shape[1],
+        "types": np.full(len(cells), _QUADRATIC[dimension], np.uint8),
+    }
+    _group(piece, "Cells", corners)
+    values = {
+        "displacement": np.hstack([stress_map.displacement, flat]),
+        "von_mises": stress_map.von_mises,
+        **{f"principal_{i + 1}": values for i, values in enumerate(stress_map.principal.T)},
+        **{f"stress_{name}": values for name, values in components.items()},
+        "bulk": stress_map.bulk.astype(np.int8),
+    }
+    _group(piece, "PointData", values)
+    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+
+
+def _group(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) -> None:
+    """Add a group of arrays: one block each, deflated, behind a header of the blocks' number and sizes [bytes]."""
+    group = ElementTree.SubElement(piece, tag)
+    for name, values in arrays.items():
+        little = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        about = {"type": _TYPES[little.dtype.str[1:]], "Name": name, "format": "binary"}
+        if little.ndim == 2:
+            about["NumberOfComponents"] = str(little.shape[1])
+        packed = zlib.compress(little.tobytes())
+        header = np.array([1, little.nbytes, little.nbytes, len(packed)], "<u8")
+        encoded = b64encode(header.tobytes()) + b64encode(packed)
+        ElementTree.SubElement(group, "DataArray", about).text = encoded.decode()
 
 
 def _outward(stress_map: StressMap) -> np.ndarray:

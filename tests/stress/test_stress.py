@@ -52,7 +52,6 @@ def fem():
     """Whether the extra `fem` is there; gmsh also needs libraries of the system."""
     try:
         import gmsh  # noqa: F401
-        import meshio  # noqa: F401
         import skfem  # noqa: F401
     except (ImportError, OSError):
         return False

@@ -20,6 +20,7 @@ from cycloid_mj.parts import circle, mass_properties, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
+from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
@@ -28,9 +29,10 @@ from cycloid_mj.stress.region import Boundary, Region
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.stress.study import StudySettings
 from cycloid_mj.stress.surface import surface
+from cycloid_mj.stress.vtu import NAMES
 
 try:  # gmsh's wheel needs libraries of the system, without which it raises OSError
-    for _name in ("skfem", "gmsh", "meshio"):
+    for _name in ("skfem", "gmsh"):
         importlib.import_module(_name)
 except (ImportError, OSError) as error:
     pytest.skip(f"the extra fem is not complete: {error}", allow_module_level=True)
@@ -404,19 +406,43 @@ def test_grids_have_the_area_of_the_part_and_come_out_the_same(part: str) -> Non
     assert elastic.basis_of(first, vector=False, order=4).dx.sum() == pytest.approx(area, rel=1e-5)
 
 
-def test_vtu_reads_back(tmp_path: Path) -> None:
-    meshio = importlib.import_module("meshio")
+def test_another_library_reads_the_vtu_file_of_a_pin(tmp_path: Path) -> None:
     radius = PIN.ring.pin_radius
     loads = made_loads("pin_1", [[[0.0, radius], [0.0, -radius]]], [[[0.0, -10.0], [0.0, 10.0]]], 1e-5)
-    found = stress_map(PIN, part_grid(PIN, "pin_1"), loads, 0)
-    path = tmp_path / "pin.vtu"
-    path.write_bytes(as_vtu(found))
-    read = meshio.read(path)
-    np.testing.assert_array_equal(read.point_data["von_mises"], found.von_mises)
+    pin = stress_map(PIN, part_grid(PIN, "pin_1"), loads, 0)
+    read = read_back(pin, tmp_path)
     assert read.cells[0].type == "triangle6"
-    assert (~found.bulk).sum() > 0
+    assert (~pin.bulk).sum() > 0
     corners = read.points[read.cells[0].data[:, :3], :2]
     assert np.all(np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0.0)
+
+
+def test_another_library_reads_the_vtu_file_of_a_shaft(shaft: Grid, tmp_path: Path) -> None:
+    read = read_back(stress_map(PIN, shaft, shaft_loads(4), 1), tmp_path)
+    assert read.cells[0].type == "tetra10"
+    corners = read.points[read.cells[0].data[:, :4]]
+    volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
+    assert volumes.min() > 0.0
+    assert volumes.sum() == pytest.approx(mass_properties(parts(Reducer(PIN), 1e-8)["shaft"]).volume, rel=0.02)
+
+
+def read_back(written: StressMap, folder: Path) -> Any:
+    """Write a stress map and read the file by meshio: every array is what was written."""
+    path = folder / "map.vtu"
+    path.write_bytes(as_vtu(written))
+    read = pytest.importorskip("meshio").read(path)
+    dimension = written.points.shape[1]
+    np.testing.assert_array_equal(read.points[:, :dimension], written.points)
+    np.testing.assert_array_equal(np.sort(read.cells[0].data), np.sort(written.cells))
+    data = read.point_data
+    np.testing.assert_array_equal(data["displacement"][:, :dimension], written.displacement)
+    np.testing.assert_array_equal(data["von_mises"], written.von_mises)
+    for i, values in enumerate(written.principal.T, start=1):
+        np.testing.assert_array_equal(data[f"principal_{i}"], values)
+    for name, values in zip(NAMES[written.stress.shape[1]], written.stress.T, strict=True):
+        np.testing.assert_array_equal(data[f"stress_{name}"], values)
+    np.testing.assert_array_equal(data["bulk"], written.bulk)
+    return read
 
 
 def test_a_singular_support_is_refused() -> None:

@@ -29,7 +29,7 @@ CAM_FORCE = 1402.0
 
 def has_fem() -> bool:
     try:  # gmsh's wheel needs libraries of the system, without which it raises OSError
-        for name in ("skfem", "gmsh", "meshio"):
+        for name in ("skfem", "gmsh"):
             importlib.import_module(name)
     except (ImportError, OSError):
         return False
