@@ -1,13 +1,16 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import LogError, UsageError
+from cycloid_mj.base.outcome import Outcome, Picture
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
     HOLD,
@@ -16,28 +19,25 @@ from cycloid_mj.cli.flags import (
     RAMP,
     SPEED,
     TIMESTEP,
-    ForceFlag,
-    JsonFlag,
+    Delivery,
     PointFlag,
-    QuietFlag,
     SetFlag,
     SeveralFlag,
     Values,
-    WorkersFlag,
     designed,
     point,
     require_distinct,
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
-from cycloid_mj.cli.verdict import report
+from cycloid_mj.cli.verdict import outcome_of
 from cycloid_mj.design import Design
 from cycloid_mj.papers import vibration
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
-    from cycloid_mj.comparison import Comparison, Trial, Varied
+    from cycloid_mj.comparison import Comparison, Trial, Variation, Varied
 
     Runs = dict[Design, Path]
     Measured = dict[Design, tuple[Series, Trial]]
@@ -54,8 +54,9 @@ IDLE_TURNS = 2
 """Settled crank turns of a loaded run, and of each start at no load, unless the user says how long."""
 QUICK_STARTS = 2
 """Starts of each design at no load with --quick: too few to rank designs by, and the verdicts say so."""
-CURVATURE = "compare_curvature.png"
-"""The figure that every comparison has."""
+STEM = "compare"
+FILES = ("compare_curvature.png", f"{STEM}.json", f"{STEM}.csv")
+"""What every comparison has."""
 DEFAULTS = ("drive.ramp_s=0.0", "settings.log_rate_hz=20000.0")
 
 DesignsOrLogs = Annotated[
@@ -109,25 +110,11 @@ class CompareOptions:
             "is then not determined there."
         ),
     ] = False
-    out: Annotated[
-        str | None,
-        Parameter(
-            metavar="DIR",
-            help="Folder of logs and figures, made if there is none. "
-            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
-            "the first log's path with -compare for .mcap.",
-        ),
-    ] = None
-    workers: WorkersFlag = None
-    force: ForceFlag = False
-    json: JsonFlag = False
-    quiet: QuietFlag = False
 
     @property
     def for_runs(self) -> bool:
         """Whether one of the options is given that only runs obey."""
-        logs_too = ("q", "out", "workers", "force", "json", "quiet")
-        return any(getattr(self, each.name) != each.default for each in fields(self) if each.name not in logs_too)
+        return any(getattr(self, each.name) != each.default for each in fields(self) if each.name != "q")
 
     @property
     def first(self) -> Values:
@@ -143,10 +130,33 @@ class CompareOptions:
 DEFAULT = CompareOptions()
 
 
-def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[CompareOptions, FLAT] = DEFAULT) -> int:
+@dataclass(frozen=True, kw_only=True)
+class CompareDelivery(Delivery):
+    """Where figures and logs go."""
+
+    out: Annotated[
+        str | None,
+        Parameter(
+            metavar="DIR",
+            help="Folder of logs, figures, compare.json and compare.csv, made if there is none. "
+            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
+            "the first log's path with -compare for .mcap.",
+        ),
+    ] = None
+
+
+DELIVERED = CompareDelivery()
+
+
+def compare(
+    *names: DesignsOrLogs,
+    design: SeveralFlag = (),
+    options: Annotated[CompareOptions, FLAT] = DEFAULT,
+    delivery: Annotated[CompareDelivery, FLAT] = DELIVERED,
+) -> int:
     """Run designs at no load and under load and put them side by side.
 
-    For each load a table: errors of gear speed, path and speed of q,
+    Of the runs, for each load: errors of gear speed, path and speed of q,
     transmission error, contacts and forces, and vibration, which is the
     acceleration of the gear's centre and of the output about their closed
     forms. Then, for a pin and a nonpin design, which of the paper's findings
@@ -171,7 +181,7 @@ def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[
     Every design runs under the settings of the first one (drive, load,
     environment, settings); --set changes every design. Signals are logged at
     20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
-    10 kHz. With --json, one JSON object instead of the tables.
+    10 kHz.
     """
     q = point(options.q)
     designs = (*names, *design)
@@ -181,14 +191,20 @@ def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[
     if len(designs) < 2:
         raise UsageError("a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin")
     if logs and options.for_runs:
-        raise UsageError("logs are read as they are: give only --q, --out, --force, --json and --quiet with them")
+        raise UsageError("logs are read as they are: of the flags for runs, give --q alone with them")
     if logs:
-        report(*_from_logs(logs, q, options), options.json)
-        return 0
+        usual = f"{logs[0].removesuffix('.mcap')}-compare"
+        place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+        return deliver(_from_logs(logs, q, place), place, delivery)
     first = designed(designs[0], (*DEFAULTS, *options.set_), options.first)
-    cases = all_cases([designed(name, options.set_, ()) for name in designs], first, options)
-    report(*_from_runs(cases, q, options), options.json)
-    return 0
+    plan = _planned(all_cases([designed(name, options.set_, ()) for name in designs], first, options), options)
+    names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
+    place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
+    return deliver(_from_runs(plan, q, place, delivery), place, delivery)
+
+
+def _place(into: Path, wanted: Delivery) -> Destination:
+    return Destination(STEM, into, claimed_page(wanted, STEM, into))
 
 
 def _first_design(names: Sequence[str]) -> str:
@@ -228,29 +244,22 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     return cases
 
 
-def _from_logs(
-    names: Sequence[str], q: tuple[float, float] | None, options: CompareOptions
-) -> "tuple[Comparison, list[Path]]":
-    from cycloid_mj.comparison import compare as compared
+@dataclass(frozen=True)
+class RunPlan:
+    """The runs of a comparison: its cases, the starts of each, how all are varied, and the log's name of every run."""
 
-    trials = [_measured(Path(name), q) for name in names]
-    usual = f"{names[0].removesuffix('.mcap')}-compare"
-    into = folder(usual if options.out is None else options.out, "the figures", [CURVATURE], options.force)
-    comparison = compared([trial for _, trial in trials], figures=vibration().figures)
-    motions = {trial: motion for motion, trial in trials}
-    return comparison, _drawn(comparison, [motions[trial] for trial in comparison.trials], into)
+    starts: "Mapping[Design, Sequence[Design]]"
+    variations: "Sequence[Variation]"
+    assumptions: "Sequence[Variation]"
+    names: Mapping[Design, str]
 
 
-def _from_runs(
-    cases: Sequence[Design], q: tuple[float, float] | None, options: CompareOptions
-) -> "tuple[Comparison, list[Path]]":
-    from cycloid_mj.cli.batch import run_all
-    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, Trial, Variation, all_started, sensitivities, varied
-    from cycloid_mj.comparison import compare as compared
+def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
+    """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
+    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, all_started
 
     count = QUICK_STARTS if options.quick else STARTS
     starts = {design: (design,) if design.load.torque else all_started(Reducer(design), count) for design in cases}
-    as_it_is = Variation("", "as it is", ())
     variations, assumptions = SWEEP if options.sweep else (), () if options.quick else ASSUMPTIONS
     loaded = [design for design in cases if design.load.torque]
     names = {start: _log_name(start, place) for each in starts.values() for place, start in enumerate(each)}
@@ -261,26 +270,45 @@ def _from_runs(
                 names.setdefault(variation.of(Reducer(start)), f"{_log_name(start, place)}-{words}")
     for design in names:
         require_possible(design)
-    into = logs_folder(RUNS, options.out, [*(f"{name}.mcap" for name in names.values()), CURVATURE], options.force)
-    logs = {design: into / f"{name}.mcap" for design, name in names.items()}
-    run_all(logs, options.force, options.quiet)
+    return RunPlan(starts, variations, assumptions, names)
+
+
+def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
+    from cycloid_mj.comparison import compare as compared
+
+    trials = [_measured(Path(name), q) for name in names]
+    comparison = compared([trial for _, trial in trials], figures=vibration().figures)
+    motions = {trial: motion for motion, trial in trials}
+    return outcome_of(comparison, _pictures(comparison, [motions[trial] for trial in comparison.trials]), place)
+
+
+def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
+    from cycloid_mj.cli.batch import run_all
+    from cycloid_mj.comparison import Trial, Variation, sensitivities, varied
+    from cycloid_mj.comparison import compare as compared
+
+    cases = list(plan.starts)
+    paths = map(Path, place.paths(f"{name}.mcap" for name in plan.names.values()))
+    logs = dict(zip(plan.names, paths, strict=True))
+    run_all(logs, wanted.force, wanted.quiet)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measured(log, q)
         measured[design] = trial.measures
-        if design in cases:
+        if design in plan.starts:
             motions[design] = motion
+    as_it_is = Variation("", "as it is", ())
 
     def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
         """List designs with one variation and the measures of all their starts."""
-        varied = ([variation.of(Reducer(start)) for start in starts[design]] for design in designs)
+        varied = ([variation.of(Reducer(start)) for start in plan.starts[design]] for design in designs)
         return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
 
-    figures = vibration().figures
-    points: list[Varied] = [varied(each, trials(cases, each), figures) for each in variations]
-    moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in assumptions})
-    comparison = compared(trials(cases), points, moved if assumptions else (), figures)
-    return comparison, _drawn(comparison, [motions[design] for design in cases], into)
+    figures, loaded = vibration().figures, [design for design in cases if design.load.torque]
+    points: list[Varied] = [varied(each, trials(cases, each), figures) for each in plan.variations]
+    moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in plan.assumptions})
+    comparison = compared(trials(cases), points, moved if plan.assumptions else (), figures)
+    return outcome_of(comparison, _pictures(comparison, [motions[design] for design in cases]), place)
 
 
 def _log_name(design: Design, start: int = 0) -> str:
@@ -300,10 +328,10 @@ def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]
     return motion, Trial(motion.design, measure(motion, str(log)))
 
 
-def _drawn(comparison: "Comparison", motions: "Sequence[Series]", into: Path) -> list[Path]:
-    from cycloid_mj.plots import save
+def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
+    from cycloid_mj.plots.save import drawn
     from cycloid_mj.plots.sweep import sweep_figure
 
     figures = comparison_figures(motions)
@@ -311,4 +339,4 @@ def _drawn(comparison: "Comparison", motions: "Sequence[Series]", into: Path) ->
     figures["compare_curvature"] = curvature_figure([trial.design for trial in first])
     if comparison.sweep and comparison.rankings:
         figures["compare_sweep"] = sweep_figure(comparison)
-    return save(figures, into)
+    return {name: partial(drawn, figure) for name, figure in figures.items()}

@@ -1,27 +1,29 @@
-"""A comparison on stdout: tables and words for people, or one JSON object."""
+"""Outcome of ``cycloid-mj compare``: designs side by side, by their runs and by the catalogue."""
 
-import textwrap
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cycloid_mj.base.errors import warn
-from cycloid_mj.base.result import Quantity, Table
-from cycloid_mj.cli.terminal import say, say_json, show
+from cycloid_mj.base.outcome import Outcome, Picture
+from cycloid_mj.base.result import Quantity, Table, load_words
+from cycloid_mj.cli.delivery import Destination
 from cycloid_mj.design import Design
 from cycloid_mj.papers import vibration
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.comparison import Comparison
+    from cycloid_mj.comparison import Comparison, Trial
 
-LINE = 110
+FORMATS = ("png",)
+SIDE_BY_SIDE = " / "
 
 HEADLINE = (
-    *("backlash_arcmin", "lost_motion_arcmin", "stiffness_nm_per_arcmin", "te_unloaded_arcsec", "te_loaded_arcsec"),
-    *("tooth_force_n", "output_pin_force_n", "cam_force_n", "capacity_nm", "efficiency_percent", "mass_kg"),
+    *("backlash_arcmin", "lost_motion_arcmin", "stiffness_nm_per_arcmin", "te_loaded_arcsec", "capacity_nm", "mass_kg"),
+    *("te_unloaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n", "efficiency_percent"),
 )
-"""Keys of the catalogue's figures that are printed beside those of the runs; JSON has all of geometry and statics."""
+"""Keys of the catalogue's figures that are printed beside those of the runs, the first six in the headline; JSON has
+all of geometry and statics."""
 
 
 def catalogued(designs: Sequence[Design]) -> dict[str, dict[str, Quantity]]:
@@ -40,51 +42,67 @@ def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
     return Table("by geometry and statics: see `cycloid-mj figures`", ("figure", *by_design, "unit"), tuple(rows))
 
 
-def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> None:
-    """Write the comparison: a table for each load and words, or one JSON object; warn of what is doubtful in it."""
-    for trial in comparison.trials:
-        warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
+def outcome_of(comparison: "Comparison", pictures: Mapping[str, Picture], place: Destination) -> Outcome:
+    """Turn a comparison into an outcome whose pictures go to a place; warn of what is doubtful in its runs."""
+    from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
 
-    by_statics = catalogued([trial.design for trial in comparison.at(comparison.loads[-1])])
-    if json:
-        statics = {name: values_json(computed) for name, computed in by_statics.items()}
-        say_json(comparison.as_json() | {"by_statics": statics, "figures": [str(path) for path in figures]})
-        return
-    for table in (*comparison.tables, catalogue_table(by_statics)):
-        show(table)
-    for line in _words(comparison):
-        say(line)
-    say("logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials))
-    say("figures: " + " ".join(str(path) for path in figures))
+    for trial in comparison.trials:
+        warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
+    loaded = comparison.at(comparison.loads[-1])
+    by_statics = catalogued([trial.design for trial in loaded])
+    statics = {name: values_json(computed) for name, computed in by_statics.items()}
+    return Outcome(
+        title=f"compare: {SIDE_BY_SIDE.join(comparison.designs)}",
+        condition=f"runs under {load_words(comparison.loads[-1])}",
+        headline=_headline(loaded, by_statics),
+        tables=[*comparison.tables, catalogue_table(by_statics)],
+        notes=list(_notes(comparison)),
+        summary=[
+            *comparison.summary,
+            "logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials),
+        ],
+        pictures=pictures,
+        formats=FORMATS,
+        frame=figure_frame(comparison.trials),
+        result=comparison.as_json()
+        | {"by_statics": statics, "figures": place.paths(f"{name}.{form}" for name in pictures for form in FORMATS)},
+    )
 
 
-def _words(comparison: "Comparison") -> Iterator[str]:
-    """Yield what the tables do not say, in lines."""
+def _headline(trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]) -> dict[str, str]:
+    """Put a few figures side by side: of statics, and of the runs under one load."""
+    from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
+
+    first = next(iter(by_statics.values()))
+    rows = [(first[key].name, [of[key].value for of in by_statics.values()], first[key].unit) for key in HEADLINE[:6]]
+    for figure in OF_RUNS:
+        spreads = [trial.over_starts(figure.of) for trial in trials]
+        values = [math.nan if spread is None else spread.mean for spread in spreads]
+        if not all(map(math.isnan, values)):
+            rows.append((f"{figure.words} (runs)", values, figure.unit))
+    return {name: f"{SIDE_BY_SIDE.join(map(_number, values))} {unit}" for name, values, unit in rows}
+
+
+def _number(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.4g}"
+
+
+def _notes(comparison: "Comparison") -> Iterator[str]:
+    """Yield what the tables do not say."""
     differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
-    yield from _wrapped(f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}")
+    yield f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
     if not comparison.rankings:
         yield "the paper's findings on vibration set a pin against a nonpin design: not judged here"
         return
-    yield ""
     bases = ["at no load by their independent starts"] if 0.0 in comparison.loads else []
     bases += ["under load by their crank turns"] if any(comparison.loads) else []
-    yield from _wrapped(
-        f"The paper ({vibration().source}) finds that the pin design fluctuates more. Of these runs, judged "
-        f"{' and '.join(bases)}:"
+    yield (
+        f"the paper ({vibration().source}) finds that the pin design fluctuates more; these runs are judged "
+        f"{' and '.join(bases)}, path and velocity of q without steady shifts:"
     )
-    for sentence in comparison.summary:
-        yield from _wrapped(sentence, "- ")
-    yield ""
-    yield "In numbers (path and velocity of q without steady shifts):"
-    for ranking in comparison.rankings:
-        yield from _wrapped(ranking.sentence, "- ")
-    if comparison.sweep:
-        yield ""
-        yield "What decides, by the ratio of the rms values:"
-        for sentence in comparison.decisions:
-            yield from _wrapped(sentence, "- ")
-    yield ""
+    yield from (ranking.sentence for ranking in comparison.rankings)
+    yield from (f"what decides, by the ratio of the rms values: {sentence}" for sentence in comparison.decisions)
 
 
 def _value(value: object) -> str:
@@ -92,7 +110,3 @@ def _value(value: object) -> str:
     if value is None:
         return "not given"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _wrapped(text: str, mark: str = "") -> list[str]:
-    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

@@ -1,8 +1,9 @@
 """The figures of a comparison: name, unit, and where each stands in the measures of a run; and their table."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
+from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.result import Table
 from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import StartSpread
@@ -82,6 +83,31 @@ DYNAMIC = (
     *(TOOTH_FORCE, ComparedFigure("spin of pin 1, mean", "rad/s", _spin), EFFICIENCY),
 )
 """Those that depend on the motion's detail."""
+
+HEADLINE = (OUTPUT_ERROR, GEAR_SPEED, OUTPUT_VIBRATION, CENTRE_VIBRATION, TOOTH_FORCE, EFFICIENCY)
+"""Those that one looks for first."""
+
+COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", "starts")
+
+
+def figure_frame(trials: Iterable[Trial]) -> Frame:
+    """Gather the figures of all runs in `COLUMNS`, a row for each figure of each run, over its starts."""
+    rows: list[dict[str, Cell]] = [
+        {
+            "load_nm": trial.load,
+            "design": trial.name,
+            "quantity": figure.words,
+            "unit": figure.unit,
+            "mean": spread.mean,
+            "least": spread.low,
+            "largest": spread.high,
+            "starts": len(spread.values),
+        }
+        for trial in trials
+        for figure in ROWS
+        if (spread := trial.over_starts(figure.of)) is not None
+    ]
+    return framed(rows, COLUMNS, {})
 
 
 def table(trials: Sequence[Trial]) -> Table:

@@ -117,6 +117,7 @@ NEEDED = {
 RESULTS = {
     ("simulate",),
     ("analyze",),
+    ("compare",),
     ("stress",),
     ("reduce",),
     ("validate",),

@@ -65,7 +65,7 @@ def here(tmp_path, monkeypatch):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Draw no figures."""
-    monkeypatch.setattr("cycloid_mj.cli.compare._drawn", lambda comparison, motions, into: [])
+    monkeypatch.setattr("cycloid_mj.cli.compare._pictures", lambda comparison, motions: {})
 
 
 @pytest.fixture
@@ -146,7 +146,8 @@ def test_files_of_a_comparison(compared):
     found, folder = compared
     figures = [f"compare_{name}.png" for name in (*NAMES, "curvature")]
     logs = [f"{name}-{run}.mcap" for name in DESIGNS for run in ("no-load", "no-load-start-2", "36.68Nm")]
-    assert sorted(path.name for path in folder.iterdir()) == sorted(figures + logs)
+    figured = ["compare.csv", "compare.json"]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(figures + logs + figured)
     assert [Path(path).name for path in found["figures"]] == figures
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in figures)
 
@@ -157,7 +158,7 @@ def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
     logs = [run["findings"]["log"] for run in found["runs"]]
     code, out, err = told("compare", *reversed(logs), "--out", str(tmp_path), "--json")
     assert code == 0
-    assert {line.split(":")[0] for line in err.splitlines()} == {"warning"}  # of the short runs and their long step
+    assert {line.split(":")[0].split(" ")[0] for line in err.splitlines()} == {"warning", "wrote"}  # of short runs
     again = json.loads(out)
     assert again["designs"] == list(reversed(DESIGNS))
     by_case = {(run["design"], run["load_nm"]): run for run in again["runs"]}
@@ -200,7 +201,7 @@ def test_a_quick_comparison_has_two_starts_and_says_that_they_do_not_determine(c
 def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
     found, _ = compared
     logs = [run["findings"]["log"] for run in found["runs"] if run["load_nm"]]
-    code, out, err = told("compare", *logs, "--out", str(tmp_path), "--quiet")
+    code, out, err = told("compare", *logs, "--out", str(tmp_path), "--quiet", "--all")
     assert (code, err) == (0, "")
     assert "no load" not in out
     flat = " ".join(out.split())
