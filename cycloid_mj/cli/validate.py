@@ -13,8 +13,8 @@ from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import tell
 
 if TYPE_CHECKING:
+    from cycloid_mj.base.validation import ValidationRow
     from cycloid_mj.validate.ladder import RungPart
-    from cycloid_mj.validate.row import ValidationRow
 
 EXAMPLES = """Examples:
   cycloid-mj validate --quick
@@ -66,8 +66,8 @@ def _climbed(parts: "tuple[RungPart, ...]", quick: bool, workers: int) -> "list[
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.ladder import RUNGS
-    from cycloid_mj.validate.row import RowOutcome
 
     numbers = {rung: number for number, rung in enumerate(RUNGS, start=1)}
     climbed = dict.fromkeys(row.rung for row in rows)

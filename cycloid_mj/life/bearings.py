@@ -11,9 +11,9 @@ from cycloid_mj.life import rolling
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed
+from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.pressure import roller_radius
-from cycloid_mj.stress.shaftgrid import shaft_measures
 
 NEEDLE_FILL = 0.35
 """Of the wall of an output roller: what its needles are thick, where their rating is not given (assumed)."""

@@ -11,11 +11,11 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.springs import turn_evenly
-from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 
 POSES = 181
 """Crank angles of a loading."""

@@ -13,9 +13,9 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.surfaces import SOFTEST_STEEL
+from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.notch import BENDING, TORSION, root_arms, shoulder_factor
-from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_factor
 
 ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
 """Directions around the shaft in which fibres are looked at [rad]."""

@@ -19,12 +19,12 @@ from scipy import sparse
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.case import LoadCase, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 from cycloid_mj.stress.surface import surface, traction_loads
 
 HARMONICS = (0, 1, 2, 4, 6, 8)

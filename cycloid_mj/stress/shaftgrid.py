@@ -1,119 +1,24 @@
-"""The eccentric shaft as a solid body: its measures, and a grid of tetrahedra by gmsh's OpenCASCADE."""
+"""The eccentric shaft as a solid body: a grid of tetrahedra by gmsh's OpenCASCADE."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base import names
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import crank_stretches
-from cycloid_mj.parts.output import near_face
-from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
 
 CORNER_DISTANCE = 0.15
 """Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""
 
-STATIONS = 41
-"""Sections along each journal at which the nominal stress is looked for."""
-
 CORNER_EDGE = 1 / 3
 """Edges at the inner corners as a share of those elsewhere."""
-
-
-@dataclass(frozen=True)
-class Shoulder:
-    """A step of the shaft: its name, its place `z` along the shaft, and the `outer` radius that it steps up to [m]."""
-
-    name: str
-    z: float
-    outer: float
-
-
-@dataclass(frozen=True)
-class ShaftDimensions:
-    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings.
-
-    The crank of several discs has no counterweight: its place has no length. `phases` are those of the cams [rad].
-    """
-
-    radius: float
-    cam_radius: float
-    eccentricity: float
-    counterweight_radius: float
-    end: float
-    far_end: float
-    counterweight: tuple[float, float]
-    cams: tuple[tuple[float, float], ...]
-    phases: tuple[float, ...]
-    bearings: tuple[tuple[float, float], tuple[float, float]]
-
-    @property
-    def weighted(self) -> bool:
-        """Whether it has a counterweight."""
-        return self.counterweight[1] > self.counterweight[0]
-
-    @property
-    def straddles(self) -> bool:
-        """Whether it goes on beyond its last cam."""
-        return self.far_end > self.cams[-1][1]
-
-    @property
-    def cam_centres(self) -> Array:
-        """Middles of the cams in the shaft's frame [m], shape (D, 2)."""
-        phases = np.array(self.phases)
-        return self.eccentricity * np.stack([-np.sin(phases), np.cos(phases)], axis=1) + 0.0
-
-    @property
-    def shoulders(self) -> tuple[Shoulder, ...]:
-        """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cams, at their lowest."""
-        lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
-        shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
-        shoulders = shoulders if self.weighted else []
-        for number, (z0, z1) in enumerate(self.cams):
-            cam = f"cam {number + 1}" if last else "the cam"
-            shoulders.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", z0, lowest))
-            if number < last or self.straddles:
-                shoulders.append(Shoulder(f"{'neck' if number < last else 'far journal'} at {cam}", z1, lowest))
-        return tuple(shoulders)
-
-    @property
-    def stations(self) -> Array:
-        """Places (s,) [m] along the journals where nominal stress is looked for, those of the shoulders first."""
-        stretches = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
-        stretches += [(before[1], after[0]) for before, after in pairwise(self.cams)]
-        stretches += [(self.cams[-1][1], self.far_end)] if self.straddles else []
-        between = [np.linspace(z0, z1, STATIONS) for z0, z1 in stretches]
-        return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
-
-
-@once
-def shaft_measures(reducer: Reducer) -> ShaftDimensions:
-    """Measure a design's balanced crank, without the spacers of a built-up one."""
-    design = reducer.design
-    prisms = crank_stretches(reducer)
-    journal, weight = prisms[JOURNAL], prisms.get(COUNTERWEIGHT)
-    cams = [(prism.z0, prism.z1) for name, prism in prisms.items() if names.family(name) == names.CAM]
-    end = min(journal.z1, near_face(reducer))
-    return ShaftDimensions(
-        radius=design.shaft.radius,
-        cam_radius=design.gear.bore_radius,
-        eccentricity=design.gear.eccentricity,
-        counterweight_radius=design.shaft.counterweight_radius,
-        end=journal.z0,
-        far_end=prisms[FAR].z1 if FAR in prisms else cams[-1][1],
-        counterweight=(weight.z0, weight.z1) if weight else (end, end),
-        cams=tuple(cams),
-        phases=reducer.phases,
-        bearings=bearing_seats(reducer, prisms),
-    )
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:

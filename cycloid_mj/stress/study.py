@@ -12,6 +12,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, override
+from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
@@ -23,7 +24,6 @@ from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_p
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.stress.swing import SWINGING, Swing, swing
 
 Told = Callable[[str, int, int], None]

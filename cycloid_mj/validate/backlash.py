@@ -6,11 +6,11 @@ that of the sockets comes on top. The cam has next to no clearance, the output's
 
 import mujoco
 
+from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
-from cycloid_mj.validate.row import ValidationRow, relative
 
 TORQUE = 0.01
 """Torque that holds the gear at its stop [N m]: it presses the teeth in by less than a thousandth of a clearance."""

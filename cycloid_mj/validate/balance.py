@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from cycloid_mj.base.types import Array
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
@@ -20,7 +21,6 @@ from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sliding import Losses, rubbing_of
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_ways, held_back
-from cycloid_mj.validate.row import ValidationRow, absolute, deviation
 
 CRANK = 1.9
 """A crank angle with no symmetry [rad]."""

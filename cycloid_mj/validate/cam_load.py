@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
+from cycloid_mj.base.validation import ValidationRow, deviation, relative
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import ideal_loads, kinematics
@@ -18,7 +19,6 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FIXED, FREE, reducer_of
-from cycloid_mj.validate.row import ValidationRow, deviation, relative
 
 IDEAL = [
     *rig.without_friction(),

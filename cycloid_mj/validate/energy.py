@@ -13,12 +13,12 @@ import numpy as np
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
+from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, reducer_of
-from cycloid_mj.validate.row import ValidationRow, relative
 
 
 @dataclass(frozen=True)

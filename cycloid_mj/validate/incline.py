@@ -10,11 +10,11 @@ from typing import Any
 
 import mujoco
 
+from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import IMPRATIO, ContactParameters, contact_law, curvature_law, solver_parameters
 from cycloid_mj.statics.working import at_rated_load, working_force
-from cycloid_mj.validate.row import ValidationRow, relative
 
 MASS, RADIUS, GRAVITY = 0.25, 0.02, 9.8
 TIMESTEP = 2e-6

@@ -4,18 +4,20 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
+from cycloid_mj.base.validation import ValidationRow, broken
 from cycloid_mj.validate import (
     backlash,
     balance,
     cam_load,
     energy,
     incline,
-    lasting,
     mechanism,
     published,
+    shakedown,
     sharing,
     steps,
     symmetry,
@@ -23,7 +25,6 @@ from cycloid_mj.validate import (
     witness,
 )
 from cycloid_mj.validate.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
-from cycloid_mj.validate.row import ValidationRow, broken
 
 RUNGS = (
     *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
@@ -31,6 +32,9 @@ RUNGS = (
     "witness",
 )
 """Name of every rung, from the ground up."""
+
+OF_ROOMS_BESIDE = ("cycloid_mj.life.witnesses:bearing_rows", "cycloid_mj.life.witnesses:fatigue_rows")
+"""Functions of rooms beside this one that give rows, each imported when it is run."""
 
 WORKERS = 2
 
@@ -70,8 +74,9 @@ def _parts() -> Iterator[RungPart]:
     yield RungPart("published", published.efficiency_rows, (1.0, 2.0))
     yield RungPart("published", published.printed_rows, (3.0, 3.0))
     yield RungPart("published", published.two_disc_rows, (0.2, 0.5))
-    for rows in (lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows):
-        yield RungPart("published", rows, (0.1, 0.1))
+    for name in OF_ROOMS_BESIDE:
+        yield RungPart("published", partial(_imported, name), (0.1, 0.1))
+    yield RungPart("published", shakedown.rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield RungPart("energy", partial(energy.rows, kind), cost)
     yield RungPart("energy", energy.idle_rows, (1.0, 1.0))
@@ -83,6 +88,13 @@ def _parts() -> Iterator[RungPart]:
     yield RungPart("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
     yield RungPart("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
     yield RungPart("witness", witness.rows, (6.0, 6.0))
+
+
+def _imported(name: str, quick: bool) -> list[ValidationRow]:
+    """Return the rows of a function of another room, named as module:function."""
+    module, _, function = name.partition(":")
+    rows: list[ValidationRow] = getattr(import_module(module), function)(quick)
+    return rows
 
 
 PARTS = tuple(_parts())

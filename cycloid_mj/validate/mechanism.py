@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base import names
 from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.validation import ValidationRow, deviation
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import build
@@ -32,7 +33,6 @@ from cycloid_mj.validate.balance import NEAR, way
 from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop, pose_of
 from cycloid_mj.validate.gaps import pin_gaps, ring_gaps, rotate
 from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
-from cycloid_mj.validate.row import ValidationRow, deviation
 
 CRANK = 1.9
 """A crank angle with no symmetry [rad]."""

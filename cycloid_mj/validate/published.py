@@ -14,6 +14,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.validation import ValidationRow, absolute, relative
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
@@ -26,7 +27,6 @@ from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.backlash import stop
 from cycloid_mj.validate.rig import FIXED, reducer_of
-from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 ROUNDED_MPA = 0.6
 """Printed stresses are whole MPa."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.validation import ValidationRow, deviation
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import envelope, ideal_loads, profile
@@ -20,7 +21,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import equilibrium, rig
 from cycloid_mj.validate.gaps import GearPose, offset_root, trochoid_distance
 from cycloid_mj.validate.rig import NONPIN, RATED_LOAD, reducer_of
-from cycloid_mj.validate.row import ValidationRow, deviation
 
 IDEAL = [
     *rig.without_friction(),

@@ -13,10 +13,10 @@ from scipy.optimize import brentq
 from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.level import rms
+from cycloid_mj.base.validation import ValidationRow, absolute, relative
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, PERIODS, SLEEVED, rated_design, rated_run
-from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 SHARES = {True: (0.5, 1.0), False: (0.1, 0.5, 1.0, 2.0)}
 """Steps as shares of the one that is chosen, with and without moving pins: these go wrong at twice their step."""

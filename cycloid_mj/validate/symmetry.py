@@ -9,11 +9,11 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relative
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.rig import FREE, PERIODS, rated_run
-from cycloid_mj.validate.row import ValidationRow, absolute, deviation, relative
 
 SPEED, GRAVITY = 1640.0, 9.8
 

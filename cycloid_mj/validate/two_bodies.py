@@ -11,6 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.timestep import timestep
@@ -19,7 +20,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role
 from cycloid_mj.statics.law import ContactParameters, contact_law, curvature_law, solver_parameters
 from cycloid_mj.statics.working import at_rated_load, working_force
-from cycloid_mj.validate.row import ValidationRow, relative
 
 RATED = at_rated_load(Reducer(PRESETS["pin"]))
 MASS = 0.05

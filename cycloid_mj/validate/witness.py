@@ -13,12 +13,12 @@ from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.base.validation import ValidationRow, absolute, relative
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, reducer_of, without_gravity
-from cycloid_mj.validate.row import ValidationRow, absolute, relative
 
 STEP = 2e-6
 """Step of the witness [s], half of which changes its figures by less than 0.2 %."""

@@ -48,11 +48,11 @@ from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.messages import Scene
 from cycloid_mj.scene.shape import shapes
 from cycloid_mj.statics.balance import loads as static_loads
+from cycloid_mj.statics.shoulder import root_arms
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.stress.grid import GridSettings
 from cycloid_mj.stress.loads import part_loads
-from cycloid_mj.stress.notch import root_arms
 from cycloid_mj.stress.part import part_grid
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -14,11 +14,12 @@ from markupsafe import escape
 
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.result import plain
+from cycloid_mj.base.validation import RowOutcome
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.life import Duty, DutyPoint, rate, read_duty, rolling
+from cycloid_mj.life import Duty, DutyPoint, rate, read_duty, rolling, witnesses
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
 from cycloid_mj.life.heat import clearance_growth
@@ -29,8 +30,7 @@ from cycloid_mj.life.strength import output_pin, pin_moment
 from cycloid_mj.life.surfaces import HARDEST, pitting_cycles, pitting_pressure
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate import lasting
-from cycloid_mj.validate.row import RowOutcome
+from cycloid_mj.validate import shakedown
 
 PIN = PRESETS["pin"]
 RPM = math.pi / 30.0
@@ -264,7 +264,7 @@ def test_twice_the_torque_through_the_real_statics(found) -> None:
     assert seen["cam_bearing"] == pytest.approx(1.0, abs=0.08)
 
 
-@pytest.mark.parametrize("rows", [lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows])
+@pytest.mark.parametrize("rows", [witnesses.bearing_rows, witnesses.fatigue_rows, shakedown.rows])
 def test_published_cases_hold(rows) -> None:
     """Catalogue within 5 %, case K within 0.5 %, worked examples within 1 %."""
     for row in rows(True):
@@ -273,10 +273,10 @@ def test_published_cases_hold(rows) -> None:
 
 
 def test_a_catalogue_rating_does_not_rest_on_the_assumed_length(monkeypatch) -> None:
-    cage = lasting.CAGES[1]
+    cage = witnesses.CAGES[1]
     ratings = []
     for share in (0.6, 0.95):
-        monkeypatch.setattr(lasting, "NEEDLE_SHARE", share)
+        monkeypatch.setattr(witnesses, "NEEDLE_SHARE", share)
         ratings.append(cage.rating())
     assert ratings[0] == pytest.approx(ratings[1], rel=0.015)
 

@@ -12,12 +12,13 @@ from designs import cases, unlike
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.parts import shaft_solid
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
 from cycloid_mj.stress.field import by_corner, loaded, maxima
-from cycloid_mj.stress.notch import BENDING, TORSION, output_roots, shaft_shoulders, shoulder_factor
+from cycloid_mj.stress.notch import output_roots, shaft_shoulders
 from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, opened
-from cycloid_mj.stress.shaftgrid import ShaftDimensions, shaft_measures
 
 Array = npt.NDArray[np.float64]
 

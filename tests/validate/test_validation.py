@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relative
 from cycloid_mj.cli import main
 from cycloid_mj.cli.validate import validate
 from cycloid_mj.design import PRESETS
@@ -40,7 +41,6 @@ from cycloid_mj.validate import (
     two_bodies,
 )
 from cycloid_mj.validate.rig import FIXED, FREE, KINDS
-from cycloid_mj.validate.row import ValidationRow, absolute, deviation, relative
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 

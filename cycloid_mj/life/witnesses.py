@@ -1,4 +1,4 @@
-"""Rung 6, published cases of how long parts last: bearings, a shaft in fatigue, shakedown of a rolling line.
+"""Published cases of how long parts last, rows of `cycloid-mj validate`: bearings, a shaft in fatigue.
 
 Catalogues print no number of rollers, but two ratings of each bearing: C0 of ISO 76 gives Z L, and with that ISO 281
 gives C, which the split of Z L changes by its 36th root alone. Roller and pitch diameter follow from the circles that
@@ -9,16 +9,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
+from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.life import rolling
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit
-from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.validate.row import ValidationRow, relative
 
 NEEDLE_SHARE = 0.78
 """Length of the needles of a cage over its width, assumed; 0.65 and 0.9 change C by 0.5 %."""
@@ -96,31 +93,3 @@ def fatigue_rows(quick: bool) -> list[ValidationRow]:
         relative("Goodman, a shaft of 1.073 in", fatigue.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
         relative("endurance limit, SAE 2340", limit / 1e6, 375.0, "MPa", source.format("7-2", 179), 1.0),
     ]
-
-
-def shakedown_rows(quick: bool) -> list[ValidationRow]:
-    """Hold first yield and shakedown under a rolling line contact against its elastic field, worked out below it.
-
-    Residual stresses take away all but the orthogonal shear, which changes its sign as the load passes (Melan): its
-    largest value is k at shakedown. Johnson finds it 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
-    of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6); yield by von Mises with Poisson's ratio 0.3.
-    """
-    largest = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
-    source = "Johnson, Contact Mechanics (1985), 9.2"
-    limit = 1.0 / -largest.fun
-    ratio = (SHAKEDOWN_PRESSURE / YIELD_PRESSURE) ** 2
-    return [
-        relative("shakedown of a rolling line, p0/k, from the field", limit, 4.0, "1", source, 1.0),
-        relative("place of the largest orthogonal shear, x/a", abs(largest.x[0]), 0.87, "1", source, 1.0),
-        relative("shakedown, p0/k, in use", SHAKEDOWN_PRESSURE * math.sqrt(3.0), limit, "1", "the field above", 1.0),
-        relative("load at shakedown over that at first yield", ratio, 1.66, "1", source, 1.0),
-    ]
-
-
-def _minus_shear(at: Array) -> float:
-    """Compute -|tau_xz|/p0 below a line contact at (x, z) half widths (McEwen; Johnson 1985, Eq. 4.49)."""
-    x, z = float(at[0]), abs(float(at[1])) + 1e-12
-    base = 1.0 - x**2 + z**2
-    root = math.sqrt(base**2 + 4.0 * x**2 * z**2)
-    m, n = math.sqrt(0.5 * (root + base)), math.copysign(math.sqrt(max(0.5 * (root - base), 0.0)), x)
-    return -abs(n * (m**2 - z**2) / (m**2 + n**2))

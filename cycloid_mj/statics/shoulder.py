@@ -1,0 +1,45 @@
+"""Notch factors of a round section's shoulder, and the moments at the roots of the output pins.
+
+DIN 743-2:2012 (shoulder, in bending and torsion)::
+
+    alpha = 1 + 1/sqrt(A r/t + 2 B r/d (1 + 2 r/d)^2 + C (r/t)^z d/D),   t = (D - d)/2
+"""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts.output import AXIAL_GAP
+from cycloid_mj.reducer import Reducer
+
+BENDING = (0.62, 5.8, 0.2, 3.0)
+TORSION = (3.4, 19.0, 1.0, 2.0)
+"""A, B, C and z of a shoulder in DIN 743-2."""
+
+
+def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
+    """Compute the notch factor alpha of a shoulder from radius R to `outer` (inf: a wide disc) with a fillet r [m].
+
+    `terms` are `BENDING` or `TORSION`.
+    """
+    a, b, c, z = terms
+    depth = outer - radius
+    share, slope = fillet / (2.0 * radius), 0.0 if math.isinf(outer) else fillet / depth
+    shorter = 0.0 if math.isinf(outer) else radius / outer
+    return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
+
+
+def root_arms(reducer: Reducer) -> Array:
+    """Compute the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
+
+    A cantilever has one root, F a; a beam clamped at both ends two, F a b^2/l^2, with a the distance of the root from
+    the force and b that of the other (Roark, Formulas for Stress and Strain, 8.1, case 1d).
+    """
+    gear = reducer.design.gear
+    end = gear.stack_width / 2.0 + AXIAL_GAP
+    near = end - np.array(gear.disc_planes)
+    if reducer.design.output.support == "cantilever":
+        return near[np.newaxis]
+    far = 2.0 * end - near
+    return np.stack([a * b**2 / (a + b) ** 2 for a, b in ((near, far), (far, near))])
