@@ -173,9 +173,8 @@ class ReducedJoint:
         that L takes is read off them, however much the error moves with it. Where the error falls faster with the load
         than the springs wind up, the larger of the torques that fit is taken.
         """
-        shares, wound = self._wound
-        low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
-        lower, upper = (_rising(wound - low - self.stops[0]), _rising(wound + high + self.stops[1]))
+        shares, _ = self._wound
+        (low, lower), (high, upper) = self._bends(angle)
 
         def stops(length: float) -> tuple[float, float]:
             below, above = np.interp(-length, lower, shares), np.interp(length, upper, shares)
@@ -185,6 +184,22 @@ class ReducedJoint:
             )
 
         return stops
+
+    def bends(self, angle: float) -> Array:
+        """List L [rad] at which the springs' torque bends, at a crank angle [rad]; between, it is straight."""
+        if self.level == "full":
+            (_, lower), (_, upper) = self._bends(angle)
+            return np.unique([*-lower, *upper])
+        starts = [spring.start for spring in self.springs]
+        return np.unique(
+            [side * start + stop for start in starts for side, stop in zip((-1, 1), self.stops, strict=True)]
+        )
+
+    def _bends(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Compute the errors at the shares of `_wound` and how far L stands out there, lower then upper stop [rad]."""
+        shares, wound = self._wound
+        low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
+        return (low, _rising(wound - low - self.stops[0])), (high, _rising(wound + high + self.stops[1]))
 
     @cached_property
     def _wound(self) -> tuple[Array, Array]:
