@@ -119,7 +119,7 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
     slip = np.zeros((contacts + discs + SEALS, springs.slope.shape[2]))
     slip[:contacts] = mesh_gaps.slip_slope[0]
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
-    slip[range(contacts, contacts + discs), 2 : 3 * discs : 3] = bore / radius
+    slip[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore / radius
     slip[seals, -1] = 1.0
     if held == "output":
         # a crank that turns by N - 1 for each turn that the output is behind carries the ideal parts along

@@ -296,6 +296,15 @@ def test_a_tight_cam_takes_no_more_steps_than_one_with_play() -> None:
     assert tight <= 1.2 * loose
 
 
+@pytest.mark.parametrize("held", HELD)
+def test_each_cam_rubs_on_the_turn_of_its_own_disc(held: Held) -> None:
+    """By the bore's radius for each radian, whatever the other disc does."""
+    found, rubs = rubbed("twodisc", held)
+    contacts, bore = found.contacts, design_of("twodisc").gear.bore_radius
+    cams, turns = slice(contacts.disc.size, contacts.disc.size + 2), [2, 5]
+    np.testing.assert_allclose(rubs.slip[cams][:, turns], bore / contacts.radius * np.eye(2), rtol=1e-12)
+
+
 LOOP = np.array([0.2, 1.0, -1.0, 1.0])
 LOOPS = {
     "pin": (37, 38),
