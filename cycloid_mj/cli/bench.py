@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import islice
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -10,7 +11,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
-from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
 from cycloid_mj.cli.flags import FLAT, LOAD, Delivery, DesignOptions, out_flag
 from cycloid_mj.cli.terminal import tell
@@ -151,13 +152,16 @@ def calibrate(
 
 
 def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
+    from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
     from cycloid_mj.design import dump
+    from cycloid_mj.figures import quantities, values_json
     from cycloid_mj.plots.bench import calibration_figure
     from cycloid_mj.plots.save import drawn
     from cycloid_mj.report.bench import calibration_page
 
     name, fitted = calibration.design.name, calibration.fitted
+    figures = quantities(Reducer(calibration.design))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
     for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
         measured, model = loop.deflection / DEGREE, turn / DEGREE
@@ -184,13 +188,31 @@ def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
                 else []
             ),
         ],
-        tables=calibration.tables(),
+        headline=_headline(calibration),
+        tables=[*calibration.tables(), quantity_table("figures of the calibrated design", figures.values())],
         notes=calibration.notes,
         pictures={f"{name}-loops": draw},
         files=files,
-        result=calibration.as_json() | {"files": [*place.paths(names), str(place.page)]},
+        result=calibration.as_json()
+        | {"figures": values_json(figures), "files": [*place.paths(names), str(place.page)]},
         page=lambda: calibration_page(calibration, draw("svg").decode()),
     )
+
+
+def _headline(calibration: "Calibration") -> dict[str, str]:
+    from cycloid_mj.base.units import DEGREE
+
+    derived = {
+        "play": f"{calibration.play[0] / DEGREE:.4g} deg",
+        "stiffness": f"{calibration.stiffness[0]:.4g} N m/rad",
+        "Coulomb friction": f"{calibration.coulomb:.4g} N m",
+        "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
+    }
+    fitted = {
+        key: f"{one.value:.4g} {'' if one.unit == '1' else one.unit}".strip()
+        for key, one in calibration.estimates.items()
+    }
+    return dict(islice((derived | fitted).items(), MOST_FIGURES))
 
 
 def compare_bench(

@@ -45,8 +45,6 @@ EXAMPLES = """Examples:
 
 RUNS = "runs/stress"
 GIGABYTE = 1e9
-SAMPLES = 720
-"""Least samples of a run in a crank turn: two for each degree."""
 
 PartsFlag = Annotated[
     tuple[str, ...],
@@ -165,6 +163,7 @@ def stress(
         raise UsageError("logs are read as they are: leave out --set and --load-nm with --log")
     if log and asked and len(log) != len(asked):
         raise UsageError(f"there are {len(asked)} designs and {len(log)} logs: give one log for each design")
+    from cycloid_mj.stress.figures import for_one_turn
     from cycloid_mj.stress.packages import package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
@@ -181,7 +180,7 @@ def stress(
         usual = f"{log[0].removesuffix('.mcap')}-stress"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
     else:
-        loaded = [_loaded(designed(name, set_, ()), load_nm) for name in asked]
+        loaded = [for_one_turn(designed(name, set_, ()), load_nm) for name in asked]
         _require_apart(loaded)
         planned = _planned(loaded, part, settings, delivery.quiet)
         names = (*(f"{one.name}.mcap" for one in loaded), *FILES)
@@ -194,19 +193,6 @@ def stress(
 
 def _place(into: Path, wanted: Delivery) -> Destination:
     return Destination(STEM, into, claimed_page(wanted, STEM, into))
-
-
-def _loaded(design: Design, load_nm: float | None) -> Design:
-    """Return a design that runs from full speed for one settled turn, under a load."""
-    from cycloid_mj.comparison import settling
-    from cycloid_mj.reducer.member import share
-
-    load = load_nm if load_nm is not None else design.load.torque or round(design.rated_torque, 9)
-    design = design.but(drive={"ramp": 0.0}, load={"torque": load})
-    if design.drive.speed == 0.0:
-        return design
-    rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
-    return design.steady(settling(Reducer(design)), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
 
 
 def _run(designs: Sequence[Design], into: Path, wanted: Delivery) -> "list[Logged]":

@@ -30,6 +30,8 @@ COLUMNS = (
 def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
     """Turn studies of stress into an outcome whose files go to a place."""
     from cycloid_mj.base.frame import framed
+    from cycloid_mj.figures import values_json
+    from cycloid_mj.stress.figures import of_study
     from cycloid_mj.stress.findings import BOUND
 
     findings = [study.findings for study in studies]
@@ -60,7 +62,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
         files=maps,
         result=with_warnings(
             {
-                "designs": [one.as_json() for one in findings],
+                "designs": [one.as_json() | {"figures": values_json(of_study(one))} for one in findings],
                 "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
                 "files": place.paths([*drawn, *maps]),
             }

@@ -12,7 +12,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.figures import COMPUTED, FIGURES, Figure, Need, figure, quantities
+from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
@@ -196,6 +196,6 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
 
 def _require_figure(name: str) -> None:
     try:
-        figure(name, {*COMPUTED, Need.RUN})
+        figure(name)
     except UsageError as error:
         raise UsageError(f"there is no measure {name!r:.80}; there are {', '.join(MEASURED)}; {error}") from error

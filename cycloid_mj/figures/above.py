@@ -4,6 +4,15 @@ from cycloid_mj.figures.figure import Figure, Need
 
 _RATED = "at the rated torque and speed"
 
+PARTS = {
+    "shaft": "the shaft",
+    "gear": "the discs",
+    "ring": "the ring",
+    "output": "the output",
+    "pin": "ring pin 1",
+}
+"""Kinds of parts whose stress is known, in words."""
+
 OF_ROOMS_ABOVE = (
     Figure(
         key="pressure_angle_deg",
@@ -90,5 +99,17 @@ OF_ROOMS_ABOVE = (
         definition="Torque on the output that all parts bear for 6000 h at the rated speed, and that is held once.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:torque_for_life",
+    ),
+    *(
+        Figure(
+            key=f"{kind}_stress_mpa",
+            name=f"largest stress of {words}",
+            unit="MPa",
+            definition=f"Largest von Mises stress of {words} away from contacts, or at a fillet by its notch factor, "
+            "over a turn of the crank under the load, else the rated torque, by `cycloid-mj stress --quick`.",
+            need=Need.STRESS,
+            function=f"cycloid_mj.stress.figures:{kind}_stress",
+        )
+        for kind, words in PARTS.items()
     ),
 )

@@ -1,6 +1,7 @@
 """Loads on the parts from the forces of a run, closed forms, the study, the paper's claims, figures and the command."""
 
 import json
+import math
 import re
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
@@ -19,8 +20,10 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.cli import app
 from cycloid_mj.cli import stress as command
 from cycloid_mj.cli.terminal import say_table
+from cycloid_mj.comparison import settling
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.figures import figure
 from cycloid_mj.geometry.envelope import arc_contacts
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact, ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre_acceleration
@@ -32,6 +35,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.action import Action, cross, turned
 from cycloid_mj.stress.closed import largest_von_mises, line_stress, von_mises_below
 from cycloid_mj.stress.contacts import contacts
+from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.notch import Notch
@@ -647,17 +651,29 @@ def test_the_command_runs_a_design(told, tmp_path, monkeypatch):
     assert "pin.mcap exists already" in err
 
 
-def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
-    from cycloid_mj.comparison import settling
+@pytest.mark.slow
+@needs_fem
+def test_a_figure_of_stress_is_that_of_its_command(told, tmp_path):
+    fast = ("--set", "ring.pins=fixed", "--set", "load.rise_s=0.001")
+    code, out, err = told("pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--json")
+    assert code == 0, err
+    (study,) = json.loads(out)["designs"]
+    assert list(study["figures"]) == ["pin_stress_mpa"]
+    assert study["figures"]["pin_stress_mpa"]["value"] == study["parts"][0]["governing_mpa"]
+    fixed = override(PIN, ["ring.pins=fixed", "load.rise_s=0.001"])
+    assert figure("pin_stress_mpa").value(Reducer(fixed)) == pytest.approx(study["parts"][0]["governing_mpa"])
+    assert math.isnan(figure("pin_stress_mpa").value(Reducer(NONPIN)))
 
-    design = command._loaded(PIN, None)
+
+def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
+    design = for_one_turn(PIN)
     drive = design.drive
     assert design.load.torque == pytest.approx(36.68)
     assert drive.ramp == 0.0
     assert (drive.hold - settling(Reducer(design))) * drive.speed > 2 * np.pi
     assert design.settings.log_rate * 2 * np.pi / drive.speed >= 720
-    assert command._loaded(override(PIN, ["load.torque_nm=5.0"]), None).load.torque == 5.0
-    assert command._loaded(PIN, 7.0).load.torque == 7.0
+    assert for_one_turn(override(PIN, ["load.torque_nm=5.0"]), None).load.torque == 5.0
+    assert for_one_turn(PIN, 7.0).load.torque == 7.0
 
 
 @pytest.mark.parametrize(
