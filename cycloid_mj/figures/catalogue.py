@@ -13,14 +13,14 @@ from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
 from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solved
 from cycloid_mj.figures.simulated import OF_RUNS
-from cycloid_mj.figures.statics import OF_STATICS
+from cycloid_mj.figures.statics import OF_BALANCE, OF_STATICS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples
 
 FIGURES: Mapping[str, Figure] = {
     one.key: one
     for need in Need
-    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_SAMPLES, *OF_ROOMS_ABOVE, *OF_RUNS)
+    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *OF_ROOMS_ABOVE, *OF_RUNS)
     if one.need == need
 }
 """Key -> figure, the cheapest first."""

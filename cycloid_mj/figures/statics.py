@@ -6,8 +6,9 @@ from typing import Literal
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import with_unit
 from cycloid_mj.figures.figure import Figure, Need
-from cycloid_mj.figures.sampled import BACKLASH, Sampled
+from cycloid_mj.figures.sampled import BACKLASH, TOUCH, Sampled
 from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.bearings import HELD
 from cycloid_mj.statics.sheet import CASES, PARTS, SHAFTS, WAYS, sheet_part
 
@@ -266,3 +267,26 @@ def _losses() -> Iterator[Figure]:
 
 
 OF_STATICS = (*_motions(), *_errors(), *_loads(), *_losses())
+
+
+def no_load_torque(reducer: Reducer) -> float:
+    """Compute the mean torque on the crank [N m] that turns a reducer without a load at its speed; errors as `powers`.
+
+    The load is `TOUCH` of the rated torque: without any, nothing says on which side of the play the parts are.
+    """
+    design = reducer.design
+    return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)
+
+
+OF_BALANCE = (
+    Figure(
+        key="no_load_torque_nm",
+        name="no-load torque on the crank",
+        unit="N m",
+        definition="Torque on the crank that turns it without a load at the design's speed, mean of a turn: weight and "
+        "centrifugal force of the discs, and drag of seals and lubricant, without shaft bearings.",
+        need=Need.STATICS,
+        function=no_load_torque,
+    ),
+)
+"""Figures of the balance that the sheet has not."""
