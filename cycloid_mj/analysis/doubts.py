@@ -13,6 +13,7 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.dynamics.jam import SELF_LOCKING
+from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.reducer import Reducer
@@ -57,7 +58,19 @@ def doubts(motion: Series) -> tuple[str, ...]:
     reducer = Reducer(design)
     judged = run.select(motion.whole_periods)
     powers = unbalanced(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
-    return tuple(dict.fromkeys((*run.warnings, *pace(reducer), *powers)))
+    return tuple(dict.fromkeys((*run.warnings, *pace(reducer), *unsettled(run), *powers)))
+
+
+def unsettled(run: Run) -> Iterator[str]:
+    """Say in how many samples of a planar run a step ended before its contacts settled."""
+    if run.provenance.get("solver") != "planar" or "solver_iterations" not in run.columns:
+        return
+    count = int(np.count_nonzero(run["solver_iterations"] > MOST_ROUNDS))
+    if count:
+        yield (
+            f"in {count} of {len(run)} samples a step of the planar solver ended after {MOST_ROUNDS} rounds with "
+            "contacts that still changed: forces and losses there are wrong; shorten settings.timestep_us"
+        )
 
 
 def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:

@@ -438,10 +438,10 @@ class ContactLaw(Section):
         0.5, "damping of a contact as a share of critical (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
     )
     creep_speed: float = quantity(
-        20.0,
-        "sliding speed at which friction is whole under the working force",
+        0.0,
+        "sliding speed at which friction is whole under the working force; 0: 0.2 % of the speed of the gear's centre",
         u.MILLIMETRE_PER_SECOND,
-        gt=0.0,
+        ge=0.0,
         le=1e4,
     )
     max_penetration: float = quantity(

@@ -13,7 +13,8 @@ from cycloid_mj.design import Friction
 from cycloid_mj.dynamics.timestep import passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
-from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactParameters, leads, pair_stiffness
+from cycloid_mj.statics.friction import lacking_friction
+from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactParameters, creep_speed, leads, pair_stiffness
 from cycloid_mj.statics.structure import pin_flexibility
 from cycloid_mj.statics.working import working_force
 
@@ -33,6 +34,9 @@ MOST_LEAD = 0.15
 Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too small at 0.84, 1 % at 0.72, and right
 within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too small at 0.3, and right within 1 % at 0.15.
 """
+
+CREEPING = 1e-3
+"""Loss that friction lacks below its creep speed, as a share of the output, from which on a run tells of it."""
 
 RAISED = 0.01
 """Share of the effective mass by which MuJoCo may raise an added mass without a word."""
@@ -77,7 +81,9 @@ def pace(reducer: Reducer) -> tuple[str, ...]:
     """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
     design = reducer.design
     passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
-    return (*_few_steps(reducer, passing), *_few_samples(reducer, passing)) if passing else ()
+    if not passing:
+        return ()
+    return (*_few_steps(reducer, passing), *_few_samples(reducer, passing), *_creeping(reducer))
 
 
 def _few_steps(reducer: Reducer, passing: float) -> Iterator[str]:
@@ -101,6 +107,17 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
             f"settings.log_rate_hz = {design.settings.log_rate:g} gives {rate / passing:.2g} samples of each passing "
             f"tooth ({passing:.4g} a second): transmission error, peaks and rms may read too low; raise it to "
             f"{_above(least)} or more, or lower drive.speed_rpm"
+        )
+
+
+def _creeping(reducer: Reducer) -> Iterator[str]:
+    """Tell of parts that slide too slowly for the friction that they have."""
+    lacking, of_output = lacking_friction(reducer)
+    if of_output > CREEPING:
+        yield (
+            f"contact.creep_speed_mm_s = {1e3 * creep_speed(reducer):g}: parts slide too slowly for whole friction at "
+            f"this crank speed and load; losses of teeth and output read about {lacking:.0%} too low, the efficiency "
+            f"{100.0 * of_output:.2g} points too high; lower it, or set it to 0, which chooses it by the sliding speed"
         )
 
 

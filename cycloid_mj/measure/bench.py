@@ -24,7 +24,7 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.law import IMPRATIO, pair_stiffness
+from cycloid_mj.statics.law import IMPRATIO, creep_speed, pair_stiffness
 from cycloid_mj.statics.working import working_force
 
 """One minute of arc [rad]."""
@@ -91,7 +91,7 @@ def benched(reducer: Reducer, torque: float, duration: float, samples: int, fine
     design = reducer.design
     timestep = step(reducer, torque) / finer
     slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * pair_stiffness(reducer, design.tooth_pair) * timestep)
-    creep = min(design.contact.creep_speed, slowest or math.inf)
+    creep = min(design.contact.creep_speed or math.inf, slowest or creep_speed(reducer))
     contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
     return Reducer(
         design.model_copy(

@@ -21,6 +21,7 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import creep_speed
 from cycloid_mj.statics.working import at_rated_load, working_forces_text
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
@@ -292,7 +293,7 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds
-    creep = 1e3 * design.contact.creep_speed
+    creep = 1e3 * creep_speed(reducer)
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
         f"{drag_assumption(reducer)}; the shafts' own bearings are left out",

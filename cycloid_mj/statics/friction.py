@@ -6,6 +6,15 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
+from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.statics.law import creep_speed, series_stiffness
+from cycloid_mj.statics.working import working_force, working_load
+
+_PHASES, _HALVINGS = 12, 50
+"""Crank angles in a mesh period over which friction is averaged, and halvings of a turn until it is exact."""
+
+_SLOWEST = 1e-12
+"""Sliding speed [m/s] below which there is none."""
 
 
 def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
@@ -18,6 +27,45 @@ def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
         mesh_gaps.kind == "output", reducer.design.friction_of("output"), reducer.design.mesh_friction
     )
     return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * mesh_gaps.slip_slope)
+
+
+def lacking_friction(reducer: Reducer) -> tuple[float, float]:
+    """Estimate what friction lacks below the creep speed: shares of the losses of teeth and output pins, and of output.
+
+    A contact that bears F and slides at v below v0 F/F_w, with the creep speed v0 and its working force F_w, loses
+    v F_w/(v0 F) of Coulomb's mu F v. The teeth share the load as a gear that only turns, by t, against pins with all
+    their play: F = K max(a t - play, 0) at the arm a. Where weight presses, or the gear gives way, it may be twice.
+    """
+    design, gear = reducer.design, reducer.tooth_profile
+    torque, speed = working_load(reducer) / design.gear.discs, abs(float(against_ring(design, design.drive.speed)))
+    crank = np.arange(_PHASES) / _PHASES * 2.0 * np.pi / gear.ring_teeth
+    B = profile.pin_angles(gear) + crank[:, np.newaxis]
+    play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
+    teeth = _sharing_with_play(profile.moment_arm(gear, B), torque, play, series_stiffness(reducer))
+    pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank)
+    sliding = np.abs(profile.pitch_distance(gear, B) - gear.pin_radius) * speed / gear.lobes
+    circling = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
+    lost, lacking = 0.0, 0.0
+    for kind, friction, force, rate in (
+        (design.tooth_pair, design.mesh_friction, teeth, sliding),
+        ("output", design.friction_of("output"), pins, np.full_like(pins, circling)),
+    ):
+        loss, whole = friction * force * rate, creep_speed(reducer) * force / working_force(reducer, kind)
+        lost += float(np.mean(np.sum(loss, axis=1)))
+        lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, _SLOWEST), 0.0), axis=1)))
+    return (lacking / lost, lacking * gear.lobes / (torque * speed)) if lost else (0.0, 0.0)
+
+
+def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:
+    """Compute forces [N] of teeth at arms [m], both (n, N), that push against a torque [N m] beyond a play [m]."""
+    arms = np.maximum(arms, 0.0)
+    least = np.zeros(len(arms))
+    most = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
+    for _ in range(_HALVINGS):
+        turn = 0.5 * (least + most)
+        enough = np.sum(arms * stiffness * np.maximum(arms * turn[:, np.newaxis] - play, 0.0), axis=1) > torque
+        least, most = np.where(enough, least, turn), np.where(enough, turn, most)
+    return np.asarray(stiffness * np.maximum(arms * most[:, np.newaxis] - play, 0.0))
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:

@@ -37,6 +37,16 @@ other apart at every touch: under the rated load the rms of the gear's speed wou
 LEAD, LEAD_OF_PINS = 0.15, 0.05
 """Most lead of friction, see `stock_impratio`; and that of moving pins on their seats, which change their spin."""
 
+CREEP = 2e-3
+"""Creep speed as a share of the speed at which the gear's centre circles, c w.
+
+Friction below it is too small. Of drives of 8 to 49 pins with plays up to 0.25 mm, at 3 % of the rated load and 100
+rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it within 0.25.
+"""
+
+SLOW_CREEP = 1e-4
+"""The same where the crank stands [m/s]."""
+
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
 """What MuJoCo clamps a constraint's impedance to."""
 
@@ -111,6 +121,15 @@ class CurvatureLaw:
 def damping_ratio(reducer: Reducer, kind: str) -> float:
     """Compute the damping of a kind of pair as a share of critical [1]."""
     return float(getattr(reducer.design.damping, kind)) or reducer.design.contact.damping_ratio
+
+
+def creep_speed(reducer: Reducer) -> float:
+    """Compute the sliding speed at which friction is whole under the working force [m/s].
+
+    The one given, or `CREEP` of the speed c w at which the gear's centre circles; of a crank that stands `SLOW_CREEP`.
+    """
+    design = reducer.design
+    return design.contact.creep_speed or CREEP * design.gear.eccentricity * abs(design.drive.speed) or SLOW_CREEP
 
 
 def pair_stiffness(reducer: Reducer, kind: str) -> float:

@@ -19,6 +19,9 @@ from cycloid_mj.reducer import Reducer
 STRIBECK = 4.08
 """Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
 
+SLICES_CREEP = 0.02
+"""Creep speed of slices [m/s]: stock MuJoCo lifts what slides by mu^2 v/(v0 impratio), a slow creep v0 by more."""
+
 _ANGLES = 97
 """Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""
 
@@ -106,8 +109,10 @@ def for_slices(reducer: Reducer) -> Reducer:
     """Return `working_at` the rated torque, or the design's own load where that is larger.
 
     A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
+    Its creep speed, unless given, is `SLICES_CREEP`.
     """
-    return working_at(reducer, max(abs(reducer.design.load.torque), reducer.design.rated_torque))
+    stiffened = working_at(reducer, max(abs(reducer.design.load.torque), reducer.design.rated_torque))
+    return stiffened.but(contact={"creep_speed": reducer.design.contact.creep_speed or SLICES_CREEP})
 
 
 def working_forces_text(reducer: Reducer, kinds: Iterable[str]) -> str:

@@ -13,10 +13,16 @@ import mujoco
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import IMPRATIO, ContactParameters, contact_law, curvature_law, solver_parameters
+from cycloid_mj.statics.law import (
+    IMPRATIO,
+    ContactParameters,
+    contact_law,
+    curvature_law,
+    solver_parameters,
+)
 from cycloid_mj.statics.working import at_rated_load, working_force
 
-MASS, RADIUS, GRAVITY = 0.25, 0.02, 9.8
+MASS, RADIUS, GRAVITY, CREEP_SPEED = 0.25, 0.02, 9.8, 0.02
 TIMESTEP = 2e-6
 _BODY = """<mujoco>
   <option timestep="{timestep!r}" gravity="{along!r} {down!r} 0" impratio="{impratio!r}"
@@ -89,7 +95,7 @@ def pair_law() -> ContactParameters:
     """Compute the law of a pin on the gear for a body of `MASS`."""
     design = at_rated_load(Reducer(PRESETS["pin"]))
     friction = design.design.friction.pin_gear
-    creep = friction * working_force(design, "pin_gear") / design.design.contact.creep_speed
+    creep = friction * working_force(design, "pin_gear") / CREEP_SPEED
     stiffness = curvature_law(design).stiffness
     return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
 

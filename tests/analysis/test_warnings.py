@@ -11,7 +11,7 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.analysis import analyze
-from cycloid_mj.analysis.doubts import OPEN, unbalanced
+from cycloid_mj.analysis.doubts import OPEN, unbalanced, unsettled
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.base.errors import CycloidWarning, warn
 from cycloid_mj.base.powers import mean_powers
@@ -20,6 +20,8 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.planar.model import planar_model
+from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
@@ -229,3 +231,17 @@ def test_less_than_a_turn_has_no_balance_but_an_efficiency() -> None:
     half = replace(part, columns=dict(part.columns) | {"crank_torque": 0.5 * part["crank_torque"]})
     assert [text.startswith("the efficiency reads") for text in unbalanced(half, Reducer(design))] == [True]
     assert "lengthen drive.hold_s" in unbalanced(half, Reducer(design))[0]
+
+
+def test_a_planar_step_that_did_not_settle_is_counted() -> None:
+    """Of MuJoCo's solver a run ends where it does not converge; there it is no doubt, and never comes here."""
+    design = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.002"])
+    run = simulate(design, planar_model(Reducer(design)))
+    assert list(unsettled(run)) == []
+    rounds = run["solver_iterations"].copy()
+    rounds[[3, 7]] = MOST_ROUNDS + 1
+    wild = replace(run, columns={**run.columns, "solver_iterations": rounds})
+    (text,) = unsettled(wild)
+    assert text.startswith(f"in 2 of {len(run)} samples a step of the planar solver ended after {MOST_ROUNDS} rounds")
+    assert text in analyze(wild).warnings
+    assert list(unsettled(replace(wild, provenance={**run.provenance, "solver": "mujoco"}))) == []

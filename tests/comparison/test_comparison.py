@@ -502,7 +502,7 @@ def test_sensitivity_states_the_change_with_each_assumption():
     found = sensitivities(base, {creep: pair(20.0, pin=0.0029, nonpin=0.0012), damping: pair(20.0, pin=0.005)})
     (speed,) = (each for each in found if (each.design, each.quantity) == ("pin", "gear speed error, rms"))
     assert [(one.parameter, one.value) for one in speed.responses] == [
-        ("creep speed", "1 mm/s"),
+        ("creep speed", "20 mm/s"),
         ("damping ratio", "0.1"),
     ]
     assert speed.changes == pytest.approx((0.45, 1.5))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from cycloid_mj.dynamics.timestep import effective_masses, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.impact import impact_of
-from cycloid_mj.statics.law import ContactParameters, contact_law, contact_stiffness, damping_ratio
+from cycloid_mj.statics.law import ContactParameters, contact_law, contact_stiffness, creep_speed, damping_ratio
 from cycloid_mj.statics.working import working_force
 
 Laws = dict[str, ContactParameters]
@@ -41,7 +41,7 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
             damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(reducer, kind),
             effective_mass=mass,
             friction=friction,
-            creep=friction * force / design.contact.creep_speed,
+            creep=friction * force / creep_speed(reducer),
             timestep=timestep(reducer),
         )
     return laws

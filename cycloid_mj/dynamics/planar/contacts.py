@@ -53,7 +53,7 @@ force, slope
 friction, creep
     Of its law [1], [N s/m].
 bowl
-    Force along the tangent per speed of the middles there [N s/m]: a circle in another rolls up.
+    Force along the tangent per normal force and speed of the middles there [s/m]: a circle in another rolls up.
 speed, slip, pressing, rubbing
     Along normal and tangent [m/s], and the forces there [N].
 """
@@ -155,7 +155,7 @@ def find(
                 contact.disc_middle = -(px - gear.x) * met.nx - (py - gear.y) * met.ny
                 # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
                 beyond = pin.radius + met.gap - on_disc.flank.offset
-                contact.bowl = -half * contact.pressing * met.curvature / (1.0 + met.curvature * beyond)
+                contact.bowl = -half * met.curvature / (1.0 + met.curvature * beyond)
     for i in range(teeth * system.free):
         own = first_pin + 3 * i
         meeting = Meeting(pair, system.laws[0, SEAT], -1, own, ring_shaft)
@@ -251,7 +251,7 @@ def _find_round(
             contact.shaft_middle = -inner.x * nx - inner.y * ny
         elif meeting.shaft >= 0:
             contact.shaft_middle = -inner.around_x * nx - inner.around_y * ny
-        contact.bowl = half * contact.pressing / away
+        contact.bowl = half / away
     return count
 
 

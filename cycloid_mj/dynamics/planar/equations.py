@@ -28,12 +28,24 @@ from cycloid_mj.dynamics.planar.contacts import (
     speeds,
 )
 from cycloid_mj.dynamics.planar.system import System
+from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
 
-MOST_ROUNDS = 30
-"""Rounds after which a step ends whatever contacts do."""
+COUPLED_ROUNDS = 25
+"""Rounds in which sliding friction follows its normal force; from then on it is that of the force of the round before.
 
-SETTLED_ROUNDS = 6
-"""Rounds after which only half of the way is gone: states that come round again lie on either side of a kink."""
+Between two contacts that are wedged, friction and normal force may raise each other: what slides would stick, and what
+sticks would slide. With friction as it was, the law of all is a P-matrix.
+"""
+
+LIKE = 1e-6
+"""Share of the largest normal force by which friction of the round before may miss its limit at the end."""
+
+AT_ONCE_ROUNDS = 6
+"""Rounds in which all contacts change that ask for it; from then on it is the first of them alone.
+
+Two contacts of a light pin, gear and seat, may change each other for ever. One at a time they come to an end, where the
+law of all is a P-matrix (Murty, Note on a Bard-type scheme for solving the complementarity problem, 1974).
+"""
 
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
@@ -55,8 +67,6 @@ class Equations(NamedTuple):
         Whether a pin meets anything that moves, shape (N,).
     shaft_state
         Of the drags of output and crank, as of contacts, shape (2,).
-    last
-        Speeds of the round before, of all unknowns.
     """
 
     matrix: Array
@@ -67,7 +77,6 @@ class Equations(NamedTuple):
     of_pin: Array
     coupled: Integers
     shaft_state: Integers
-    last: Array
 
 
 def room_for_equations(system: System) -> Equations:
@@ -82,7 +91,6 @@ def room_for_equations(system: System) -> Equations:
         of_pin=np.zeros((3 * pins, size)),
         coupled=np.zeros(pins, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
-        last=np.zeros(size + 3 * pins),
     )
 
 
@@ -101,25 +109,21 @@ def solve(
 ) -> int:
     """Solve a step [s] from the pose q0 at speeds v0 for the speeds v in its middle, with `count` contacts near `near`.
 
-    `command` is that of output and crank, an angle [rad] or a torque [N m]. Returns the number of rounds.
+    `command` is that of output and crank, an angle [rad] or a torque [N m]. Returns the number of rounds, one more than
+    `MOST_ROUNDS` where contacts still change.
     """
     for rounds in range(1, MOST_ROUNDS + 1):
-        _assemble(system, contacts, count, equations, q0, v0, near, command, step)
+        at_once, coupled = rounds <= AT_ONCE_ROUNDS, rounds <= COUPLED_ROUNDS
+        _assemble(system, contacts, count, equations, q0, v0, near, command, step, coupled)
         _eliminate(system, equations)
         _gauss(equations.matrix, equations.right)
         size = len(equations.right)
         for i in range(size):
             v[i] = equations.right[i]
         _substitute(equations, v)
-        if not _changes(system, contacts, count, equations, near, v, 0.5 * step):
+        if not _changes(system, contacts, count, equations, near, v, 0.5 * step, at_once, coupled):
             return rounds
-        if rounds > SETTLED_ROUNDS:
-            for i in range(len(v)):
-                v[i] = 0.5 * (v[i] + equations.last[i])
-            _changes(system, contacts, count, equations, near, v, 0.5 * step)
-        for i in range(len(v)):
-            equations.last[i] = v[i]
-    return MOST_ROUNDS
+    return MOST_ROUNDS + 1
 
 
 @njit
@@ -133,6 +137,7 @@ def _assemble(
     near: Array,
     command: Array,
     step: float,
+    coupled_friction: bool,
 ) -> None:
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
@@ -182,7 +187,7 @@ def _assemble(
                     by_pin[size * i + k, m] = 0.0
                     of_pin[first + m, k] = 0.0
             coupled[i] = 0
-    _add_contacts(contacts, count, equations, near)
+    _add_contacts(contacts, count, equations, near, coupled_friction)
 
 
 class Side(NamedTuple):
@@ -210,8 +215,11 @@ def _side(sign: float, nx: float, ny: float, normal: float, tangent: float, midd
 
 
 @njit
-def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Array) -> None:
-    """Add the forces of the contacts that press to the equations of the parts that they are on."""
+def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Array, coupled_friction: bool) -> None:
+    """Add the forces of the contacts that press to the equations of the parts that they are on.
+
+    Where friction is not coupled to the normal force, it is that of the `pressing` of the round before.
+    """
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     by_pin, of_pin, coupled = equations.by_pin, equations.of_pin, equations.coupled
     size = len(right)
@@ -219,10 +227,12 @@ def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Ar
         contact = contacts[k]
         if contact.state == OPEN:
             continue
-        nx, ny, slope, bowl = contact.nx, contact.ny, contact.slope, contact.bowl
-        creep, sliding = contact.creep, 0.0
+        nx, ny, slope, bowl = contact.nx, contact.ny, contact.slope, contact.bowl * contact.pressing
+        creep, sliding, dragging = contact.creep, 0.0, 0.0
         if contact.state != STICKS:
             creep, sliding = 0.0, contact.friction if contact.state == SLIDES else -contact.friction
+            if not coupled_friction:
+                sliding, dragging = 0.0, sliding * contact.pressing
         force, rolled = contact.force, bowl * rolling(contact, near)
         disc, own, shaft = contact.disc, contact.pin, contact.shaft
         pin = 3 * ((own - size) // 3)
@@ -231,7 +241,7 @@ def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Ar
             side = _side(1.0, nx, ny, contact.disc_normal, contact.disc_tangent, contact.disc_middle, sliding)
             _add_block(matrix, disc, disc, side, side, slope, creep, bowl)
             for a in range(3):
-                right[disc + a] += force * side.pushed[a] + rolled * side.middle[a]
+                right[disc + a] += force * side.pushed[a] + rolled * side.middle[a] - dragging * side.tangent[a]
             if shaft >= 0:
                 for a in range(3):
                     by_slip, by_roll = creep * side.tangent[a], bowl * side.middle[a]
@@ -254,7 +264,7 @@ def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Ar
             side = _side(contact.side, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
             _add_block(pins, pin, 0, side, side, slope, creep, bowl)
             for a in range(3):
-                pins_right[pin + a] += force * side.pushed[a] + rolled * side.middle[a]
+                pins_right[pin + a] += force * side.pushed[a] + rolled * side.middle[a] - dragging * side.tangent[a]
             if shaft >= 0:
                 coupled[pin // 3] = 1
                 for a in range(3):
@@ -270,7 +280,7 @@ def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Ar
                         + by_roll * contact.shaft_middle
                     )
         if shaft >= 0:
-            right[shaft] += force * of_shaft + rolled * contact.shaft_middle
+            right[shaft] += force * of_shaft + rolled * contact.shaft_middle - dragging * contact.shaft_tangent
             matrix[shaft, shaft] += (
                 slope * of_shaft * contact.shaft_normal
                 + creep * contact.shaft_tangent**2
@@ -397,15 +407,19 @@ def _changes(
     near: Array,
     v: Array,
     half: float,
+    at_once: bool,
+    coupled_friction: bool,
 ) -> bool:
     """Compute the forces at speeds v, set the states that they ask for, and tell whether one has changed.
 
+    Where not all change `at_once`, the first does alone; where friction is not coupled, it is to come out as it was.
+
     A contact that was open closes where its gap does; one that has closed bears what it bears, until that is nothing.
     """
-    changed = False
+    changed, largest, moved = False, 0.0, 0.0
     for k in range(count):
         contact = contacts[k]
-        before = contact.state
+        before, bore = contact.state, contact.pressing
         contact.speed, contact.slip = speeds(contact, v)
         pressing = contact.force - contact.slope * contact.speed
         if before == OPEN:
@@ -413,6 +427,9 @@ def _changes(
             if gap >= 0.0:
                 pressing = 0.0
         contact.pressing, contact.rubbing = max(pressing, 0.0), 0.0
+        largest = max(largest, contact.pressing)
+        if before in (SLIDES, SLIDES_BACK):
+            moved = max(moved, abs(contact.pressing - bore))
         after = OPEN
         if pressing > 0.0:
             after = rubbing_state(contact, contact.slip)
@@ -420,8 +437,11 @@ def _changes(
                 after = STICKS  # what turns round comes to rest on the way
             limit = contact.friction * pressing
             contact.rubbing = -max(-limit, min(limit, contact.creep * contact.slip))
-        contact.state = after
-        changed = changed or after != before
+        elif before == STICKS and not at_once and contact.friction > 0.0:
+            after = SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may part what presses
+        if after != before and (at_once or not changed):
+            contact.state = after
+            changed = True
     size = len(equations.right)
     for shaft in range(2):
         limit = system.drag[shaft, 0]
@@ -430,6 +450,7 @@ def _changes(
             after = STICKS
             if system.drag[shaft, 1] * abs(speed) > limit:
                 after = SLIDES if speed > 0.0 else SLIDES_BACK
-            changed = changed or after != equations.shaft_state[shaft]
-            equations.shaft_state[shaft] = after
-    return changed
+            if after != equations.shaft_state[shaft] and (at_once or not changed):
+                equations.shaft_state[shaft] = after
+                changed = True
+    return changed or (not coupled_friction and moved > LIKE * largest)

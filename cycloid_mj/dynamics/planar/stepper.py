@@ -143,16 +143,17 @@ def _compiled() -> Any:
         size, half = len(equations.right), 0.5 * step
         middle, near, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MOST_TOUCHES, STRIDE // 8))
-        sample = 0
+        sample, most = 0, 0
         for taken in range(len(commands)):
             _foresee(motion, size, near)
-            rounds, count = 0, 0
+            count = 0
             for _ in range(MOST_LOOKS):
                 _go(motion.q, half, near, q)
                 count = find(system, lobes, q, near, half, scratch, contacts)
-                rounds += solve(
+                rounds = solve(
                     system, contacts, count, equations, motion.q, motion.v, near, commands[taken], step, middle
                 )
+                most = max(most, rounds)
                 if not _is_far(system, half, near, middle, size):
                     break
                 _go(middle, 0.0, middle, near)
@@ -161,8 +162,8 @@ def _compiled() -> Any:
             if due == 0:
                 due = every
                 _go(motion.q, half, middle, q)
-                _write_sample(system, contacts, count, motion, q, middle, commands[taken], rounds, rows[sample])
-                sample += 1
+                _write_sample(system, contacts, count, motion, q, middle, commands[taken], most, rows[sample])
+                sample, most = sample + 1, 0
             _end(motion, size, step, middle)
 
     with announced():
@@ -235,7 +236,10 @@ def _write_sample(
     rounds: int,
     row: Array,
 ) -> None:
-    """Write the sample of a step: what moves, energies, what the solver did, pairs and drags."""
+    """Write the sample of a step: what moves, energies, what the solver did, pairs and drags.
+
+    `rounds` are the most that a step since the last sample took.
+    """
     discs, size = len(system.cams), len(system.inertia)
     output, crank = size - 2, size - 1
     at = _write_shaft(system, 1, crank, q, v, command, row, 0)

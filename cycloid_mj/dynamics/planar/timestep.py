@@ -14,6 +14,9 @@ At 33 us, against 1 us at the rated load, all means of pin, nonpin, twodisc and 
 peak of the transmission error to 0.5 %; rms of the gear's speed are 5 % low with free pins and 1 to 3 % high without.
 """
 
+MOST_ROUNDS = 100
+"""Rounds after which a step ends whatever its contacts do, in which they press, creep or slide in other ways."""
+
 ACCURACY = StepAccuracy(
     "means within 0.1 %, peaks to peak within 1 %; rms of speeds within 10 %, as moving pins chatter",
     "means within 0.1 %; no peaks and no rms of speeds, which the inertia of pins has its part in",
