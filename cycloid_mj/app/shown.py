@@ -11,6 +11,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.figures import figure
 from cycloid_mj.life import RatedItem, rate
 from cycloid_mj.life.duty import steady
+from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import is_bearing_life
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance
@@ -53,7 +54,8 @@ def error_lines(design: Design) -> tuple[FigureLine, ...]:
 
 def check_lines(design: Design) -> tuple[FigureLine, ...]:
     """List the checks that do not hold, errors before warnings, or that all do."""
-    ordered = sorted(check(design), key=lambda one: one.severity != "error")
+    found = (*check(design), *lasting_checks(Reducer(design)))
+    ordered = sorted(found, key=lambda one: one.severity != "error")
     return _broken(ordered) or (FigureLine("checks", "all hold"),)
 
 

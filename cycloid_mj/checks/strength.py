@@ -79,7 +79,8 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
     reducer = Reducer(design)
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
-    yields, breaks = (_weaker(reducer, kind, strength) for strength in ("yield_strength", "tensile_strength"))
+    yields = _weaker(reducer, kind, "yield_strength", "surface_strength")
+    breaks = _weaker(reducer, kind, "tensile_strength", "surface_tensile_strength")
     for name, (key, strength), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
@@ -117,11 +118,15 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
         )
 
 
-def _weaker(reducer: Reducer, kind: str, strength: str) -> tuple[str, float]:
-    """Return the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
+def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tuple[str, float]:
+    """Return key and value [Pa] of a strength of the weaker of the two surfaces that meet in a kind of pair."""
     design = reducer.design
-    parts = {f"{design.material_table(part)}.{strength}": design.material_of(part) for part in PARTNERS[kind]}
-    return min(((key, float(getattr(material, strength))) for key, material in parts.items()), key=lambda item: item[1])
+    found = {}
+    for part in PARTNERS[kind]:
+        material = design.material_of(part)
+        key = "surface_yield" if material.surface_yield else strength
+        found[f"{design.material_table(part)}.{key}"] = float(getattr(material, of_surface))
+    return min(found.items(), key=lambda item: item[1])
 
 
 def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:

@@ -25,7 +25,7 @@ class Sheets(Delivery):
 
 SHEETS = Sheets()
 
-LifeFlag = Annotated[float, Parameter(help="Hours that the rated torque is for. Default: 6000.")]
+LifeFlag = Annotated[float | None, Parameter(help="Hours that the rated torque is for. Default: service.life_h.")]
 
 EXAMPLES = """Examples:
   cycloid-mj datasheet --design pin
@@ -35,24 +35,24 @@ EXAMPLES = """Examples:
 def datasheet(
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
     *,
-    life_h: LifeFlag = 6000.0,
+    life_h: LifeFlag = None,
     delivery: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
     """Write a data sheet, as makers of reducers do: two pages as PDF, and one as HTML.
 
-    Rated torque for 6000 h, solved for with the items of `rate`, momentary torque,
+    Rated torque for a life (service.life_h), solved for with the items of `rate`, momentary torque,
     lost motion, stiffness, efficiency, backlash, mass, inertia, curves, and a
     dimensioned drawing. Every number is this model's, by statics, and has its
     condition beside it.
     """
     from cycloid_mj.life.datasheet import datasheet as computed
 
-    if not 0.0 < life_h < float("inf"):
+    if life_h is not None and not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g}: give a number more than 0")
     design = chosen.sound()
     stem = f"{design.name}-datasheet"
     place = claimed(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
-    return deliver(_outcome(computed(Reducer(design), life_h), place), place, delivery)
+    return deliver(_outcome(computed(Reducer(design), life_h or 0.0), place), place, delivery)
 
 
 def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:

@@ -1,52 +1,29 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from math import degrees
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim
-from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, NAMES, Delivery, DesignOptions, ForceFlag, SetFlag, designed, whole
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
+from cycloid_mj.cli.new import new
 from cycloid_mj.cli.terminal import say
-from cycloid_mj.design import PRESETS, Design, dump, override, reasons
+from cycloid_mj.design import Design, dump, reasons
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.checks import Check, Summary
     from cycloid_mj.life import Rating
 
-NewName = Annotated[
-    str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
-]
-FromFlag = Annotated[
-    str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to start from: {NAMES}, or a TOML file.")
-]
-
-RatioFlag = Annotated[
-    int | None,
-    Parameter(converter=whole, help="Reduction ratio of a new size, whole: one pin more than that."),
-]
-DiameterFlag = Annotated[float | None, Parameter(help="Outer diameter of a new size [mm].")]
-TorqueFlag = Annotated[float | None, Parameter(help="Rated torque on the output of a new size [N m].")]
-ProcessFlag = Annotated[
-    Literal["steel", "printed"], Parameter(help="How a new size is made: materials, clearances, how the pins are held.")
-]
-
-DiscsFlag = Annotated[
-    int | None, Parameter(converter=whole, help="Discs on the crank of a new size, 1 to 4. Default: 1.")
-]
-
 EXAMPLES = """Examples:
-  cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 5
-  cycloid-mj design new two --ratio 9 --diameter-mm 80 --torque-nm 9 --discs 2
+  cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 10
+  cycloid-mj design new two --ratio 9 --diameter-mm 80 --torque-nm 5 --discs 2 --life-h 20000
+  cycloid-mj design new arm --ratio-range 25:35 --diameter-mm 90 --torque-nm 0.5 --process printed
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
@@ -62,74 +39,6 @@ def commands(sort_key: int) -> App:
     for place, command in enumerate(parts):
         app.command(command, sort_key=place)
     return app
-
-
-def new(
-    name: NewName,
-    /,
-    *,
-    source: FromFlag = "",
-    ratio: RatioFlag = None,
-    diameter_mm: DiameterFlag = None,
-    torque_nm: TorqueFlag = None,
-    process: ProcessFlag = "steel",
-    discs: DiscsFlag = None,
-    set_: SetFlag = (),
-    force: ForceFlag = False,
-) -> int:
-    """Write NAME.toml, a complete, commented design file to edit.
-
-    It starts from a preset or a file (--from; default: pin), or from a ratio, an
-    outer diameter and a rated torque, which are to be given together: then each
-    value that was chosen has its reason beside it, the checks pass, and what the
-    design carries at the rated torque is printed. The changes of --set come
-    last. The file carries the new name, so that its runs do not meet those of
-    another design. The path of the file is printed.
-
-    A design has one stage, one crank in the middle, pins (or lobes) on the ring,
-    and one lobe fewer on the gear. RV reducers with a planetary stage, tooth
-    differences of 2 or more, and hypocycloid drives with the pins on the gear
-    are not there.
-    """
-    stem = name.removesuffix(".toml")
-    if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
-        raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
-    if stem in PRESETS:
-        raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
-    file = Path(f"{stem}.toml")
-    claim(file, force=force)
-    asked = {"--ratio": ratio, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
-    if all(value is None for value in asked.values()):
-        if discs is not None:
-            raise UsageError(f"--discs {discs} is for a new size; of another design it is --set gear.discs={discs}")
-        source = source or "pin"
-        started = designed(source, set_, ()).but(name=stem)
-        write_whole({file: dump(started, reasons(source, started)).encode()})
-        say(str(file))
-        return 0
-    if ratio is None or diameter_mm is None or torque_nm is None:
-        missing = " and ".join(flag for flag, value in asked.items() if value is None)
-        raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
-    if source:
-        raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
-    from cycloid_mj.explore.sizing import sized
-
-    sizing = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process, 1 if discs is None else discs)
-    design = override(sizing.design, set_)
-    write_whole({file: dump(design, sizing.reasons).encode()})
-    say(str(file))
-    for line in _carried(design):
-        say(f"  {line}")
-    return 0
-
-
-def _carried(design: Design) -> list[str]:
-    """Tell what a new design carries, and what its checks warn of."""
-    from cycloid_mj.checks import check as checks
-
-    failures = [item for item in checks(design) if not item.passed]
-    summed = _summed(design)
-    return [*(_lines(summed, _rated(design)) if summed else []), *(f"{_word(item)}  {item}" for item in failures)]
 
 
 def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
@@ -149,11 +58,12 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     For each check that fails or warns: the value, its limit, the reason, and what
     to change; --all lists the others too. First come those of whether it can be built, then those that decide
     how well it works at its rated torque (drive torque times the ratio), by
-    statics with the real clearances, friction and errors; these only warn.
+    statics with the real clearances, friction and errors, and whether it lasts
+    there: life, heat, strength, and twice that torque held once; these only warn.
 
     The summary tells ratio, size, mass, what carries, backlash, the capacity (the
     torque at which a contact first yields), and what fails first: the weakest item
-    of `cycloid-mj rate`, for 10 000 h. The exit code is 1 if the design cannot be
+    of `cycloid-mj rate`, for service.life_h. The exit code is 1 if the design cannot be
     built, else 0: warnings do not count.
     """
     from cycloid_mj.checks import check as checks
@@ -164,6 +74,10 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     sound = not any(_word(item) == "FAIL" for item in results)
     summed = _summed(design) if sound else None
     rating = _rated(design) if summed else None
+    if rating:
+        from cycloid_mj.life.lasting import checks_of
+
+        results = (*results, *checks_of(rating))
     return deliver(_outcome(design.name, results, summed, rating), place, delivery)
 
 

@@ -102,7 +102,11 @@ FLAT = Parameter(name="*")
 
 def whole(_: Any, tokens: Sequence[Token]) -> int:
     """Return a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
-    text = tokens[0].value
+    return whole_number(tokens[0].value)
+
+
+def whole_number(text: str) -> int:
+    """Read a whole number; raise ValueError that names the nearest ones where it is none."""
     try:
         return int(text)
     except ValueError:

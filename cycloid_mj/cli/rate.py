@@ -22,7 +22,7 @@ DutyFlag = Annotated[
     Path | None,
     Parameter(metavar="DUTY.csv", help="Duty cycle instead: columns torque_nm, speed_rpm, share of the time."),
 ]
-LifeFlag = Annotated[float, Parameter(help="Life that is asked for [h]. Default: 10000.")]
+LifeFlag = Annotated[float | None, Parameter(help="Life that is asked for [h]. Default: service.life_h.")]
 PeakFlag = Annotated[
     float | None, Parameter(help="Torque of an emergency stop [N m]. Default: twice the largest of the duty.")
 ]
@@ -47,7 +47,7 @@ def rate(
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,
-    life_h: LifeFlag = 10_000.0,
+    life_h: LifeFlag = None,
     peak_nm: PeakFlag = None,
     stress: StressFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
@@ -79,7 +79,7 @@ def rate(
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     place = claimed(delivery, f"{design.name}-rating")
-    rating = rated(design, cycle, life_h, read_ranges(stress, Reducer(design)) if stress else None, give=True)
+    rating = rated(design, cycle, life_h or 0.0, read_ranges(stress, Reducer(design)) if stress else None, give=True)
     return deliver(_outcome(rating, place), place, delivery)
 
 

@@ -3,7 +3,8 @@
 Values at 23 °C, in SI, as their sources print them; strengths of steels go with the heat treatment, of plastics with
 time and temperature. A plastic's modulus is that of a short test: under a load that stays, Hostaform C 9021 (POM) has
 2500 MPa left after 1 h and 1300 MPa after 1000 h (ISO 899-1), and its fellows creep alike. Thermal expansion is the
-usual value of the kind, of metals within 5 %, of plastics within a fifth.
+usual value of the kind, of metals within 5 %, of plastics within a fifth. A hardened surface yields at a third of its
+Vickers hardness as a pressure (Tabor); its case is taken to be deeper than the contacts press.
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,11 @@ class Entry:
         Linear thermal expansion at room temperature [1/K].
     source
         Where the values are from.
+    surface_yield
+        Yield strength of a hardened surface [Pa]; 0: that of the body.
+    endurance_pressure
+        Hertz's pressure that a surface bears 10^7 times without pits [Pa]; 0: of steel by its tensile strength, of
+        others there is none.
     """
 
     youngs_modulus: float
@@ -35,6 +41,8 @@ class Entry:
     hottest: float
     expansion: float
     source: str
+    surface_yield: float = 0.0
+    endurance_pressure: float = 0.0
 
 
 def _entry(
@@ -46,9 +54,13 @@ def _entry(
     hottest: float,
     expansion: float,
     source: str,
+    surface: float = 0.0,
+    endurance: float = 0.0,
 ) -> Entry:
-    """Build an entry from moduli and strengths in MPa, and expansion in um/(m K)."""
-    return Entry(modulus * 1e6, poisson, density, tensile * 1e6, limit * 1e6, hottest, expansion / 1e6, source)
+    """Build an entry from moduli, strengths and pressures in MPa, and expansion in um/(m K)."""
+    strengths = (tensile * 1e6, limit * 1e6)
+    hard = (surface * 1e6, endurance * 1e6)
+    return Entry(modulus * 1e6, poisson, density, *strengths, hottest, expansion / 1e6, source, *hard)
 
 
 SOFTEST_METAL = 3e10
@@ -60,6 +72,45 @@ MATERIALS = {
     DEFAULT: _entry(210000.0, 0.28, 7700.0, 723.1, 620.4, 250.0, 13.0, "Hsieh 2014, Table 1; SolidWorks Alloy Steel"),
     "bearing steel": _entry(
         203000.0, 0.29, 7830.0, 2241.0, 2034.0, 150.0, 12.5, "AISI 52100, 60 to 67 HRC, makers of balls"
+    ),
+    "case-hardened 16MnCr5": _entry(
+        210000.0,
+        0.30,
+        7850.0,
+        900.0,
+        490.0,
+        160.0,
+        12.0,
+        "core: Saarstahl 16MnCr5, 16 to 40 mm, and Lucefin 16MnCr5 (2018), 30 mm; surface: 58 HRC, 653 HV, over 3; "
+        "AGMA 2001-D04, Table 3, carburised, grade 1",
+        2135.0,
+        1240.0,
+    ),
+    "case-hardened 20MnCr5": _entry(
+        210000.0,
+        0.30,
+        7850.0,
+        930.0,
+        690.0,
+        160.0,
+        12.0,
+        "core: Lucefin 20MnCr5 (EN 10084:2008), 30 mm; surface: 58 HRC, 653 HV, over 3; AGMA 2001-D04, Table 3, "
+        "carburised, grade 1",
+        2135.0,
+        1240.0,
+    ),
+    "nitrided 42CrMo4": _entry(
+        210000.0,
+        0.30,
+        7850.0,
+        1000.0,
+        750.0,
+        250.0,
+        12.0,
+        "core: 42CrMo4+QT, 16 to 40 mm, EN ISO 683-2; surface: 600 HV over 3 (assumed); AGMA 2001-D04, Table 3, "
+        "nitrided, 83.5 HR15N, grade 1",
+        1961.0,
+        1034.0,
     ),
     "tempered steel": _entry(
         210000.0, 0.30, 7850.0, 1000.0, 750.0, 250.0, 12.0, "42CrMo4+QT, 16 to 40 mm, EN ISO 683-2"

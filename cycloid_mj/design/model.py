@@ -528,6 +528,27 @@ class Material(Section):
     tensile_strength: float = quantity(723.1, "tensile strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
     yield_strength: float = quantity(620.4, "yield strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
     expansion: float = quantity(13.0, "linear thermal expansion", u.EXPANSION, u.ALLOY_STEEL, ge=0.0, le=500.0)
+    surface_yield: float = quantity(
+        0.0, "yield strength of a hardened surface; 0: that of the body", u.MEGAPASCAL, u.ALLOY_STEEL, ge=0.0, le=1e5
+    )
+    endurance_pressure: float = quantity(
+        0.0,
+        "Hertz's pressure that a surface bears 10^7 times without pits; 0: of steel by its tensile strength",
+        u.MEGAPASCAL,
+        u.ALLOY_STEEL,
+        ge=0.0,
+        le=1e5,
+    )
+
+    @property
+    def surface_strength(self) -> float:
+        """Yield strength of the surface [Pa], which may be hardened."""
+        return self.surface_yield or self.yield_strength
+
+    @property
+    def surface_tensile_strength(self) -> float:
+        """Tensile strength of the surface [Pa]: of a hardened one about its yield strength."""
+        return max(self.surface_yield, self.tensile_strength)
 
     @model_validator(mode="before")
     @classmethod
@@ -577,8 +598,11 @@ class Bearing(Section):
 
 
 class Service(Section):
-    """What fatigue, wear and heat depend on beside the loads; for `cycloid-mj rate` alone."""
+    """What fatigue, wear and heat depend on beside the loads, and how long the drive is to last."""
 
+    life: float = quantity(
+        6000.0, "hours that the rated torque is to be borne for (robot reducers: 6000)", u.HOUR, gt=0.0, le=1e9
+    )
     surface: Literal["ground", "machined", "forged"] = choice("machined", "shaft and pins: ground, machined, forged")
     endurance_limit: float = quantity(
         0.0, "endurance limit of every part; 0: by tensile strength, surface, size", u.MEGAPASCAL, ge=0.0, le=1e5

@@ -51,6 +51,7 @@ RPM = Unit("rpm", divisor=60.0, multiplier=2.0 * math.pi)
 DEGREE = Unit("deg", divisor=180.0, multiplier=math.pi)
 ARCSECOND = Unit("arcsec", divisor=648000.0, multiplier=math.pi)
 SECOND = Unit("s")
+HOUR = Unit("h")
 MICROSECOND = Unit("us", divisor=1e6)
 NEWTON = Unit("n")
 NEWTON_METRE = Unit("nm")
@@ -123,6 +124,7 @@ UNITS = {
         DEGREE,
         ARCSECOND,
         SECOND,
+        HOUR,
         MICROSECOND,
         NEWTON,
         NEWTON_METRE,

@@ -22,9 +22,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
 
-LIFE = 6000.0
-"""Hours for which makers of robot reducers state the rated torque."""
-
 SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
 TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
@@ -49,6 +46,8 @@ class Datasheet:
         What all of it stands on, a sentence each.
     figures
         The catalogue's, of geometry and statics, by key.
+    weakest
+        What decides the rated torque.
     """
 
     design: Design
@@ -57,13 +56,21 @@ class Datasheet:
     curves: tuple[Curve, ...]
     notes: tuple[str, ...]
     figures: Mapping[str, Quantity]
+    weakest: RatedItem
+
+    def value(self, key: str) -> float:
+        """Return the value of a quantity."""
+        return next(one.value for group in self.groups.values() for one in group if one.key == key)
 
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
         items = [one for group in self.groups.values() for one in group]
         return {
             "design": self.design.name,
+            "rated_torque_nm": self.value("rated_torque"),
             "life_h": self.life,
+            "momentary_torque_nm": self.value("momentary_torque"),
+            "weakest": {"key": self.weakest.key, **self.weakest.as_json()},
             "quantities": {
                 item.key: {"name": item.name, "value": item.value, "unit": item.unit, "condition": item.note}
                 for item in items
@@ -74,8 +81,8 @@ class Datasheet:
         }
 
 
-def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
-    """Compute the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
+def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
+    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h], by default its own.
 
     Raises
     ------
@@ -85,6 +92,7 @@ def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
         No static balance was found, as where friction jams the reducer.
     """
     design = reducer.design
+    life = life or design.service.life
     static = sheet(reducer, design.rated_torque)
     momentary, stop = momentary_torque(reducer)
     rated, weakest = min(rated_torque(reducer, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
@@ -102,6 +110,7 @@ def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
         curves=curves,
         notes=_notes(reducer, life, static),
         figures=quantities(reducer.but(load={"torque": design.rated_torque})),
+        weakest=weakest,
     )
 
 

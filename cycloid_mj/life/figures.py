@@ -59,6 +59,6 @@ def momentary(reducer: Reducer) -> float:
 
 
 def torque_for_life(reducer: Reducer) -> float:
-    """Compute the torque that all parts bear for `datasheet.LIFE` at the rated speed, and that is held once [N m]."""
-    lasting, _ = rated_torque(reducer, reducer.design.drive.speed, datasheet.LIFE)
+    """Compute the torque that all parts bear for the design's life at the rated speed, and that is held once [N m]."""
+    lasting, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
     return min(lasting, momentary(reducer))

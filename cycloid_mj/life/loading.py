@@ -88,8 +88,8 @@ def speed_past_ring(reducer: Reducer, speed: float) -> float:
     return abs(float(against_ring(reducer.design, speed)))
 
 
-def loading(reducer: Reducer, point: DutyPoint) -> Loading:
-    """Solve one point of a duty; the signs of torque and speed do not matter: the load brakes.
+def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
+    """Solve one point of a duty at some crank angles; the signs of torque and speed do not matter: the load brakes.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
     at = reducer.but(drive={"speed": speed})
-    crank = design.lobes * turn_evenly(reducer, POSES)
+    crank = design.lobes * turn_evenly(reducer, poses)
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     try:
         contact_loads, power = loads(at, springs, torque), powers(at, abs(point.torque))
@@ -107,7 +107,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(f"{design.name} does not hold {condition}: {error}; rate it at another torque") from error
-    cam = contact_loads.cam.reshape(POSES, -1, 2)
+    cam = contact_loads.cam.reshape(poses, -1, 2)
     shaft = shaft_measures(reducer)
     places, forces = _shaft_forces(at, shaft, springs.crank, cam)
     return Loading(
@@ -116,7 +116,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
         cam=magnitudes(cam),
         shaft=forces,
         places=places,
-        output=contact_loads.output.reshape(POSES, cam.shape[1], -1),
+        output=contact_loads.output.reshape(poses, cam.shape[1], -1),
         teeth=float(contact_loads.teeth.max()),
         pressures={kind: peak_pressure(at, springs, contact_loads, kind) for kind in design.pair_kinds},
         rubs=_rubs(at, springs, contact_loads),

@@ -10,9 +10,14 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, YIELD_PRESSURE
 
 KINDS = {
-    "peak_yield": ("first yield", YIELD_PRESSURE, "yield_strength", "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)")
+    "peak_yield": ("first yield", YIELD_PRESSURE, "surface_strength", "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)")
 }
-KINDS["peak_dents"] = ("lasting dents", HARDNESS_PRESSURE, "tensile_strength", "p0 = 2.84 S, Brinell's (ISO 18265)")
+KINDS["peak_dents"] = (
+    "lasting dents",
+    HARDNESS_PRESSURE,
+    "surface_tensile_strength",
+    "p0 = 2.84 S, Brinell's (ISO 18265)",
+)
 """Pressures that are held once: what happens beyond, over which strength, and its source."""
 
 

@@ -1,40 +1,44 @@
 """Rated torque for a given life, as makers state it."""
 
 import math
-from collections.abc import Callable
-
-from scipy.optimize import brentq
+from collections.abc import Callable, Iterable
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
+from cycloid_mj.life.loading import POSES
+from cycloid_mj.life.rolling import EXPONENT
+from cycloid_mj.life.surfaces import PITTING_LIFE
 from cycloid_mj.reducer import Reducer
 
 LOWEST, HIGHEST = 1e-3, 1e2
 """Torques between which the rated one is looked for, over that of the drive."""
 
-STRIDE = math.log(2.0)
-"""Step of that search, of the torque's logarithm, until the rated one lies within."""
+STRIDE = 2.0
+"""Factor from torque to torque where the law of an item leads nowhere."""
 
-EXACT = 1e-3
+EXACT = 5e-4
 """Relative accuracy of the rated torque."""
-
-NO_BALANCE = -100.0
-"""Logarithm of the margin of what is not held at all."""
 
 STOPS, NOT_COUNTED = "peak_", ("_wear", "_static")
 """Items that do not decide the rated torque: stops, wear (its coefficient is known to a decade), figures."""
 
 
 def rated_torque(
-    reducer: Reducer, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
+    reducer: Reducer,
+    speed: float,
+    life: float,
+    counts: Callable[[str], bool] | None = None,
+    guess: float = 0.0,
+    poses: int = POSES,
 ) -> tuple[float, RatedItem]:
     """Compute the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
     `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
-    a `guess` [N m], by default the drive's torque, and ends a hundred times above and a thousand times below that.
+    a `guess` [N m], by default the drive's torque, goes on where the weakest item's law leads, and ends a hundred times
+    above and a thousand times below that. Fewer `poses` are quicker and less exact, as of `rate`.
 
     Raises
     ------
@@ -42,35 +46,58 @@ def rated_torque(
         No torque in that range is borne for so long.
     """
     design = reducer.design
-    decides, rated = counts or _counts, design.rated_torque
-    decisive: dict[float, RatedItem] = {}
+    at, low, high = guess or design.rated_torque, 0.0, math.inf
+    decides = counts or _counts
+    weakest: RatedItem | None = None
+    while high > LOWEST * design.rated_torque:
+        bears, item = _torque_borne(reducer, at, speed, life, decides, poses)
+        if abs(bears / at - 1.0) <= EXACT and item:
+            return bears, item
+        if bears >= at and item:
+            low, weakest = at, item
+        else:
+            high = at
+        if weakest and (high < low * (1.0 + EXACT) or low > HIGHEST * design.rated_torque):
+            return low, weakest
+        at = bears if low < bears < high else _between(low, high)
+    raise DesignError(
+        f"{design.name}: no torque down to {at:.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
+        "rpm; rate it to see what fails"
+    )
 
-    def margin(logarithm: float) -> float:
-        """Compute the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
-        try:
-            items = rate(design, steady(math.exp(logarithm), speed), life).items
-        except CycloidError:
-            return NO_BALANCE
-        decisive[logarithm] = next(item for item in items.values() if decides(item.key))
-        return math.log(max(decisive[logarithm].margin(life), math.exp(NO_BALANCE)))
 
-    at = math.log(guess or rated)
-    bears = margin(at) > 0.0
-    step = STRIDE if bears else -STRIDE
-    lowest, highest = (math.log(share * rated) for share in (LOWEST, HIGHEST))
-    while (margin(at + step) > 0.0) == bears:
-        at += step
-        if not lowest < at < highest:
-            break
-    else:
-        root = float(brentq(margin, min(at, at + step), max(at, at + step), xtol=EXACT))
-        return math.exp(root), decisive[min(decisive, key=lambda one: abs(one - root))]
-    if not bears:
-        raise DesignError(
-            f"{design.name}: no torque down to {math.exp(at):.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
-            "rpm; rate it to see what fails"
-        )
-    return math.exp(at), decisive[at]
+def _torque_borne(
+    reducer: Reducer, torque: float, speed: float, life: float, decides: Callable[[str], bool], poses: int
+) -> tuple[float, RatedItem | None]:
+    """Compute what is borne by the law of the item that is weakest at a torque [N m]; 0 where none is held at all."""
+    try:
+        items = rate(reducer.design, steady(torque, speed), life, poses=poses).items.values()
+    except CycloidError:
+        return 0.0, None
+    return weakest_torque((item for item in items if decides(item.key)), torque, life)
+
+
+def _between(low: float, high: float) -> float:
+    """Return a torque between one that is borne and one that is not, or beyond the one that is known."""
+    if not low:
+        return high / STRIDE
+    return math.sqrt(low * high) if math.isfinite(high) else STRIDE * low
+
+
+def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
+    """Compute the torque [N m] at which the first of some items would fail by its law, as rated at one, and that item.
+
+    The laws are those of loads in proportion to the torque (docs/rating.md): from far off it is an estimate.
+    """
+    return min(((_borne(item, torque, life), item) for item in items), key=lambda one: one[0])
+
+
+def _borne(item: RatedItem, torque: float, life: float) -> float:
+    margin = item.margin(life)
+    if item.safety is None:
+        return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else 2.0 * PITTING_LIFE[1]))
+    by_pressure = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
+    return torque * (margin**2 if by_pressure else margin)
 
 
 def _counts(key: str) -> bool:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
+from cycloid_mj.design import Material
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
@@ -63,8 +64,7 @@ def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIte
 
 
 def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
-    allowed = pitting_pressure(tensile)
+    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda one: one[0])
     damage, hourly, on_pins = 0.0, 0.0, 0.0
     for loading in loadings:
         loads = _turns_an_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
@@ -74,7 +74,7 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
     life = 1.0 / damage if damage else math.inf
     note = (
         f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
-        f"on each place of the ring; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
+        f"on each place of the ring; {source}"
     )
     if life * hourly < FEWEST:
         note += "; below 10^4 loads the curve is drawn on"
@@ -86,13 +86,21 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
         "MPa",
         None,
         life,
-        "Z_N = 2.466 n^-0.056, S_c = 2.22 HB + 200 MPa, AGMA 2001-D04; Miner",
+        "Z_N = 2.466 n^-0.056, S_c by hardness, AGMA 2001-D04; Miner",
         note,
     )
 
 
 def _turns_an_hour(speed: float) -> float:
     return speed / (2.0 * math.pi) * 3600.0
+
+
+def pitting_limit(material: Material) -> tuple[float, str]:
+    """Find the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and where it is from."""
+    if material.endurance_pressure:
+        return material.endurance_pressure, f"S_c of {material.name or 'the design file'}"
+    hardness = 1e-6 * material.tensile_strength / BRINELL
+    return pitting_pressure(material.tensile_strength), f"{hardness:.0f} HB by the tensile strength (assumed)"
 
 
 def pitting_pressure(tensile: float) -> float:

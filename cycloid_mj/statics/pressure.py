@@ -59,8 +59,8 @@ def pair_modulus(reducer: Reducer, kind: str) -> float:
 
 
 def pair_strength(reducer: Reducer, kind: str) -> float:
-    """Compute the yield strength [Pa] of the weaker of the two parts that meet in a kind of pair."""
-    return min(part.yield_strength for part in reducer.design.partners(kind))
+    """Compute the yield strength [Pa] of the weaker of the two surfaces that meet in a kind of pair."""
+    return min(part.surface_strength for part in reducer.design.partners(kind))
 
 
 def hertz_pressure(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:

@@ -196,7 +196,7 @@ def test_no_whole_number_is_rounded() -> None:
         for argument in one.assemble_argument_collection()
         if argument.hint in (int, int | None)
     }
-    assert {("new", "--ratio"), ("new", "--discs"), ("app", "--port"), ("animate", "--frames")} < found.keys()
+    assert {("new", "--ratio"), ("app", "--port"), ("animate", "--frames")} < found.keys()
     assert {flag for flag, converter in found.items() if converter is not whole} == set()
 
 

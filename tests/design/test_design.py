@@ -24,7 +24,7 @@ FROM_PAPER = {
 }
 FROM_ELSEWHERE = {
     "friction": {"cam_rolling", "output_rolling"},
-    "material": {"poisson", "density_kg_m3", "expansion_um_m_k"},
+    "material": {"poisson", "density_kg_m3", "expansion_um_m_k", "surface_yield_mpa", "endurance_pressure_mpa"},
 }
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
@@ -62,7 +62,14 @@ ASSUMED_HERE = {
     },
     "bearing": {"dynamic_capacity_n", "static_capacity_n", "shaft_dynamic_capacity_n", "output_dynamic_capacity_n"}
     | {"shaft_static_capacity_n", "output_static_capacity_n", "reliability", "service_factor"},
-    "service": {"surface", "endurance_limit_mpa", "notch_factor", "wear_coefficient_mm3_nm", "ambient_temperature_c"}
+    "service": {
+        "life_h",
+        "surface",
+        "endurance_limit_mpa",
+        "notch_factor",
+        "wear_coefficient_mm3_nm",
+        "ambient_temperature_c",
+    }
     | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},

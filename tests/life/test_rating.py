@@ -230,7 +230,7 @@ def test_every_law_has_its_exponent(monkeypatch) -> None:
     )
     rated = []
     for each in (one, double):
-        monkeypatch.setattr(module, "loading", lambda design, point, each=each: each)
+        monkeypatch.setattr(module, "loading", lambda reducer, point, poses, each=each: each)
         rated.append(module.rate(PIN, Duty((each.point,), 2.0 * each.point.torque)).items)
     single_, doubled = rated
     assert set(single_) == set(doubled)

@@ -12,7 +12,7 @@ from designs import design_file, unlike
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.measure import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
@@ -193,8 +193,6 @@ def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way
 @pytest.mark.slow
 def test_wide_play_is_balanced_where_no_angle_follows_from_the_one_before() -> None:
     """A printed size whose contacts change at once under a hundredth of its load."""
-    from cycloid_mj.explore.sizing import sized
-
-    found = sheet(Reducer(sized("printed", 12, 0.08, 1.0, "printed").design))
+    found = sheet(Reducer(load(Path(__file__).parents[1] / "data" / "wide_play.toml")))
     assert 0.0 < found.quantities["efficiency"].value < 100.0
     assert found.quantities["output_peak_to_peak_unloaded_forward_speed"].value > 0.0

@@ -1,0 +1,240 @@
+"""``cycloid-mj design new``: a design file from a preset, or drives from what is asked of them."""
+
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.whole import write_whole
+from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, whole, whole_number
+from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.design import PRESETS, dump, override, reasons
+
+if TYPE_CHECKING:
+    from cycloid_mj.sizing.answer import Answer, SizedDrive, Way
+    from cycloid_mj.sizing.requirement import Requirement
+
+NewName = Annotated[
+    str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
+]
+FromFlag = Annotated[
+    str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to start from: {NAMES}, or a TOML file.")
+]
+RatioFlag = Annotated[
+    int | None,
+    Parameter(converter=whole, help="Reduction ratio of a new drive, whole: one pin more than that."),
+]
+RatioRangeFlag = Annotated[
+    str, Parameter(metavar="LOW:HIGH", help="Or a range of ratios, of which the one that bears the most is taken.")
+]
+DiameterFlag = Annotated[float | None, Parameter(help="Outer diameter of a new drive [mm].")]
+LengthFlag = Annotated[float | None, Parameter(help="Most length over all [mm]. Default: any.")]
+TorqueFlag = Annotated[
+    float | None,
+    Parameter(help="Torque on the output that is borne for the life [N m]; twice that is held once."),
+]
+LifeFlag = Annotated[float, Parameter(help="Hours that the torque is to be borne for. Default: 6000.")]
+SpeedFlag = Annotated[float, Parameter(help="Speed of the crank [rpm]. Default: 1500.")]
+BacklashFlag = Annotated[
+    float | None, Parameter(help="Most backlash of the output [arcmin]; clearances follow. Default: any.")
+]
+MaterialFlag = Annotated[
+    str, Parameter(help="Material of gear and housing, by its name in the library. Default: the process's.")
+]
+ClearanceFlag = Annotated[float | None, Parameter(help="Clearance of each pair of parts [um]. Default: the process's.")]
+ProcessFlag = Annotated[
+    Literal["steel", "printed", "milled"],
+    Parameter(help="How a new drive is made: materials, clearances, how the pins are held."),
+]
+DiscsFlag = Annotated[
+    str, Parameter(metavar="N|auto", help="Discs on the crank, 1 to 4, or auto: two where one is too few. Default: 1.")
+]
+
+COLUMNS = {
+    "mass_kg": "mass [kg]",
+    "length_mm": "length [mm]",
+    "rated_torque_nm": "rated [N m]",
+    "momentary_torque_nm": "once [N m]",
+    "life_h": "life [h]",
+    "temperature_c": "housing [°C]",
+    "stiffness_nm_per_arcmin": "[N m/arcmin]",
+    "backlash_arcmin": "backlash [arcmin]",
+}
+"""Figures of a shortlist -> headings of its table."""
+
+
+def new(
+    name: NewName,
+    /,
+    *,
+    source: FromFlag = "",
+    ratio: RatioFlag = None,
+    ratio_range: RatioRangeFlag = "",
+    diameter_mm: DiameterFlag = None,
+    length_mm: LengthFlag = None,
+    torque_nm: TorqueFlag = None,
+    life_h: LifeFlag = 6000.0,
+    speed_rpm: SpeedFlag = 1500.0,
+    backlash_arcmin: BacklashFlag = None,
+    process: ProcessFlag = "steel",
+    material: MaterialFlag = "",
+    clearance_um: ClearanceFlag = None,
+    discs: DiscsFlag = "",
+    set_: SetFlag = (),
+    json: JsonFlag = False,
+    force: ForceFlag = False,
+) -> int:
+    """Write NAME.toml, a complete, commented design file to edit.
+
+    It starts from a preset or a file (--from; default: pin), or from what is
+    asked of a drive: ratio, outer diameter and torque, which are to be given
+    together, and life, speed, length, backlash, material, clearance. Teeth, pins,
+    eccentricity, width, output pins, bore and shaft are then searched by statics
+    and the items of `cycloid-mj rate`, so that the data sheet of each drive
+    rates it for what was asked. The lightest is written as NAME.toml, each value
+    with its reason beside it; the stiffest and the one with the longest life as
+    NAME-stiffest.toml and NAME-longest-life.toml. Where none holds, the most
+    that goes is told, and what more would take: each of these was tried. The
+    exit code is then 1. The changes of --set come last.
+
+    A design has one stage, one crank in the middle, pins (or lobes) on the ring,
+    and one lobe fewer on the gear. RV reducers with a planetary stage, tooth
+    differences of 2 or more, and hypocycloid drives with the pins on the gear
+    are not there.
+    """
+    stem = name.removesuffix(".toml")
+    if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
+        raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
+    if stem in PRESETS:
+        raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
+    claim(Path(f"{stem}.toml"), force=force)
+    asked = {"--ratio": ratio or ratio_range or None, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
+    if all(value is None for value in asked.values()):
+        if discs:
+            raise UsageError(f"--discs {discs} is for a new size; of another design it is --set gear.discs={discs}")
+        return _started(stem, source or "pin", set_, json)
+    if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
+        missing = " and ".join(flag for flag, value in asked.items() if value is None)
+        raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
+    if source:
+        raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
+    if ratio is not None and ratio_range:
+        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} both tell the ratio: leave one of them out")
+    from cycloid_mj.base.units import RPM
+    from cycloid_mj.sizing.answer import answered, best_ratio
+    from cycloid_mj.sizing.requirement import Requirement
+
+    low, high = _range(ratio_range) if ratio_range else (ratio or 0, ratio or 0)
+    wanted = Requirement(
+        ratio=low,
+        diameter=1e-3 * diameter_mm,
+        torque=torque_nm,
+        life=life_h,
+        speed=speed_rpm * RPM,
+        process=process,
+        discs=_discs(discs),
+        length=math.inf if length_mm is None else 1e-3 * length_mm,
+        backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
+        material=material,
+        clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
+    )
+    answer = answered(best_ratio(wanted, low, high) if high > low else wanted)
+    if answer.drives:
+        return _written(stem, answer, set_, json, force)
+    if json:
+        say_json(_refusal(answer, wanted))
+        return 1
+    raise DesignError(answer.refusal)
+
+
+def _started(stem: str, source: str, changes: tuple[str, ...], json: bool) -> int:
+    """Write a copy of a design under another name."""
+    started, file = designed(source, changes, ()).but(name=stem), Path(f"{stem}.toml")
+    write_whole({file: dump(started, reasons(source, started)).encode()})
+    if json:
+        say_json({"designs": [{"file": str(file), "figures": {}, "why": f"a copy of {source}"}]})
+    else:
+        say(str(file))
+    return 0
+
+
+def _written(stem: str, answer: "Answer", changes: tuple[str, ...], json: bool, force: bool) -> int:
+    """Write the drives that were found, and tell of them."""
+    files: dict[Path, bytes] = {}
+    told: list[dict[str, Any]] = []
+    for number, drive in enumerate(answer.drives):
+        title = f"{stem}-{drive.title.replace(' ', '-')}" if number else stem
+        file = Path(f"{title}.toml")
+        claim(file, force=force)
+        design = override(drive.design.but(name=title), changes)
+        files[file] = dump(design, drive.reasons).encode()
+        told.append({"file": str(file), "title": drive.title, "figures": dict(drive.figures), "why": drive.why})
+    write_whole(files)
+    if json:
+        say_json(
+            {"designs": [one | {"reasons": drive.reasons} for one, drive in zip(told, answer.drives, strict=True)]}
+        )
+        return 0
+    for file in files:
+        say(str(file))
+    rows = [_row(drive) for drive in answer.drives]
+    say_table(
+        f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.asked.torque:g} N m", ("drive", *COLUMNS.values()), rows
+    )
+    for number, drive in enumerate(answer.drives):
+        say(f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}")
+    return 0
+
+
+def _row(drive: "SizedDrive") -> tuple[str, ...]:
+    from cycloid_mj.life.hours import hours
+
+    cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS}
+    return drive.title, *(cells | {"life_h": hours(drive.figures["life_h"])}).values()
+
+
+def _refusal(answer: "Answer", asked: "Requirement") -> dict[str, Any]:
+    ways = [{"words": way.words, "flags": _flags(way, asked)} for way in answer.ways]
+    return {"most": answer.most, "limit": answer.limit, "ways": ways, "why": answer.refusal}
+
+
+def _flags(way: "Way", asked: "Requirement") -> list[str]:
+    """List the flags that ask for a way out, in the place of those that were given."""
+    from cycloid_mj.base.units import RPM
+
+    flags = {
+        "diameter": ("--diameter-mm", 1e3 * way.asked.diameter),
+        "speed": ("--speed-rpm", way.asked.speed / RPM),
+        "clearance": ("--clearance-um", 1e6 * way.asked.clearance),
+        "discs": ("--discs", way.asked.discs),
+        "material": ("--material", way.asked.material),
+    }
+    changed = [flags[key] for key in flags if getattr(way.asked, key) != getattr(asked, key)]
+    return [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+
+
+def _range(text: str) -> tuple[int, int]:
+    """Read a range of ratios."""
+    match = re.fullmatch(r"(\d+):(\d+)", text)
+    if not match:
+        raise UsageError(f"--ratio-range {text!r}: expected LOW:HIGH, two whole numbers, e.g. 18:22")
+    return int(match[1]), int(match[2])
+
+
+def _discs(text: str) -> int:
+    """Read a number of discs; 0 for auto."""
+    if text == "auto":
+        return 0
+    if not text:
+        return 1
+    try:
+        number = whole_number(text)
+    except ValueError as error:
+        raise UsageError(f"--discs: {error}, or auto") from None
+    if number < 1:
+        raise UsageError(f"{number} discs are asked for; a crank has from 1 to 4")
+    return number

@@ -1,0 +1,353 @@
+"""The answer to a requirement: up to three drives that hold it, or the most that goes and what would help."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from cycloid_mj.base.digits import significant
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.units import RPM
+from cycloid_mj.design import Design
+from cycloid_mj.figures import figure
+from cycloid_mj.life.figures import length
+from cycloid_mj.life.loading import POSES
+from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing.climb import Step, climbed
+from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
+from cycloid_mj.sizing.reasons import reasons_of
+from cycloid_mj.sizing.requirement import MOST_RATIOS, Requirement
+from cycloid_mj.sizing.trial import FEW, TorqueTrial, holds, tried
+
+RESERVE = 1.01
+"""Torque for which a first look, at few crank angles, is to find a drive good enough."""
+
+SURELY = 0.985
+"""Of what the best proportions bear by the laws of their items: what is told as the most, if it is found to hold."""
+
+NARROWINGS = 4
+LOWERINGS = 6
+
+TIGHTER = 0.9
+"""Of the clearances that a backlash asks for in proportion, since other proportions have more of it."""
+
+WIDER = 1.4
+"""Face width of the stiffest and the longest living, over that of the lightest, as far as it goes."""
+
+GROWTH, LEAST_STEP, TRIES = 2.3, 1.04, 5
+"""Torque by the diameter to this power, as a guess; at least so much larger, so often."""
+
+FAR = 1.5
+"""How much larger where no torque at all is held."""
+
+PROMISES = 0.75
+"""Of the torque: what a change must leave the best proportions bearing, so that it is looked at closely."""
+
+NO_BALANCE = "with these clearances its teeth hold no load at all"
+
+MOST_WAYS = 4
+SLOWEST = 30.0 * RPM
+LARGEST = 3.0
+"""Slowest crank [rad/s] and largest diameter [m] that a way out names."""
+
+Figures = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class SizedDrive:
+    """A drive that holds what is asked of it: why it is shown, its design, figures by key, and reasons by value."""
+
+    title: str
+    why: str
+    design: Design
+    figures: Figures
+    reasons: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Way:
+    """A change of the requirement with which it can be met: in words, and as it is asked for."""
+
+    words: str
+    asked: Requirement
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """Drives, the first of which is to be taken; or the `most` torque [N m], what it is limited by, and ways out."""
+
+    asked: Requirement
+    drives: tuple[SizedDrive, ...]
+    most: float = 0.0
+    limit: str = ""
+    ways: tuple[Way, ...] = ()
+
+    @property
+    def refusal(self) -> str:
+        """What goes, and what the rest would need, in a sentence."""
+        needs = ", or ".join(way.words for way in self.ways) or "more than a change of size, discs or material"
+        if not self.most:
+            return f"{self.asked.torque:g} N m do not go here: {self.limit}; it needs {needs}"
+        return f"{self.most:g} N m at most here by {self.limit}; {self.asked.torque:g} N m needs {needs}"
+
+
+def answered(asked: Requirement) -> Answer:
+    """Find drives that hold a requirement, or the most that goes with its other values.
+
+    Raises
+    ------
+    DesignError
+        No gear of that ratio fits into the size at all.
+    """
+    asked, found, path = _searched(asked)
+    if found:
+        drives = tuple(_shortlist(asked, found))
+        exact = tuple(drive for drive in drives if drive.figures["backlash_arcmin"] <= asked.backlash)
+        return Answer(asked, exact) if exact else _too_loose(asked, drives)
+    if not path:
+        raise DesignError(
+            f"no gear with a ratio of {asked.ratio} fits into {1e3 * asked.diameter:g} mm"
+            f"{f' by {1e3 * asked.length:g} mm' if asked.length < math.inf else ''} with clearances of "
+            f"{1e6 * asked.usual_clearance:g} um ({asked.process}): take a larger diameter, or a smaller ratio"
+        )
+    most, held = _most(asked, path[-1])
+    limit = held.weakest.name if held.weakest else NO_BALANCE
+    return Answer(asked, (), most, limit, tuple(_ways(asked, path[-1], most)))
+
+
+def _too_loose(asked: Requirement, drives: tuple[SizedDrive, ...]) -> Answer:
+    """Answer with tighter clearances where drives have too much backlash; where those are too tight, tell of it."""
+    least = min(drive.figures["backlash_arcmin"] for drive in drives)
+    share, finest = asked.backlash / least, PROCESSES[asked.process].finest
+    if asked.tightened and asked.usual_clearance > finest:
+        return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
+    limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
+    needed = asked.but(clearance=TIGHTER * share * asked.usual_clearance)
+    ways = [Way(f"clearances of {1e6 * needed.clearance:.2g} um", needed)] if needed.clearance >= finest else []
+    larger = asked.but(diameter=_rounded_size(asked.diameter / (TIGHTER * share)))
+    ways += [Way(f"{1e3 * larger.diameter:g} mm", larger)] if larger.diameter <= LARGEST else []
+    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if answered(way.asked).drives))
+
+
+def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:
+    """Choose the ratio of a range with which the usual proportions bear the most, of a few evenly spaced ones.
+
+    Raises
+    ------
+    UsageError
+        The range is none.
+    """
+    if low > high:
+        raise UsageError(f"the ratios from {low} to {high} are none: give the smaller one first")
+    count = min(MOST_RATIOS, high - low + 1)
+    ratios = sorted({round(low + (high - low) * place / max(count - 1, 1)) for place in range(count)})
+
+    def bears(ratio: int) -> float:
+        step = next(climbed(asked.but(ratio=ratio)), None)
+        return step[1].bears if step else 0.0
+
+    return asked.but(ratio=max(ratios, key=bears))
+
+
+def _searched(asked: Requirement) -> tuple[Requirement, Step | None, list[Step]]:
+    """Search with the discs and the clearance that are asked for, or that are needed; return what was asked for then.
+
+    Nothing found leaves the steps to the most that goes.
+    """
+    tighter = _tightened(asked)
+    for discs in [asked.discs] if asked.discs else [1, 2]:
+        last = tighter.but(discs=discs)
+        found, path = _held(last)
+        if found:
+            return last, found, path
+    return last, None, path
+
+
+def _held(asked: Requirement) -> tuple[Step | None, list[Step]]:
+    """Return the first proportions on the way up that hold the torque at all crank angles, and the way to them."""
+    path: list[Step] = []
+    for of, trial in climbed(asked):
+        path.append((of, trial))
+        if trial.bears >= asked.torque and (found := _holding(asked, of, asked.torque)):
+            return (of, found), path
+    return None, path
+
+
+def _holding(asked: Requirement, of: Proportions, torque: float) -> TorqueTrial | None:
+    reducer = shaped(asked, of, torque)
+    return holds(reducer, torque) if reducer else None
+
+
+def _tightened(asked: Requirement) -> Requirement:
+    """Lower the clearances as far as the backlash asks for and the process can."""
+    if asked.backlash == math.inf or asked.clearance:
+        return asked
+    step = next(climbed(asked.but(discs=asked.discs or 1)), None)
+    if not step:
+        return asked
+    share = asked.backlash / figure("backlash_arcmin").value(step[1].reducer)
+    finest = PROCESSES[asked.process].finest
+    return asked.but(clearance=max(min(TIGHTER * share, 1.0) * asked.usual_clearance, finest), tightened=True)
+
+
+def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
+    """Find the most torque [N m] that the best proportions are sure to hold, rounded down to three digits."""
+    of, trial = top
+    torque = SURELY * trial.bears
+    for _ in range(LOWERINGS):
+        torque = _floored(torque)
+        reducer = shaped(asked, of, torque)
+        found = tried(reducer, torque, POSES) if reducer else trial
+        if found.rating and found.bears >= torque:
+            return torque, found
+        torque = SURELY * min(found.bears, torque)
+    return 0.0, trial
+
+
+def _floored(value: float) -> float:
+    """Round down to three digits."""
+    scale = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return significant(math.floor(value / scale) * scale)
+
+
+def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
+    """Yield changes with which the torque is held, each found to work as it would be asked for."""
+    found = 0
+    for way in _conceivable(asked, top, most):
+        if found < MOST_WAYS and _works(way.asked, top[0]):
+            found += 1
+            yield way
+    if larger := _larger(asked, most):
+        yield larger
+
+
+def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
+    limits, weakest = PROCESSES[asked.process], top[1].weakest
+    if weakest and (weakest.key == "temperature" or weakest.life is not None):
+        share = most / asked.torque if weakest.key == "temperature" else (most / asked.torque) ** 4
+        slower = math.floor(0.9 * share * asked.speed / RPM / 10.0) * 10.0 * RPM
+        if slower >= SLOWEST:
+            yield Way(f"{slower / RPM:.0f} rpm", asked.but(speed=slower))
+    if not asked.clearance and asked.usual_clearance > limits.finest:
+        yield Way(f"a clearance of {1e6 * limits.finest:g} um", asked.but(clearance=limits.finest))
+    for material in limits.others:
+        if material != asked.made_of:
+            yield Way(material, asked.but(material=material))
+    if asked.discs in (0, 1):
+        yield Way("two discs", asked.but(discs=2))
+
+
+def _works(asked: Requirement, of: Proportions) -> bool:
+    """Tell whether a changed requirement is held; a first look at the best proportions saves the search."""
+    reducer = shaped(asked, of, asked.torque)
+    if reducer and tried(reducer, asked.torque).bears < PROMISES * asked.torque:
+        return False
+    return _held(asked)[0] is not None
+
+
+def _larger(asked: Requirement, most: float) -> Way | None:
+    """Find a diameter with which the torque is held."""
+    larger, bears = asked, most
+    for _ in range(TRIES):
+        share = (asked.torque / bears) ** (1.0 / GROWTH) if bears else FAR
+        larger = larger.but(diameter=_rounded_size(larger.diameter * max(share, LEAST_STEP)))
+        if larger.diameter > LARGEST:
+            return None
+        found, path = _held(larger)
+        if found:
+            return Way(f"{1e3 * larger.diameter:g} mm", larger)
+        bears = SURELY * path[-1][1].bears if path and path[-1][1].rating else 0.0
+    return None
+
+
+def _rounded_size(diameter: float) -> float:
+    """Round a diameter [m] up to 1 mm, from 50 mm on to 5 mm, from 200 mm on to 10 mm."""
+    step = 1e-3 if diameter < 0.05 else 5e-3 if diameter < 0.2 else 1e-2
+    return round(math.ceil(diameter / step - 1e-9) * step, 6)
+
+
+def _shortlist(asked: Requirement, found: Step) -> Iterator[SizedDrive]:
+    """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
+    lightest = _narrowed(asked, found)
+    yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
+    rest = list(_wider(asked, lightest))
+    for title, why, merit in (
+        ("stiffest", "the stiffest of those tried", lambda one: _stiffness(one[1].reducer)),
+        ("longest life", "its first part to wear out lasts the longest of those tried", lambda one: one[1].life),
+    ):
+        for of, _ in sorted(rest, key=merit, reverse=True):
+            if sure := _holding(asked, of, asked.torque):
+                yield _drive(asked, of, sure, title, why)
+                rest = [one for one in rest if one[0] != of]
+                break
+
+
+def _wider(asked: Requirement, narrow: Step) -> Iterator[Step]:
+    """Yield wider drives of some proportions that hold the torque at a first look."""
+    wide = narrow[0].but(width=min(WIDER * narrow[0].width, LEVELS["width"][-1]))
+    for of in (wide, *(wide.but(**change) for change in _variations(wide))):
+        trial = _looked_at(asked, of)
+        if trial and of != narrow[0]:
+            yield of, trial
+
+
+def _looked_at(asked: Requirement, of: Proportions) -> TorqueTrial | None:
+    """Try proportions at few crank angles, with a reserve; nothing where they do not hold the torque."""
+    reducer = shaped(asked, of, asked.torque)
+    trial = tried(reducer, asked.torque) if reducer else None
+    return trial if trial and trial.rating and trial.bears >= RESERVE * asked.torque else None
+
+
+def _variations(of: Proportions) -> Iterator[dict[str, float]]:
+    for name, sense in (("bore", 1), ("pin", -1)):
+        levels = LEVELS[name]
+        at = levels.index(getattr(of, name)) + sense
+        if 0 <= at < len(levels):
+            yield {name: levels[at]}
+
+
+def _narrowed(asked: Requirement, found: Step) -> Step:
+    """Return the narrowest drive of found proportions that holds the torque."""
+    low, high = NARROWEST, found[0].width
+    enough: list[Proportions] = []
+    for _ in range(NARROWINGS):
+        of = found[0].but(width=math.sqrt(low * high))
+        if _looked_at(asked, of):
+            high = of.width
+            enough.append(of)
+        else:
+            low = of.width
+    for of in reversed(enough):
+        if sure := _holding(asked, of, asked.torque):
+            return of, sure
+    return found
+
+
+def _drive(asked: Requirement, of: Proportions, trial: TorqueTrial, title: str, why: str) -> SizedDrive:
+    design = trial.reducer.design
+    return SizedDrive(title, why, design, _figures(trial), dict(reasons_of(asked, of, trial)))
+
+
+def _figures(trial: TorqueTrial) -> Figures:
+    reducer, rating = trial.reducer, trial.rating
+    design = reducer.design
+    lasting, _ = rated_torque(reducer, design.drive.speed, design.service.life, guess=trial.bears, poses=FEW)
+    stops = [item.safety or 0.0 for item in rating.items.values() if item.key.startswith("peak_")] if rating else [0.0]
+    momentary = 2.0 * trial.torque * min(stops)
+    return {
+        "ratio": design.reduction,
+        "outer_diameter_mm": 2e3 * design.housing.outer_radius,
+        "length_mm": length(reducer),
+        "mass_kg": figure("mass_kg").value(reducer),
+        "rated_torque_nm": max(min(lasting, momentary), trial.torque),
+        "momentary_torque_nm": momentary,
+        "life_h": trial.life,
+        "temperature_c": rating.items["temperature"].value if rating else math.nan,
+        "stiffness_nm_per_arcmin": _stiffness(reducer),
+        "backlash_arcmin": figure("backlash_arcmin").value(reducer),
+    }
+
+
+def _stiffness(reducer: Reducer) -> float:
+    return figure("stiffness_nm_per_arcmin").value(reducer.but(load={"torque": reducer.design.rated_torque}))

@@ -1,0 +1,81 @@
+"""How a drive is made: what each process can do, and what its parts are made of."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+Process = Literal["steel", "printed", "milled"]
+
+
+@dataclass(frozen=True)
+class ProcessLimits:
+    """What a process is good for.
+
+    Attributes
+    ----------
+    clearance, finest
+        Usual clearance of each pair, and the least that it can hold [m].
+    material, others
+        Of gear and housing: the usual one, and those that may be taken instead.
+    changes
+        Changes of the preset ``pin``, by table.
+    reasons
+        Of these, by the key of the design file's model.
+    """
+
+    clearance: float
+    finest: float
+    material: str
+    others: tuple[str, ...]
+    changes: Mapping[str, Mapping[str, object]]
+    reasons: Mapping[str, str]
+
+
+_BOUGHT = {"pin_material": {"name": "bearing steel"}}
+
+PROCESSES: dict[Process, ProcessLimits] = {
+    "steel": ProcessLimits(
+        clearance=5e-6,
+        finest=2e-6,
+        material="case-hardened 16MnCr5",
+        others=("bearing steel",),
+        changes=_BOUGHT,
+        reasons={
+            "material.name": "turned, case-hardened and ground",
+            "pin_material.name": "pins are bought: needle rollers",
+            "clearance.pin_gear": "ground parts leave a few micrometres",
+        },
+    ),
+    "milled": ProcessLimits(
+        clearance=2e-5,
+        finest=1e-5,
+        material="tempered steel",
+        others=("nitrided 42CrMo4", "case-hardened 16MnCr5"),
+        changes={**_BOUGHT, "ring": {"pins": "fixed"}},
+        reasons={
+            "material.name": "milled or wire-cut from the tempered bar",
+            "pin_material.name": "pins are bought: dowels, pressed in",
+            "clearance.pin_gear": "milled parts keep a hundredth of a millimetre or two",
+        },
+    ),
+    "printed": ProcessLimits(
+        clearance=1e-4,
+        finest=4e-5,
+        material="PLA",
+        others=("Onyx",),
+        changes={
+            **_BOUGHT,
+            "output_material": {"name": "bearing steel"},
+            "shaft_material": {"name": "tempered steel"},
+            "ring": {"pins": "fixed"},
+            "friction": {"pin_gear": 0.12},
+        },
+        reasons={
+            "material.name": "printed; use the numbers of your own filament",
+            "pin_material.name": "steel dowels, pressed in",
+            "output_material.name": "steel dowels with rollers; the disc is taken with them",
+            "clearance.pin_gear": "what a printer needs for parts that move",
+            "friction.pin_gear": "greased plastic on steel",
+        },
+    ),
+}

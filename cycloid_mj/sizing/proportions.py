@@ -1,0 +1,180 @@
+"""A whole drive from shares of its size, as drives on the market and in papers have them (assumed)."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.checks import WALLS, soundness
+from cycloid_mj.checks.body import bearings
+from cycloid_mj.design import PRESETS
+from cycloid_mj.design.units import MILLIMETRE
+from cycloid_mj.life.figures import length
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.requirement import Requirement
+
+THICKEST = 0.2
+"""Most radius of a pin, as a share of the pin circle's: of few pins, which would leave no gear between them."""
+
+NARROWEST, WIDEST = 0.12, 1.2
+"""Least and most face width of all discs, as shares of the pin circle: a wider gear tilts more than it carries."""
+
+SLIMMEST = 0.5
+"""Least radius of an output pin in its hole: a pin as thick as the eccentricity; slimmer ones bend away."""
+
+LEVELS: dict[str, tuple[float, ...]] = {
+    "short_width": (0.3, 0.36, 0.42, 0.48, 0.54, 0.6, 0.66, 0.72, 0.78, 0.84),
+    "pin": (0.4, 0.5, 0.62, 0.72, 0.8),
+    "wall": (0.06, 0.09, 0.12, 0.16),
+    "bore": (0.3, 0.36, 0.42, 0.48, 0.54, 0.6),
+    "hole": (0.5, 0.56, 0.62, 0.7, 0.78),
+    "shaft": (0.4, 0.5, 0.6, 0.7, 0.8),
+    "output_pins": (4, 6, 8, 10, 12),
+    "width": (NARROWEST, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, WIDEST),
+}
+"""Values of each share that are tried (assumed)."""
+
+GAP_SHARE = 0.04
+"""Of a gap between discs in the outer radius: room for the spacer, and little for tilting couples."""
+
+OVERRATED = 1.1
+"""Power of the motor over that which torque and speed ask for."""
+
+STEPS = tuple(digit * 10.0**power for power in range(-3, -7, -1) for digit in (5.0, 2.5, 1.0))
+"""Of dimensions [m], from 5 mm to 1 um."""
+
+
+@dataclass(frozen=True)
+class Proportions:
+    """Shares of a drive, each of what is named.
+
+    Attributes
+    ----------
+    short_width
+        K1 = c N / E.
+    pin
+        Pin in its room between its neighbours.
+    wall
+        Housing outside the pins in its radius.
+    bore
+        Bore in the gear's root.
+    hole
+        Hole in the room for it: the gear's web, or that between its neighbours.
+    shaft
+        Shaft in the bore.
+    output_pins
+        Their number.
+    width
+        Face width of all discs in the pin circle's radius.
+    """
+
+    short_width: float = 0.78
+    pin: float = 0.62
+    wall: float = 0.06
+    bore: float = 0.42
+    hole: float = 0.7
+    shaft: float = 0.7
+    output_pins: int = 8
+    width: float = 0.75
+
+    def but(self, **changes: Any) -> Self:
+        """Return other proportions."""
+        return replace(self, **changes)
+
+
+def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
+    """Make a drive of these proportions for a torque [N m]; nothing where it cannot be built as it is asked for."""
+    drawn = _drawn(asked, of, torque)
+    if drawn is None:
+        return None
+    reducer = _balanced(Reducer(drawn.design))
+    if asked.length < math.inf and length(reducer) > MILLIMETRES * asked.length:
+        return None
+    failed = (item for item in soundness(reducer) if not item.passed)
+    return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
+
+
+def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
+    """Draw the proportions; nothing where the design's own bounds refuse them."""
+    limits, teeth, outer, clearance = (
+        PROCESSES[asked.process],
+        asked.ratio + 1,
+        asked.diameter / 2.0,
+        asked.usual_clearance,
+    )
+    discs = asked.discs or 1
+    room = of.pin * (math.sin(math.pi / teeth) - 0.005)
+    circle = rounded((1.0 - of.wall) * outer / (1.0 + room))
+    pin = rounded(min(room, THICKEST) * circle)
+    eccentricity = rounded(of.short_width * circle / teeth)
+    root = circle - eccentricity - pin - clearance
+    bore = rounded(of.bore * root)
+    middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
+    hole = of.hole * min(0.5 * band, middle * math.sin(math.pi / of.output_pins) - 0.005 * circle)
+    stud = rounded(hole - eccentricity)
+    if not min(root, stud) > SLIMMEST * hole > 0.0:
+        return None
+    try:
+        return Reducer(
+            PRESETS["pin"].but(
+                name="new",
+                structure="springs",
+                ring={"teeth": teeth, "pin_circle_radius": circle, "pin_radius": pin, **limits.changes.get("ring", {})},
+                gear={
+                    "discs": discs,
+                    "disc_gap": rounded(GAP_SHARE * outer),
+                    "eccentricity": eccentricity,
+                    "face_width": rounded(of.width * circle / discs),
+                    "bore_radius": bore,
+                },
+                output={
+                    "pins": of.output_pins,
+                    "pin_radius": stud,
+                    "pin_circle_radius": rounded(middle),
+                    "hole_radius": stud + eccentricity,
+                    "disc_thickness": rounded(0.15 * outer),
+                    "support": "both_ends",
+                },
+                shaft={
+                    "radius": rounded(min(of.shaft * bore, 0.85 * (bore - eccentricity))),
+                    "counterweight_radius": rounded(0.75 * (circle - pin)),
+                    "length": rounded(0.3 * outer),
+                    "mounting": "straddle",
+                },
+                housing={"outer_radius": outer},
+                clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output"), clearance),
+                drive={
+                    "torque": torque / asked.ratio,
+                    "speed": asked.speed,
+                    "power": OVERRATED * asked.speed * torque / asked.ratio,
+                },
+                service={"life": asked.life},
+                material={"name": asked.made_of},
+                **{table: dict(values) for table, values in limits.changes.items() if table != "ring"},
+            )
+        )
+    except DesignError:
+        return None
+
+
+def _balanced(reducer: Reducer) -> Reducer:
+    """Make the shaft as long as its bearing and the counterweight that balances the gear need."""
+    shaft = reducer.design.shaft
+    if reducer.design.gear.discs > 1:
+        return reducer.but(shaft={"length": rounded_up(2.0 * shaft.radius)})
+    needed = MILLIMETRE.to_si(bearings(reducer).bound or 0.0)
+    return reducer.but(shaft={"length": rounded_up(needed + 1.5 * shaft.radius)})
+
+
+def rounded(length: float) -> float:
+    """Round a length [m] down to the largest of the usual steps that changes it by 2 % at most."""
+    step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
+    return round(math.floor(length / step + 1e-9) * step, 9)
+
+
+def rounded_up(length: float) -> float:
+    """Round a length [m] up, to the same steps."""
+    step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
+    return round(math.ceil(length / step - 1e-9) * step, 9)

@@ -1,0 +1,46 @@
+"""Why each value of a new drive is as it is, for the comments of its file."""
+
+from collections.abc import Iterator
+
+from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.proportions import Proportions
+from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.trial import TorqueTrial
+
+
+def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Iterator[tuple[str, str]]:
+    """Yield value and reason, by ``table.value``."""
+    design, discs = trial.reducer.design, trial.reducer.design.gear.discs
+    weakest = f"; at the torque asked for {trial.weakest.name} is the first to fail" if trial.weakest else ""
+    yield "structure", "as drives are built: output pins bend, carrier, shaft and housing twist"
+    yield "ring.teeth", f"the ratio {design.lobes} plus one"
+    yield "ring.pin_circle_radius", f"leaves a wall of {of.wall:.0%} of the outer radius"
+    yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours"
+    yield "gear.eccentricity", f"K1 = c N / E = {of.short_width:g}: the largest with which nothing else is weaker"
+    yield "gear.face_width", f"{of.width:.0%} of the pin circle for all discs{weakest}"
+    yield "gear.bore_radius", f"{of.bore:.0%} of the gear's root"
+    if discs > 1:
+        one_part = are_one_part(discs, design.output.pins, design.lobes)
+        yield "gear.discs", "as asked for; they balance each other" if asked.discs else "one is too few"
+        yield "gear.disc_gap", "room for a spacer"
+        yield "output.pins", "with them all discs are one and the same part" if one_part else "discs differ as parts"
+    else:
+        yield "output.pins", "as many as leave walls between their holes"
+    yield "output.pin_circle_radius", "the middle of the web between bore and root"
+    yield "output.pin_radius", f"its hole takes {of.hole:.0%} of the web, or of the room between neighbours"
+    yield "output.hole_radius", "output pin + eccentricity"
+    yield "output.support", "held at one end, the pins would bend away from the load"
+    yield "shaft.radius", f"{of.shaft:.0%} of the bore"
+    yield "shaft.length", "room for a bearing" + (", and for the counterweight" if discs == 1 else "")
+    yield "shaft.mounting", "a bearing on either side of the discs"
+    yield "housing.outer_radius", "as asked for"
+    yield "drive.torque", "the torque asked for, over the ratio"
+    yield "drive.speed", "as asked for, or a motor with four poles at 50 Hz"
+    yield "service.life", "as asked for"
+    reasons = dict(PROCESSES[asked.process].reasons)
+    if asked.material:
+        reasons["material.name"] = "as asked for"
+    if asked.clearance:
+        reasons["clearance.pin_gear"] = "as asked for"
+    yield from reasons.items()

@@ -1,0 +1,109 @@
+"""What is asked of a new drive."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.units import RPM
+from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.sizing.process import PROCESSES, Process
+
+LEAST_RATIO, MOST_RATIO = 3, 150
+MOST_DISCS = 4
+
+MOST_RATIOS = 7
+"""Of a range of ratios: so many are tried, evenly spaced."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What a drive is to do, in SI but for the life.
+
+    Attributes
+    ----------
+    ratio
+        Turns of the crank for one of the output.
+    diameter
+        Outside [m].
+    torque
+        On the output [N m], for all of the life; twice as much is to be held once.
+    life
+        Hours at that torque.
+    speed
+        Of the crank [rad/s].
+    process
+        How it is made.
+    discs
+        On the crank; 0: one, or two where one is too few.
+    length
+        Most that it is to be long over all [m]; inf: any.
+    backlash
+        Most that it is to have [arcmin]; inf: any.
+    material
+        Of gear and housing, by its name in the library; empty: the usual one of the process.
+    clearance
+        Of each pair of parts [m]; 0: the usual one of the process, or less where the backlash asks for it.
+    tightened
+        Whether the clearance was lowered for the backlash's sake, and may be lowered more.
+    """
+
+    ratio: int
+    diameter: float
+    torque: float
+    life: float = 6000.0
+    speed: float = 1500.0 * RPM
+    process: Process = "steel"
+    discs: int = 1
+    length: float = math.inf
+    backlash: float = math.inf
+    material: str = ""
+    clearance: float = 0.0
+    tightened: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what no drive can be.
+
+        Raises
+        ------
+        UsageError
+            A value is out of its range, or no whole number.
+        """
+        for what, number in (("ratio", self.ratio), ("number of discs", self.discs)):
+            if number != round(number):
+                raise UsageError(f"the {what} is {number}; give {math.floor(number)} or {math.ceil(number)}")
+        if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
+            raise UsageError(f"the ratio is {self.ratio}; one stage of pins has from {LEAST_RATIO} to {MOST_RATIO}")
+        if not 0 <= self.discs <= MOST_DISCS:
+            raise UsageError(f"{self.discs} discs are asked for; a crank has from 1 to {MOST_DISCS}")
+        for what, value, unit in self._sizes():
+            if not 0.0 < value < math.inf:
+                raise UsageError(f"the {what} is {value:g} {unit}; it must be more than 0")
+        if self.material and self.material not in MATERIALS:
+            raise UsageError(f"there is no material {self.material!r}; it is one of {', '.join(MATERIALS)}")
+
+    def _sizes(self) -> Iterator[tuple[str, float, str]]:
+        yield "diameter", 1e3 * self.diameter, "mm"
+        yield "torque", self.torque, "N m"
+        yield "life", self.life, "h"
+        yield "speed", self.speed / RPM, "rpm"
+        for what, value, unit in (("length", 1e3 * self.length, "mm"), ("backlash", self.backlash, "arcmin")):
+            if value != math.inf:
+                yield what, value, unit
+        if self.clearance:
+            yield "clearance", 1e6 * self.clearance, "um"
+
+    def but(self, **changes: Any) -> Self:
+        """Return the requirement with other values."""
+        return replace(self, **changes)
+
+    @property
+    def made_of(self) -> str:
+        """Material of gear and housing."""
+        return self.material or PROCESSES[self.process].material
+
+    @property
+    def usual_clearance(self) -> float:
+        """Clearance that is asked for, or that of the process [m]."""
+        return self.clearance or PROCESSES[self.process].clearance

@@ -1,0 +1,74 @@
+"""A drive under a torque: what it bears by the laws of its rating, and whether it holds what is asked of it."""
+
+import math
+from dataclasses import dataclass
+
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.item import RatedItem, Rating
+from cycloid_mj.life.items import rate
+from cycloid_mj.life.lasting import decides
+from cycloid_mj.life.loading import POSES
+from cycloid_mj.life.rated import weakest_torque
+from cycloid_mj.reducer import Reducer
+
+FEW = 19
+"""Crank angles of a first look; what is written is rated at all of them."""
+
+NOT_HELD = 0.3
+"""Of a torque at which statics found no balance: where a smaller one is looked for."""
+
+NEAR = 0.08
+"""Relative: how near to its torque a trial's bearing torque is to be, so that the laws between need not be exact."""
+
+MOST_TRIALS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueTrial:
+    """A drive at a torque [N m]: its rating, the torque that it bears by the law of its weakest item, and that item.
+
+    Where statics find no balance there is neither rating nor item.
+    """
+
+    reducer: Reducer
+    torque: float
+    rating: Rating | None
+    bears: float
+    weakest: RatedItem | None
+
+    @property
+    def life(self) -> float:
+        """Hours that the first part lasts of those that wear out [h]."""
+        lives = [item.life for item in self.rating.items.values() if decides(item)] if self.rating else []
+        return min((life for life in lives if life is not None), default=math.inf)
+
+
+def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
+    """Rate a drive that is made for a torque [N m], at so many crank angles, for the life that its design asks for."""
+    drive = reducer.design.drive
+    needed = torque / reducer.design.reduction
+    at = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+    life = at.design.service.life
+    try:
+        rating = rate(at.design, steady(torque, drive.speed), life, poses=poses)
+    except CycloidError:
+        return TorqueTrial(at, torque, None, NOT_HELD * torque, None)
+    bears, weakest = weakest_torque(filter(decides, rating.items.values()), torque, life)
+    return TorqueTrial(at, torque, rating, bears, weakest)
+
+
+def settled(reducer: Reducer, torque: float) -> TorqueTrial:
+    """Rate a drive near the torque that it bears, looking for that from a torque [N m] on."""
+    trial = tried(reducer, torque)
+    for _ in range(MOST_TRIALS):
+        if trial.rating and abs(trial.bears / trial.torque - 1.0) < NEAR:
+            break
+        trial = tried(reducer, trial.bears)
+    return trial
+
+
+def holds(reducer: Reducer, torque: float) -> TorqueTrial | None:
+    """Rate a drive at a torque [N m] at all crank angles; nothing where it does not hold it."""
+    trial = tried(reducer, torque, POSES)
+    return trial if trial.rating and trial.bears >= torque else None

@@ -1,0 +1,231 @@
+"""Drives from what is asked of them: they hold it by their own data sheet, or the most that goes is told and goes."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from requirements import drawn
+
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.units import RPM
+from cycloid_mj.checks import check
+from cycloid_mj.cli import main
+from cycloid_mj.design import load, loads
+from cycloid_mj.design.file import dump
+from cycloid_mj.life.datasheet import datasheet, momentary_torque
+from cycloid_mj.life.figures import length
+from cycloid_mj.life.lasting import lasting_checks
+from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing.answer import Answer, SizedDrive, answered, best_ratio
+from cycloid_mj.sizing.proportions import rounded
+from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.statics.sheet import sheet
+
+SMALL = Requirement(20, 0.06, 10.0)
+TOO_MUCH = Requirement(15, 0.06, 30.0, process="printed")
+
+
+def require_held(drive: SizedDrive, asked: Requirement) -> None:
+    """Fail unless a drive is sound, and its own data sheet would rate it for what was asked."""
+    design = drive.design
+    assert design.lobes == asked.ratio
+    assert 2.0 * design.housing.outer_radius == pytest.approx(asked.diameter)
+    assert design.service.life == asked.life
+    assert all(item.passed for item in check(design) if item.severity == "error")
+    assert all(item.passed for item in lasting_checks(Reducer(design)))
+    rated, _ = rated_torque(Reducer(design), asked.speed, asked.life)
+    momentary, _ = momentary_torque(Reducer(design))
+    assert rated >= asked.torque
+    assert momentary >= 2.0 * asked.torque
+    assert drive.figures["rated_torque_nm"] == pytest.approx(min(rated, momentary), rel=0.02)
+    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=1e-6)
+
+
+def require_kept(answer: Answer, ways: int = 9) -> None:
+    """Fail unless drives hold what was asked, or the most that goes and so many ways out do when they are asked for."""
+    if answer.drives:
+        for drive in answer.drives:
+            require_held(drive, answer.asked)
+        return
+    assert answer.most < answer.asked.torque
+    if answer.most:
+        less = answered(answer.asked.but(torque=answer.most))
+        assert less.drives
+        require_held(less.drives[0], less.asked)
+    for way in answer.ways[:ways]:
+        assert answered(way.asked).drives, way.words
+
+
+@pytest.fixture(scope="module")
+def small() -> Answer:
+    return answered(SMALL)
+
+
+def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
+    require_kept(small)
+    lightest, stiffest, lasting = small.drives
+    assert lightest.figures["mass_kg"] < min(stiffest.figures["mass_kg"], lasting.figures["mass_kg"])
+    assert stiffest.figures["stiffness_nm_per_arcmin"] > lightest.figures["stiffness_nm_per_arcmin"]
+    assert lasting.figures["life_h"] > lightest.figures["life_h"]
+    assert len({drive.design.but(name="same") for drive in small.drives}) == 3
+
+
+@pytest.mark.slow
+def test_its_data_sheet_says_the_same(small: Answer) -> None:
+    sheet = datasheet(Reducer(small.drives[0].design)).as_json()
+    assert sheet["rated_torque_nm"] >= SMALL.torque
+    assert sheet["life_h"] == SMALL.life
+    assert sheet["momentary_torque_nm"] >= 2.0 * SMALL.torque
+    assert sheet["weakest"]["key"]
+    assert sheet["rated_torque_nm"] == pytest.approx(small.drives[0].figures["rated_torque_nm"], rel=0.02)
+
+
+@pytest.mark.parametrize("asked", drawn(2, seed=1), ids=str)
+def test_random_requirements_are_held_or_the_most_that_goes_is_told(asked: Requirement) -> None:
+    require_kept(answered(asked), ways=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("asked", drawn(40, seed=1), ids=str)
+def test_forty_more_are(asked: Requirement) -> None:
+    require_kept(answered(asked))
+
+
+def test_too_much_is_refused_with_ways_that_work() -> None:
+    refused = answered(TOO_MUCH)
+    assert not refused.drives
+    assert 0.0 < refused.most < TOO_MUCH.torque
+    assert refused.ways
+    assert f"{refused.most:g} N m at most here by" in refused.refusal
+    require_kept(refused, ways=1)
+
+
+@pytest.mark.slow
+def test_a_longer_life_a_faster_crank_and_less_room_leave_less_torque() -> None:
+    much = SMALL.but(torque=1000.0)
+    most = answered(much).most
+    assert answered(much.but(speed=2.0 * SMALL.speed)).most < most
+    assert answered(much.but(length=0.035)).most < most
+    assert answered(much.but(life=1e6)).most < most
+
+
+@pytest.mark.slow
+def test_length_and_backlash_are_kept() -> None:
+    short = answered(SMALL.but(torque=4.0, length=0.035))
+    assert all(length(Reducer(drive.design)) <= 35.0 for drive in short.drives)
+    tight = answered(SMALL.but(torque=4.0, backlash=5.0))
+    assert tight.drives
+    assert all(drive.figures["backlash_arcmin"] <= 5.0 for drive in tight.drives)
+    too_tight = answered(SMALL.but(torque=4.0, backlash=0.1))
+    assert not too_tight.drives
+    assert "backlash" in too_tight.refusal
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("discs", [2, 3])
+def test_several_discs_share_the_load(discs: int) -> None:
+    found = answered(Requirement(29, 0.08, 15.0, discs=discs)).drives[0].design
+    assert found.gear.discs == discs
+    assert found.output.support == "both_ends"
+    value = sheet(Reducer(found)).quantities
+    for disc in range(1, discs + 1):
+        assert value[f"disc_{disc}_share"].value == pytest.approx(1.0 / discs, rel=0.2)
+
+
+def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
+    assert best_ratio(SMALL, 18, 22).ratio in range(18, 23)
+    with pytest.raises(UsageError, match="smaller one first"):
+        best_ratio(SMALL, 22, 18)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"ratio": 2}, "the ratio is 2; one stage of pins has from 3 to 150"),
+        ({"ratio": 15.5}, "the ratio is 15.5; give 15 or 16"),
+        ({"diameter": -0.1}, "the diameter is -100 mm"),
+        ({"torque": 0.0}, "the torque is 0 N m"),
+        ({"diameter": math.inf}, "the diameter is inf mm"),
+        ({"life": -1.0}, "the life is -1 h"),
+        ({"speed": 0.0}, "the speed is 0 rpm"),
+        ({"discs": 5}, "a crank has from 1 to 4"),
+        ({"material": "cheese"}, "there is no material 'cheese'"),
+        ({"length": 0.0}, "the length is 0 mm"),
+    ],
+)
+def test_absurd_requirements_are_refused(changes: dict[str, float], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        SMALL.but(**changes)
+
+
+def test_no_room_for_a_gear_is_said() -> None:
+    with pytest.raises(DesignError, match="no gear with a ratio of 119 fits into 20 mm"):
+        answered(Requirement(119, 0.02, 0.1, process="printed"))
+
+
+def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
+    drive = small.drives[0]
+    text = dump(drive.design, drive.reasons)
+    assert loads(text) == drive.design
+    assert all(f"({reason})" in text for reason in drive.reasons.values())
+
+
+@pytest.mark.parametrize("length", [0.0123456, 1.9999e-3, 0.5])
+def test_dimensions_are_rounded_down_by_2_percent_at_most(length: float) -> None:
+    assert 0.98 * length <= rounded(length) <= length
+
+
+def test_the_command_writes_three_files_and_their_figures(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    asked = ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "5", "--life-h", "10000", "--speed-rpm", "1000"]
+    assert main(["design", "new", "mine", *asked, "--set", "clearance.cam_um=3", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["designs"]
+    assert [one["file"] for one in told] == ["mine.toml", "mine-stiffest.toml", "mine-longest-life.toml"]
+    for one in told:
+        design = load(tmp_path / one["file"])
+        assert design.name == Path(one["file"]).stem
+        assert design.clearance.cam == 3e-6
+        assert design.rated_torque == pytest.approx(5.0)
+        assert design.service.life == 10_000.0
+        assert design.drive.speed == pytest.approx(1000.0 * RPM)
+        assert one["figures"]["rated_torque_nm"] >= 5.0
+        assert one["why"]
+    assert main(["design", "new", "mine", *asked]) == 1
+    assert "mine.toml" in capsys.readouterr().err
+
+
+def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    asked = ["--ratio", "20", "--diameter-mm", "40", "--torque-nm", "40"]
+    assert main(["design", "new", "mine", *asked]) == 1
+    said = capsys.readouterr().err
+    assert "N m at most here by" in said
+    assert main(["design", "new", "mine", *asked, "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert f"{told['most']:g} N m at most" in said
+    assert all(way["flags"] and way["words"] in said for way in told["ways"])
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (["--ratio", "20"], "--diameter-mm and --torque-nm is missing"),
+        (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
+        (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--process", "wood"], "steel"),
+        (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
+        (["--ratio-range", "2-3", "--diameter-mm", "60", "--torque-nm", "1"], "expected LOW:HIGH"),
+        (
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--discs", "few"],
+            "'few' is not a whole number, or auto",
+        ),
+        (["--discs", "2"], "is for a new size"),
+    ],
+)
+def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, flags: list[str], message: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["design", "new", "mine", *flags]) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "mine.toml").exists()
