@@ -3,14 +3,15 @@
 python scripts/moved.py OLD NEW      # revisions as git knows them
 
 Both revisions are laid out in folders of their own and run by the same interpreter, so that nothing but the code
-differs. The table lists what moved by more than its last printed digit; below it stand the lines that CHANGELOG.md has
-gained, which say why.
+differs. The table lists what moved by more than its last printed digit; below it stand how many figures are new or
+gone, and the lines that CHANGELOG.md has gained, which say why.
 """
 
 import argparse
 import hashlib
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,17 +75,25 @@ def moves(design: str, command: str, old: Figures, new: Figures) -> Iterator[Mov
             yield Move(design, command, key, before, after)
 
 
+def come_and_gone(of: list[Move]) -> str:
+    """Count the figures that only one revision prints."""
+    changes = Counter(one.change for one in of)
+    return f"Printed by one revision alone: {changes['new']} new, {changes['gone']} gone."
+
+
 def table(of: list[Move]) -> Table:
-    """Put moves into a table."""
+    """Put the moves of figures that both revisions print into a table."""
     rows = [
         (
             one.design,
             one.command,
             one.key,
-            *("-" if value is None else f"{value:.6g}" for value in (one.old, one.new)),
+            f"{one.old:.6g}",
+            f"{one.new:.6g}",
             one.change,
         )
         for one in of
+        if one.old is not None and one.new is not None
     ]
     return Table("what moved", ("design", "command", "figure", "old", "new", "change"), tuple(rows))
 
@@ -118,7 +127,8 @@ def main() -> None:
     parser.add_argument("new", help="revision whose figures are asked for")
     asked = parser.parse_args()
     with laid_out(asked.old) as old, laid_out(asked.new) as new:
-        print(table(compared(old, new)).as_markdown())
+        moved = compared(old, new)
+    print(table(moved).as_markdown(), come_and_gone(moved), sep="\n\n")
     print("", *reasons(asked.old, asked.new), sep="\n")
 
 

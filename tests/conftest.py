@@ -7,7 +7,7 @@ import signal
 import numpy as np
 import pytest
 
-from cycloid_mj.base.circles import look_rarely
+from cycloid_mj.base.memory import look_rarely
 from cycloid_mj.reducer import Reducer
 
 look_rarely()

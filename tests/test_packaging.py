@@ -11,7 +11,7 @@ import pytest
 from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS
-from cycloid_mj.dynamics.contact.tested import KNOWN
+from cycloid_mj.dynamics.contact.library import KNOWN
 from cycloid_mj.papers import GROUP, Paper, papers, published_torques, stress_references
 from cycloid_mj.reducer import Reducer
 

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from cycloid_mj.app.shown import FigureLine
-from cycloid_mj.base.engine.parent import serve_parent
+from cycloid_mj.base.engine.housekeeping import serve_parent
 from cycloid_mj.design import PRESETS, Design
 
 Work = Callable[[Design], tuple[FigureLine, ...]]

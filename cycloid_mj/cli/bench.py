@@ -158,7 +158,7 @@ def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
     from cycloid_mj.figures import quantities, values_json
     from cycloid_mj.plots.bench import calibration_figure
     from cycloid_mj.plots.save import drawn
-    from cycloid_mj.report.bench import calibration_page
+    from cycloid_mj.report.results import calibration_page
 
     name, fitted = calibration.design.name, calibration.fitted
     figures = quantities(Reducer(calibration.design))

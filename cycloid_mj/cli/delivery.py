@@ -141,7 +141,7 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
         if outcome.frame:
             yield place.folder / f"{place.stem}.csv", outcome.frame.as_csv().encode()
     if place.page:
-        from cycloid_mj.report.outcome import outcome_page
+        from cycloid_mj.report.results import outcome_page
 
         yield place.page, (outcome.page() if outcome.page else outcome_page(outcome)).encode()
 

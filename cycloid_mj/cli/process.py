@@ -7,8 +7,8 @@ import sys
 from collections.abc import Sequence
 from io import StringIO
 
-from cycloid_mj.base.circles import look_rarely
 from cycloid_mj.base.interrupt import cause, end_on_signals, raise_on_signals
+from cycloid_mj.base.memory import look_rarely
 
 FAILURE = 1
 

@@ -40,9 +40,8 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
-from cycloid_mj.dynamics.contact.drag import drag_rows
 from cycloid_mj.dynamics.contact.each_step import EachStep
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index
+from cycloid_mj.dynamics.contact.forces import OF_PAIR, drag_rows, pair_index
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, means_of_last

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
+from cycloid_mj.checks import WALLS, check, soundness
 from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
-from cycloid_mj.explore.refusals import refusals
 from cycloid_mj.explore.row import PointResult, one_line
 from cycloid_mj.figures import COMPUTED, compute, figure
 from cycloid_mj.reducer import Reducer
@@ -218,3 +218,20 @@ def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], d
     if lacking := [objective.key for objective in task.objectives if not math.isfinite(wanted[objective.key])]:
         return wanted, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
     return wanted, broken, BROKEN, ""
+
+
+def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
+    """Compute the failed checks of a design by name, each with how far it is off, as a share of its bound.
+
+    Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
+    """
+    found = check(reducer.design) if strict else soundness(reducer)
+    failed = [one for one in found if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
+    return {one.name: _excess(one.value, one.bound) for one in failed}
+
+
+def _excess(value: float | None, bound: float | None) -> float:
+    """Compute by how much a value misses its bound, relative; 1 where that is no number."""
+    if value is None or bound is None or not math.isfinite(value - bound):
+        return 1.0
+    return abs(value - bound) / max(abs(value), abs(bound), 1e-12)

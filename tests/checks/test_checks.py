@@ -12,7 +12,7 @@ from cycloid_mj import parts
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import WALL_SHARE, WALLS, Check, check, require_sound, soundness
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore.refusals import refusals
+from cycloid_mj.explore.problem import refusals
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.reducer import Reducer

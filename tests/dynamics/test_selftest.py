@@ -8,8 +8,7 @@ import spoiled_places
 
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import collider, each_step, layout, lift, selftest
-from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, collision_table
-from cycloid_mj.dynamics.contact.tested import KNOWN
+from cycloid_mj.dynamics.contact.library import CYLINDER, KNOWN, TYPES, collision_table
 
 
 def collide(**spoiled):

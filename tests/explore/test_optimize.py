@@ -20,8 +20,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override, value_of
 from cycloid_mj.explore import optimizer
 from cycloid_mj.explore.optimizer import HISTORY, optimize
-from cycloid_mj.explore.problem import problem
-from cycloid_mj.explore.refusals import refusals
+from cycloid_mj.explore.problem import problem, refusals
 from cycloid_mj.figures import figure, figures_of
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear

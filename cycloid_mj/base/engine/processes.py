@@ -5,10 +5,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
-from cycloid_mj.base.circles import look_rarely
-from cycloid_mj.base.engine.parent import serve_parent
-from cycloid_mj.base.engine.results import handed_on
+from cycloid_mj.base.engine.housekeeping import handed_on, serve_parent
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.memory import look_rarely
 
 T = TypeVar("T")
 R = TypeVar("R")

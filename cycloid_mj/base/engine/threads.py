@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
-from cycloid_mj.base.engine.results import handed_on
+from cycloid_mj.base.engine.housekeeping import handed_on
 from cycloid_mj.base.interrupt import give_way, stopped_by
 
 T = TypeVar("T")

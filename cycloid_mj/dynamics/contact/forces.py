@@ -1,7 +1,7 @@
 """What MuJoCo's solver found in the contacts of one step, gathered by mating pair."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,3 +162,13 @@ def _overlap(kept: Kept, contact: int) -> float:
     gear, turn = kept.geom_xpos + 24 * teeth, kept.geom_xmat + 72 * teeth
     gx, gy, cosine, sine = x - read_float(gear), y - read_float(gear + 8), read_float(turn), read_float(turn + 24)
     return -2.0 * (flank_distance(cosine * gx + sine * gy, cosine * gy - sine * gx, flank)[1] + flank.offset)
+
+
+def drag_rows(model: Any, drags: Mapping[str, str]) -> dict[str, int]:
+    """Map loss to row of its constraint, for those of the joints, by loss, that seals and lubricant brake in a model.
+
+    A model of ours has no equalities: the rows of joint friction come first, in the order of the degrees of freedom.
+    """
+    braked = model.dof_frictionloss > 0.0
+    dofs = {name: int(model.joint(joint).dofadr[0]) for name, joint in drags.items()}
+    return {name: int(np.count_nonzero(braked[:dof])) for name, dof in dofs.items() if braked[dof]}

@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact.tested import unfit
+from cycloid_mj.dynamics.contact.library import unfit
 
 _WORD = ctypes.sizeof(ctypes.c_void_p)
 _SPAN, _DATA_SPAN, _SIZES = 8192, 2048, 1024

@@ -11,7 +11,22 @@ from typing import Any
 import mujoco
 
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact.tested import unfit
+
+KNOWN = ("3.17.0", "4.0.0", "4.0.1")
+"""Releases of MuJoCo on which the tests of the contact pass, ``scripts/test_mujoco_versions.py``, the oldest first.
+
+The contact reads and writes MuJoCo's own structures, which change without notice. Any release from the oldest on may be
+installed: ``contact.selftest`` tries it.
+"""
+
+
+def unfit(why: str) -> ContactError:
+    """Return the error of a release that does not work."""
+    return ContactError(
+        f"MuJoCo {mujoco.__version__} does not work with this cycloid_mj ({why}); "
+        f"known to work: {', '.join(KNOWN)}: pip install 'mujoco=={KNOWN[0]}'"
+    )
+
 
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
 TYPES = int(mujoco.mjtGeom.mjNGEOMTYPES)

@@ -17,9 +17,8 @@ import numpy as np
 from cycloid_mj.base.compile_cache import folder
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, pair_index
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
-from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
+from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table, unfit
 from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
-from cycloid_mj.dynamics.contact.tested import unfit
 from cycloid_mj.reducer.bodies import Role
 
 GRAVITY, SETTLED = 9.81, 500

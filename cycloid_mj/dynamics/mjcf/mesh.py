@@ -27,7 +27,7 @@ from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
-from cycloid_mj.parts.export.stl import stl_bytes
+from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn
 from cycloid_mj.statics.law import ContactParameters, SolverParameters, curvature_law, solver_parameters, stock_impratio

@@ -14,7 +14,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.digits import significant
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact import each_step
-from cycloid_mj.dynamics.contact.drag import drag_rows
+from cycloid_mj.dynamics.contact.forces import drag_rows
 from cycloid_mj.dynamics.contact.library import exact_xml
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
 from cycloid_mj.dynamics.mjcf.bodies import add_bodies, add_shapes, crank_inertia

@@ -16,12 +16,11 @@ from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
-from cycloid_mj.parts.export.obj import obj_bytes
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.printing import widened
 from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
-from cycloid_mj.parts.export.stl import read_stl, stl_bytes
+from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn
 

@@ -1,4 +1,4 @@
-"""Meshes as binary STL: the same mesh always gives the same bytes."""
+"""Meshes as files, binary STL and Wavefront OBJ: the same mesh always gives the same bytes."""
 
 import numpy as np
 
@@ -41,3 +41,10 @@ def _normals(corners: Array) -> Array:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)
+
+
+def obj_bytes(shape: Mesh, name: str, scale: float = 1.0) -> bytes:
+    """Encode a mesh as OBJ, with every digit of every vertex: its vertices [m] times `scale`."""
+    vertices = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in (shape.vertices * scale + 0.0).tolist())
+    faces = "".join(f"f {a} {b} {c}\n" for a, b, c in (shape.faces + 1).tolist())
+    return f"# cycloid_mj\no {name}\n{vertices}{faces}".encode()

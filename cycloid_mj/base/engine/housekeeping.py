@@ -1,0 +1,44 @@
+"""Housekeeping of workers: ignore Ctrl-C and exit with the parent; close abandoned results quietly."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Generator, Iterator
+from contextlib import suppress
+from typing import TypeVar
+
+R = TypeVar("R")
+
+SECONDS_BETWEEN_LOOKS = 1.0
+"""Between two looks at whether the parent still lives: joblib's workers have nothing to wait for it by."""
+
+
+def serve_parent() -> None:
+    """Leave Ctrl-C to the parent, which ends its workers, and end where the parent was killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(SECONDS_BETWEEN_LOOKS)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+class _Left(Exception):
+    """Nobody waits for what is left."""
+
+
+def handed_on(results: Generator[R, None, None]) -> Iterator[R]:
+    """Yield the results of a `joblib.Parallel` as they come.
+
+    Where they are closed early, as by an interrupted loop, joblib's own generator would warn of pieces that are lost.
+    """
+    try:
+        for result in results:  # noqa: UP028  # `yield from` would close it itself
+            yield result
+    except GeneratorExit:
+        with suppress(_Left):
+            results.throw(_Left())
+        raise

@@ -1,0 +1,46 @@
+"""Pages of results: of any outcome, by the template ``assets/outcome.html``, and of a calibration."""
+
+import base64
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from cycloid_mj.base.outcome import Outcome, Picture
+from cycloid_mj.base.result import Table
+from cycloid_mj.report.page import environment
+from cycloid_mj.report.tables import TextTable
+
+if TYPE_CHECKING:
+    from cycloid_mj.bench import Calibration
+
+
+def outcome_page(outcome: Outcome) -> str:
+    """Render an outcome as one page that needs no other file."""
+    return environment().get_template("outcome.html").render(outcome=outcome, texts=_texts, source=_source)
+
+
+def _texts(table: Table) -> TextTable:
+    return TextTable([table.header], table.cells)
+
+
+def _source(picture: Picture) -> str:
+    return f"data:image/svg+xml;base64,{base64.b64encode(picture('svg')).decode()}"
+
+
+def calibration_page(calibration: "Calibration", figure: str) -> str:
+    """Write a calibration as one page that needs no other file; `figure` is the SVG of its loops."""
+    from cycloid_mj.bench.calibration import UNEXPLAINED
+
+    drawing = figure[figure.index("<svg") :]
+    return (
+        environment()
+        .get_template("bench.html")
+        .render(
+            title=f"cycloid_mj: {calibration.design.name}",
+            found=calibration,
+            bench=f"{calibration.fitted.bench.held} held",
+            tables=calibration.tables(),
+            unexplained=UNEXPLAINED,
+            figure=Markup(drawing),
+        )
+    )
