@@ -36,7 +36,6 @@ from cycloid_mj.cli import (
     rate,
     reduce,
     render,
-    reproduce,
     review,
     serve,
     simulate,
@@ -49,6 +48,7 @@ from cycloid_mj.cli import (
 )
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import log_to_stderr, tell, warnings_kept
+from cycloid_mj.papers import GROUP, papers
 
 FAILURE = 1
 
@@ -63,6 +63,11 @@ EXAMPLES = """Start with:
   cycloid-mj plot runs/pin.mcap       # draw that run
   cycloid-mj design new my            # edit this: my.toml
   cycloid-mj design check my.toml"""
+
+ABOUT_PAPERS = f"""Run a published paper again and judge its claims.
+
+Papers are packages of their own, found by entry points of the group {GROUP}.
+"""
 
 RENAMED = {"--jobs": "--workers"}
 
@@ -147,11 +152,23 @@ def application() -> App:
     )
     for place, (command, examples) in enumerate(COMMANDS.items()):
         app.command(command, sort_key=place, help_epilogue=examples)
-    reproduce.add(app, place=list(COMMANDS).index(stress.stress) + 0.5)
+    _add_papers(app, place=list(COMMANDS).index(stress.stress) + 0.5)
     for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
         app.command(group.commands(sort_key=place))
     app.register_install_completion_command(help="Make this shell complete commands and flags.")
     return page.flowing(app)
+
+
+def _add_papers(app: App, place: float) -> None:
+    """Add ``reproduce`` at a place: the command of the one paper that is installed, or a group of several."""
+    installed = papers()
+    if len(installed) == 1:
+        app.command(installed[0].command, name="reproduce", sort_key=place, help_epilogue=installed[0].examples)
+        return
+    group = App(name="reproduce", help=ABOUT_PAPERS, sort_key=place)
+    for paper in installed:
+        group.command(paper.command, name=paper.key, help_epilogue=paper.examples)
+    app.command(group)
 
 
 def _renamed(word: str) -> str:

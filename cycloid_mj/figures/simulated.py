@@ -10,7 +10,7 @@ def _figure(key: str, unit: str, name: str, definition: str, measure: str, quant
     """Make the row of a quantity of a measure; its alias is ``measure/quantity``."""
 
     def compute(reducer: Reducer) -> float:
-        measured: float = import_module("cycloid_mj.measure.figures").measured(reducer, measure, quantity)
+        measured: float = import_module("cycloid_mj.measure").measured(reducer, measure, quantity)
         return measured
 
     return Figure(

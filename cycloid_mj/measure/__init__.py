@@ -5,6 +5,7 @@ Each measure is one function from a design to a `Measurement`, and one row of `M
 
 from collections.abc import Callable, Mapping
 
+from cycloid_mj.base.result import Quantity
 from cycloid_mj.measure.backlash import backlash
 from cycloid_mj.measure.efficiency import efficiency
 from cycloid_mj.measure.loads import loads
@@ -13,6 +14,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.te import te
 from cycloid_mj.measure.torque import torque
 from cycloid_mj.measure.vibration import vibration
+from cycloid_mj.reducer import Reducer, once
 
 MEASURES: Mapping[str, Callable[..., Measurement]] = {
     "te": te,
@@ -25,4 +27,28 @@ MEASURES: Mapping[str, Callable[..., Measurement]] = {
 }
 """Name on the command line -> measure. Each takes a design, its own options, `quick`, and `progress`."""
 
-__all__ = ["MEASURES", "Measurement", "backlash", "efficiency", "loads", "lost_motion", "te", "torque", "vibration"]
+__all__ = [
+    "MEASURES",
+    "Measurement",
+    "backlash",
+    "efficiency",
+    "loads",
+    "lost_motion",
+    "measured",
+    "te",
+    "torque",
+    "vibration",
+]
+
+
+@once
+def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
+    return MEASURES[measure](reducer.design).quantities
+
+
+def measured(reducer: Reducer, measure: str, quantity: str) -> float:
+    """Measure a quantity of a design at the usual conditions of its measure, in the quantity's unit.
+
+    Errors are those of the measure.
+    """
+    return _quantities(reducer, measure)[quantity].value

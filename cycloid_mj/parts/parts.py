@@ -13,6 +13,12 @@ from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import crank_parts, stretches
 from cycloid_mj.reducer import Reducer, once
 
+LIGHTER = 0.25
+"""Share of the way to white from one disc to the next."""
+
+Colour = tuple[float, float, float, float]
+"""Red, green, blue and opacity from 0 to 1."""
+
 KEPT = 8
 """Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
 
@@ -132,3 +138,12 @@ def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
 def _single(reducer: Reducer, chord_error: float | None) -> Solid:
     prisms = tuple(_stretches(reducer, chord_error).values())
     return Solid(names.SHAFT, prisms, reducer.design.material_of("shaft").density)
+
+
+def tinted(colour: Colour, part: str) -> Colour:
+    """Return the colour of a part by its name, from that of all its like: each disc is lighter than the one before."""
+    if names.family(part) != names.GEAR:
+        return colour
+    red, green, blue, opacity = colour
+    share = LIGHTER * (names.number_of(part) - 1)
+    return red + share * (1.0 - red), green + share * (1.0 - green), blue + share * (1.0 - blue), opacity

@@ -25,7 +25,7 @@ from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.gear import tooth_profile
-from cycloid_mj.parts.tint import Colour
+from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import moved, poses, ring_places

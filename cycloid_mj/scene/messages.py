@@ -24,7 +24,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
 from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
-from cycloid_mj.parts.tint import Colour
+from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import (
     ARROW,

@@ -13,7 +13,7 @@ from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.whole import whole_file
-from cycloid_mj.parts.tint import Colour
+from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
 from cycloid_mj.scene.glb import smoothed

@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.parts import MassProperties, carried
-from cycloid_mj.parts.tint import Colour, tinted
+from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 from cycloid_mj.statics.law import curvature_law, pair_stiffness
