@@ -4,8 +4,8 @@ python scripts/walks.py          # of this tree
 python scripts/walks.py OLD      # and of another revision
 
 Three commands are run and every call between two modules of the package is watched that hands on a design, what is
-made of it, or a run: how many modules they are, how many pairs of functions, and how many of these calls go back up,
-into a module that had called the caller's before.
+made of it, or a run: how many modules they are, how many pairs of functions, and how many pairs of modules hand on both
+ways. What is asked of the design or the run itself, by its own methods, is no step of its walk.
 """
 
 import argparse
@@ -46,7 +46,8 @@ class Walk:
         if event != "call" or (callee := _module(frame)) is None:
             return
         code, caller = frame.f_code, frame.f_back
-        if not any(_handed_on(frame.f_locals.get(name)) for name in code.co_varnames[: code.co_argcount]):
+        given = code.co_varnames[: code.co_argcount]
+        if not any(_handed_on(frame.f_locals.get(name)) for name in given if name != "self"):
             return
         while caller and _module(caller) is None:
             caller = caller.f_back

@@ -62,15 +62,7 @@ class Summary:
 
 
 def summary(reducer: Reducer) -> Summary:
-    """Sum up a design that has no errors.
-
-    Raises
-    ------
-    ContactError
-        The working force flattens a pin beyond a line contact.
-    RunError
-        No static balance was found.
-    """
+    """Sum up a design that has no errors; errors as `rated`."""
     design = reducer.design
     state = rated(reducer)
     turning = reducer if design.drive.speed else reducer.but(drive={"speed": SLOW})

@@ -173,13 +173,7 @@ class Play:
 
 
 def play_of(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a design at so many crank angles.
-
-    Raises
-    ------
-    RunError
-        No balance was found.
-    """
+    """Solve play and wind-up of a design at so many crank angles; errors as `loads`."""
     rated = reducer.design.rated_torque
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, turn_evenly(reducer, poses), friction=False)

@@ -105,13 +105,7 @@ class Scene:
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Yield what comes once, before the first frame, at `time` [s].
-
-        Raises
-        ------
-        DesignError
-            A part of the design cannot be made.
-        """
+        """Yield what comes once, before the first frame, at `time` [s]; errors as `shapes`."""
         update = SceneUpdate()
         files = {name: glb(pieces) for name, pieces in shapes(self.reducer).items()}
         one_pin = files.pop("pin", b"")

@@ -122,10 +122,7 @@ def solve(
         Where bulk stress begins [m], as another solution found it; by default where the largest stress of all angles
         stands on a plateau, from the grid's distance on.
 
-    Raises
-    ------
-    CycloidError
-        The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
+    Errors are those of `part_case`.
     """
     reducer = Reducer(design)
     case = part_case(reducer, grid, loads)

@@ -51,10 +51,7 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
     Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
     elsewhere on each.
 
-    Raises
-    ------
-    DesignError
-        The gear is undercut, or a slice is not convex.
+    Errors are those of `ring_lobes`.
     """
     ring: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":

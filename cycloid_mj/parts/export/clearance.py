@@ -51,10 +51,7 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
 def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
     """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
 
-    Raises
-    ------
-    DesignError
-        A clearance is not what was asked for.
+    Errors are those of `measure`.
     """
     clearances = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
