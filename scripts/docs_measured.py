@@ -14,9 +14,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cycloid_mj.comparison.starts import StartSpread, order
+
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
-COMPARED = ROOT / "tests" / "data" / "compared.json"
+COMPARED, REPRODUCED = (ROOT / "tests" / "data" / name for name in ("compared.json", "reproduce.json"))
 MARK = "<!-- {word} of {name}: scripts/docs_measured.py writes what stands here -->"
 DESIGNS = ("pin", "nonpin")
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
@@ -70,6 +72,9 @@ LEVELS = (
 )
 """Label, the quantity over the idle starts, and where a loaded run has it."""
 
+CLAIMS = ("gear_speed", "q_path", "q_velocity", "gear_centre_acceleration", "output_acceleration")
+"""Of `reproduce`, on the same quantities."""
+
 
 def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
     """List what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
@@ -120,6 +125,42 @@ def comparison(data: Mapping[str, Any]) -> str:
     return "\n".join([condition, "", *lines, "| efficiency [%] | " + " | ".join(shares) + " |"])
 
 
+def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
+    """Tabulate which design is the rougher one in what: under load, and over the idle starts of both commands.
+
+    `claims` are those of `reproduce`, of which the fluctuations have the range of pin over nonpin over all starts.
+    """
+    pin, nonpin, alike = (_idle(data, name) for name in ("pin", "nonpin", "nonpin-like-pin"))
+    loaded = {run["design"]: run["figures"] for run in data["runs"] if run["load_nm"]}
+    ratios = {claim["key"]: claim["ours"]["spread"] for claim in claims}
+    head = (
+        *("the rougher one", "pin over nonpin under load", "no load, by `compare`", "no load, by `reproduce`"),
+        *("no load: nonpin or nonpin like pin", "no load: pin or nonpin like pin"),
+    )
+    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for (label, *_), key in zip(LEVELS, CLAIMS, strict=True):
+        cells = (
+            label.split(" [")[0],
+            f"{loaded['pin'][label] / loaded['nonpin'][label]:.2g}",
+            _rougher(order(pin[label], nonpin[label]), "pin", "nonpin"),
+            _rougher(order(StartSpread(tuple(ratios[key])), StartSpread((1.0,))), "pin", "nonpin"),
+            _rougher(order(nonpin[label], alike[label]), "nonpin", "nonpin like pin"),
+            _rougher(order(pin[label], alike[label]), "pin", "nonpin like pin"),
+        )
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _idle(data: Mapping[str, Any], design: str) -> Mapping[str, StartSpread]:
+    """Find least and largest of each quantity over the idle starts of a design, by its label."""
+    (figures,) = (run["figures"] for run in data["runs"] if run["design"] == design and not run["load_nm"])
+    return {label: StartSpread(tuple(figures[label][:2])) for label, *_ in LEVELS}
+
+
+def _rougher(sign: int, first: str, second: str) -> str:
+    return {1: first, -1: second, 0: "no order"}[sign]
+
+
 def _level(value: float | Sequence[float]) -> str:
     if isinstance(value, Sequence):
         least, largest, mean = (f"{one:.0f}" if one >= 100.0 else f"{one:.2g}" for one in value)
@@ -155,7 +196,8 @@ def written(page: str, name: str, text: str) -> str:
 def whole(page: str) -> str:
     """Write the page with the tables of all that is kept."""
     page = written(page, "measured", table(_read(KEPT)))
-    return written(page, "compared", comparison(_read(COMPARED))) if COMPARED.exists() else page
+    page = written(page, "compared", comparison(_read(COMPARED)))
+    return written(page, "orders", orders(_read(COMPARED), _read(REPRODUCED)["claims"]))
 
 
 def _read(path: Path) -> Any:

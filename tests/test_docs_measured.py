@@ -4,6 +4,7 @@ import importlib.util
 import json
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -42,6 +43,30 @@ def test_the_page_says_what_was_compared(script: ModuleType) -> None:
     assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
     assert "| gear speed [rad/s] | 114 to 157 (0.013) | 0.002 |" in told
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
+
+
+def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands(script: ModuleType) -> None:
+    def run(design: str, load: float, *figures: list[float] | float) -> dict[str, Any]:
+        told = dict(zip((label for label, *_ in script.LEVELS), figures, strict=True))
+        return {"design": design, "load_nm": load, "figures": told}
+
+    apart, wide = [2.0, 3.0, 2.5], [1.0, 3.0, 2.0]
+    runs = [
+        run("pin", 0.0, apart, apart, apart, apart, wide),
+        run("nonpin", 0.0, [1.0, 1.5, 1.2], [1.0, 1.95, 1.5], wide, [4.0, 5.0, 4.5], wide),
+        run("nonpin-like-pin", 0.0, *([[0.1, 0.2, 0.15]] * 5)),
+        run("pin", 36.0, *([3.0] * 5)),
+        run("nonpin", 36.0, *([2.0] * 5)),
+    ]
+    spreads = ([1.1, 2.0], [1.04, 2.0], [0.3, 0.9], [0.3, 0.96], [0.5, 3.0])
+    claims = [{"key": key, "ours": {"spread": one}} for key, one in zip(script.CLAIMS, spreads, strict=True)]
+    rows = [line.strip("| ").split(" | ") for line in script.orders({"runs": runs}, claims).splitlines()[2:]]
+    assert [row[0] for row in rows[:2]] == ["gear speed", "path of q, without its steady shift"]
+    assert [row[1] for row in rows] == ["1.5"] * 5
+    # beyond all starts of the other, by more than 5 %
+    assert [row[2] for row in rows] == ["pin", "no order", "no order", "nonpin", "no order"]
+    assert [row[3] for row in rows] == ["pin", "no order", "nonpin", "no order", "no order"]
+    assert [row[4:] for row in rows] == [["nonpin", "pin"]] * 5
 
 
 def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) -> None:

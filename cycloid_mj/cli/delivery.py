@@ -1,6 +1,7 @@
 """The way out of every result: an `Outcome` to the terminal, as one JSON object, as a page, and as files."""
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,9 @@ MOST_LINES = 25
 
 FRAME_LINES = 6
 """Lines of a table beside its rows, and of the hint at ``--all``."""
+
+MOST_NAMED = 12
+"""Files that are named one by one."""
 
 FEWEST_WARNINGS = 3
 """Warnings that are shown however long the rest is."""
@@ -125,7 +129,15 @@ def write(outcome: Outcome, place: Destination, wanted: Delivery) -> None:
         with unbroken():
             write_whole(files)
         if not wanted.quiet:
-            tell(f"wrote {', '.join(map(str, files))}")
+            tell(f"wrote {_named(files)}")
+
+
+def _named(files: Collection[Path]) -> str:
+    """Name some files, and count many by their folders."""
+    if len(files) <= MOST_NAMED:
+        return ", ".join(map(str, files))
+    folders = Counter(path.parent for path in files)
+    return ", ".join(f"{count} file{'s' if count > 1 else ''} in {folder}" for folder, count in folders.items())
 
 
 def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]:

@@ -18,6 +18,7 @@ from cycloid_mj.plots.style import (
     THEORY,
     centred,
     crank_axis,
+    degrees_beside,
     legend_above,
     sheet,
     styled,
@@ -68,6 +69,7 @@ def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tu
     off = error.simulated(motion)[rows]
     bottom.plot(x, off, **ERROR)
     centred(bottom, off)
+    degrees_beside(top)
     top.set_ylabel(speed.label)
     bottom.set_ylabel(error.label)
     legend_above(top, *BOTH)

@@ -15,6 +15,7 @@ from cycloid_mj.plots.style import (
     GREY,
     SIMULATED,
     crank_axis,
+    degrees_beside,
     legend_above,
     sheet,
     square,
@@ -51,6 +52,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     distance.set_xlabel("")
     spin.axhline(0.0, color=BLACK, linewidth=0.5)
     spin.margins(y=0.1)
+    degrees_beside(spin)
     spin.set_ylabel(SIGNALS["pin_spin"].label)
     figure.align_ylabels([distance, spin])
     return figure

@@ -89,6 +89,11 @@ def turn_degrees(motion: Series) -> Array:
     return angle - 360.0 * np.trunc(angle[0] / 360.0 + np.copysign(1e-6, angle[0]))
 
 
+def degrees_beside(axes: Axes) -> None:
+    """Add a scale in deg/s on the right of a speed in rad/s."""
+    axes.secondary_yaxis("right", functions=(np.degrees, np.radians)).set_ylabel("[deg/s]")
+
+
 def crank_axis(axes: Axes, degrees: Array) -> None:
     """Make x the crank angle [deg] over the given span, with ticks at multiples of 45 deg if that is a turn or so."""
     low, high = float(np.floor(degrees.min() + 1e-3)), float(np.ceil(degrees.max() - 1e-3))

@@ -1,5 +1,6 @@
 """The study of one run: stress of each part along a crank turn, its maximum, and how far the grid decides it."""
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -37,6 +38,9 @@ SENSITIVITY = {0.5: 0, 2.0: 2 * OCTAVE}
 SUPPORTS = {"shaft": ("shaft.mounting", ("overhang", "straddle")), "ring": ("housing.support", ("bolts", "rim"))}
 """Choices of the design that say how a part is held: the others than its own are told as well."""
 
+WHOLE = 1e-9
+"""Share of a step between crank angles within which an angle counts as on a step."""
+
 VARIED = 5
 """Crank angles under other supports, that of the maximum first."""
 
@@ -67,7 +71,7 @@ class StudySettings:
     solid
         Whether gear, ring and pin 1 are solid bodies as well; shaft and output always are.
     map_angle
-        Crank angle of the maps [rad]; None: for each part where its bulk stress is largest.
+        Crank angle of the maps [rad], one of the turn's; None: for each part where its bulk stress is largest.
     """
 
     angles: int = 360
@@ -77,6 +81,14 @@ class StudySettings:
     bulk_distance: float = BULK_DISTANCE
     solid: bool = False
     map_angle: float | None = None
+
+    @property
+    def turn(self) -> Array:
+        """Crank angles in the turn [rad], shape (angles,): that of the maps, or zero, is among them."""
+        step = 2.0 * math.pi / self.angles
+        steps = (self.map_angle or 0.0) / step
+        first = step * (steps - math.floor(steps + WHOLE))
+        return first + step * np.arange(self.angles, dtype=np.float64)
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
         """Return the settings of a part's grid, refined by a factor on top."""
@@ -194,8 +206,7 @@ def in_order(parts: Sequence[str]) -> list[str]:
 def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
     """Find the stress of one part, on a grid that may be there already; raises as `stress_study`."""
     start = time.perf_counter()
-    turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
-    loads = part_loads(run, reducer, part, turn)
+    loads = part_loads(run, reducer, part, settings.turn)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
     (stress, drawn, swung, corners), lines = (
         _solved(reducer, grid, loads, settings.map_angle),
@@ -243,10 +254,10 @@ def _solved(
     part = loaded(reducer, grid, loads)
     stress = maxima(part)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
-    nearest = int(np.argmax(np.cos(loads.angle - angle)))
+    row = int(np.argmax(np.cos(loads.angle - angle)))
     swung = swing(part, stress.bulk_distance) if names.family(grid.part) in SWINGING else None
     corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
-    return stress, mapped(part, nearest, stress.bulk_distance), swung, corners
+    return stress, mapped(part, row, stress.bulk_distance), swung, corners
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:

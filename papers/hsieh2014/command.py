@@ -1,7 +1,8 @@
 """``cycloid-mj reproduce``: the whole paper again, figure by figure and claim by claim, as one HTML page."""
 
-import json as js
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,21 +10,30 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.result import Table, Verdict
+from cycloid_mj.cli.delivery import Destination, claimed, deliver
+from cycloid_mj.cli.flags import FLAT, Delivery, out_flag
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with_warnings
+from cycloid_mj.cli.terminal import tell
 
 if TYPE_CHECKING:
+    from cycloid_mj.base.frame import Frame
+    from cycloid_mj.base.result import Claim
     from hsieh2014.plan import Plan
     from hsieh2014.run import Report
     from hsieh2014.stage import Stage, StageRun
 
 OUT = "runs/reproduce"
-PAGE, RESULT = "reproduce.html", "reproduce.json"
+STEM, FIGURES, LOGS = "reproduce", "figures", "logs"
 FORMATS = ("png", "svg")
 FAILURE = 1
 HEADER = ("claim", "condition", "the paper", "ours", "num. error", "verdict")
+COLUMNS = (
+    *("key", "figure", "part", "design", "load_nm", "speed_rpm", "claim", "stated", "stated_value", "unit"),
+    *("ours", "ours_value", "ours_lowest", "ours_highest", "numerical_error", "error_unit"),
+    *("verdict", "p", "decided_by"),
+)
 SECONDS_BETWEEN_LINES = 5.0
 
 ReproduceQuickFlag = Annotated[
@@ -32,14 +42,6 @@ ReproduceQuickFlag = Annotated[
         name="--quick",
         help="Fewer crank turns, no ramp, coarser grids: the same pages, of 12 independent starts as well, in about "
         "3 minutes on two free cores, not 20.",
-    ),
-]
-OutFlag = Annotated[
-    str | None,
-    Parameter(
-        metavar="DIR",
-        help=f"Folder of {PAGE}, {RESULT}, figures and logs, made if there is none. Logs in it that fit are read in "
-        f"place of running. Default: {OUT}.",
     ),
 ]
 AuthorsFlag = Annotated[
@@ -58,22 +60,32 @@ OnlyFlag = Annotated[
         name="--only",
         metavar="STAGE",
         consume_multiple=True,
-        help="Stages to run: geometry, equal, input, gear_speed, q_path, q_velocity, pin_1, vibration, stress, torque. "
+        help="Stages to run: geometry, equal, input, gear_speed, q_path, q_velocity, pin_1, vibration, stress, torque, "
         "authors. Default: all but authors.",
     ),
 ]
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReproduceDelivery(Delivery):
+    """Where the paper goes, with the logs of its runs."""
+
+    out: Annotated[
+        str | None,
+        out_flag("the page, the claims as JSON and CSV, figures and logs; logs in it that fit are read again", OUT),
+    ] = None
+
+
+DELIVERED = ReproduceDelivery()
+
+
 def reproduce(
     *,
     quick: ReproduceQuickFlag = False,
-    out: OutFlag = None,
     only: OnlyFlag = (),
     as_the_authors: AuthorsFlag = False,
     fresh: FreshFlag = False,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
+    delivery: Annotated[ReproduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Run the whole paper again (Hsieh 2014) and judge its claims.
 
@@ -82,13 +94,12 @@ def reproduce(
     every figure, a table of claims, each at the paper's own condition (its
     number, ours, the numerical error, the verdict, what decides it, and ours
     at the rated load beside), and the paper's errata.
-    Figures (png, svg) and all numbers (JSON) lie beside it. Nothing is tuned
-    to agree; both designs differ in the ring alone.
+    Figures (png, svg), all numbers (JSON) and the claims (CSV) lie beside it.
+    Nothing is tuned to agree; both designs differ in the ring alone.
 
     A stage that breaks is told on the page, the others still appear, and the
     exit code is 1. Stress needs the extra `fem`.
     """
-    from hsieh2014.errata import errata
     from hsieh2014.logs import Logs
     from hsieh2014.plan import FULL, QUICK
     from hsieh2014.run import AUTHORS, STEPS, run_steps
@@ -97,23 +108,14 @@ def reproduce(
     only = (*only, AUTHORS.key) if as_the_authors else only
     if unknown := next((key for key in only if key not in keys), None):
         raise UsageError(f"no stage {unknown!r}; there are {', '.join(keys)}")
-    into = folder(out or OUT, "the report", (PAGE, RESULT), force)
-    logs = Logs(folder(str(into / "logs"), "the logs", (), force), fresh, quiet)
-    folder(str(into / "figures"), "the figures", (), force)
+    place = claimed(delivery, STEM, usual=OUT, paged=True)
+    into = place.folder or Path(OUT)
+    logs = Logs(folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)
+    folder(str(into / FIGURES), "the figures", (), delivery.force)
     start = monotonic()
     plan = QUICK if quick else FULL
-    stages = run_steps(plan, logs, _reporter(quiet), only)
-    content = with_warnings(
-        {
-            "quick": quick,
-            "stages": [stage.as_json() for stage in stages],
-            "claims": [claim.as_json() for stage in stages for claim in stage.result.claims],
-            "errata": errata(),
-        }
-    )
-    page = _written(stages, content, into, plan, monotonic() - start)
-    _report(stages, content, page, json)
-    return FAILURE if any(stage.error for stage in stages) else 0
+    stages = run_steps(plan, logs, _reporter(delivery.quiet), only)
+    return deliver(_outcome(stages, plan, place, monotonic() - start), place, delivery)
 
 
 def _reporter(quiet: bool) -> "Report":
@@ -130,52 +132,108 @@ def _reporter(quiet: bool) -> "Report":
     return report
 
 
-def _written(stages: "Sequence[StageRun]", content: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
-    """Write the figures, the JSON file and the page; give the page's path."""
+def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, seconds: float) -> Outcome:
     from cycloid_mj.plots.save import pictures
+    from hsieh2014.errata import errata
+
+    claims = [claim for stage in stages for claim in stage.result.claims]
+    broken = [stage for stage in stages if stage.error]
+    drawings = {plate.name: plate.drawing for stage in stages for plate in stage.result.plates}
+    files = {str(path): content for path, content in pictures(drawings, Path(FIGURES), FORMATS).items()}
+    printed = errata()
+    content = {
+        "quick": plan.quick,
+        "stages": [stage.as_json() for stage in stages],
+        "claims": [claim.as_json() for claim in claims],
+        "errata": printed,
+        "page": str(place.page),
+    }
+    counts = {verdict: sum(claim.verdict == verdict for claim in claims) for verdict in Verdict}
+    command = f"cycloid-mj reproduce{' --quick' if plan.quick else ''}"
+    return Outcome(
+        title="Hsieh 2014, reproduced",
+        condition=f"{command}, {seconds:.0f} s",
+        headline={"claims": f"{len(claims)}", **{str(verdict): f"{count}" for verdict, count in counts.items()}}
+        if claims
+        else {},
+        failures=[f"stage {stage.step.key} ({stage.step.paper}) broke: {stage.error}" for stage in broken],
+        summary=[f"page: {place.page}"],
+        tables=[_table(claims)] if claims else [],
+        frame=_frame(claims) if claims else None,
+        files=files,
+        result=content,
+        page=partial(_page, stages, printed, files, plan, f"{command}, {seconds:.0f} s."),
+        code=FAILURE if broken else 0,
+    )
+
+
+def _page(
+    stages: "Sequence[StageRun]",
+    errata: Sequence[Mapping[str, Any]],
+    files: Mapping[str, bytes],
+    plan: "Plan",
+    command: str,
+) -> str:
+    """Render the page with the smaller one of the formats of each figure."""
     from hsieh2014.page import reproduction_page
     from hsieh2014.plan import LOGGED, main_runs
 
-    drawings = {plate.name: plate.drawing for stage in stages for plate in stage.result.plates}
-    figures = pictures(drawings, into / "figures", FORMATS)
-    smaller = {
-        name: min((figures[into / "figures" / f"{name}.{form}"] for form in FORMATS), key=len) for name in drawings
-    }
-    result = js.dumps(finite(content), indent=1, ensure_ascii=False) + "\n"
+    plates = [plate.name for stage in stages for plate in stage.result.plates]
+    smaller = {name: min((files[f"{FIGURES}/{name}.{form}"] for form in FORMATS), key=len) for name in plates}
     sample = 1.0 / main_runs(plan)[0].settings.log_rate
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
         "2014). Captions are in our own words; the paper's plots are not shown, its stated values are.",
-        f"cycloid-mj reproduce{' --quick' if plan.quick else ''}, {seconds:.0f} s. Crank at 1640 rpm, every figure one "
-        f"settled turn at one degree ({sample * LOGGED:.6g} s), from runs at a step of {1e6 * sample / plan.steps:.4g} "
-        "us.",
+        f"{command} Crank at 1640 rpm, every figure one settled turn at one degree ({sample * LOGGED:.6g} s), from "
+        f"runs at a step of {1e6 * sample / plan.steps:.4g} us.",
     )
-    page = reproduction_page(stages, content["errata"], smaller, about)
-    write_whole({**figures, into / RESULT: result.encode(), into / PAGE: page.encode()})
-    return into / PAGE
+    return reproduction_page(stages, errata, smaller, about)
 
 
-def _report(stages: "Sequence[StageRun]", content: dict[str, Any], page: Path, json: bool) -> None:
+def _table(claims: "Sequence[Claim]") -> Table:
+    """Tabulate the claims for the terminal."""
     from hsieh2014.page import error_words
 
-    if json:
-        say_json(content | {"page": str(page)})
-    else:
-        claims = [claim for stage in stages for claim in stage.result.claims]
-        rows = [
-            (
-                f"{claim.figure}, {claim.design}: {claim.claim}",
-                claim.condition.words,
-                claim.stated.text,
-                claim.found.text,
-                error_words(claim),
-                claim.verdict,
-            )
-            for claim in claims
-        ]
-        if rows:
-            say_table("the paper's claims (Hsieh 2014); what decides each is on the page", HEADER, rows)
-        say(f"page: {page}")
-    for stage in stages:
-        if stage.error:
-            tell(f"error: stage {stage.step.key} ({stage.step.paper}) broke: {stage.error}")
+    rows = tuple(
+        (
+            f"{claim.figure}, {claim.design}: {claim.claim}",
+            claim.condition.words,
+            claim.stated.text,
+            claim.found.text,
+            error_words(claim),
+            str(claim.verdict),
+        )
+        for claim in claims
+    )
+    return Table("the paper's claims; what decides each is on the page", HEADER, rows, words=range(len(HEADER)))
+
+
+def _frame(claims: "Sequence[Claim]") -> "Frame":
+    """Gather the claims, a row each."""
+    from cycloid_mj.base.frame import framed
+
+    rows = [
+        {
+            "key": claim.key,
+            "figure": claim.figure,
+            "part": claim.part,
+            "design": claim.design,
+            "load_nm": claim.condition.load,
+            "speed_rpm": claim.condition.speed_rpm,
+            "claim": claim.claim,
+            "stated": claim.stated.text,
+            "stated_value": claim.stated.value,
+            "unit": claim.found.unit,
+            "ours": claim.found.text,
+            "ours_value": claim.found.value,
+            "ours_lowest": claim.found.spread[0] if claim.found.spread else None,
+            "ours_highest": claim.found.spread[1] if claim.found.spread else None,
+            "numerical_error": claim.error.value,
+            "error_unit": claim.error.unit,
+            "verdict": str(claim.verdict),
+            "p": claim.p,
+            "decided_by": claim.decided_by,
+        }
+        for claim in claims
+    ]
+    return framed([{key: cell for key, cell in row.items() if cell is not None} for row in rows], COLUMNS, {})

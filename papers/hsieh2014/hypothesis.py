@@ -10,16 +10,14 @@ from typing import Any
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure.pool import each
-from hsieh2014.plan import Plan, designs
+from hsieh2014.plan import Plan, chord_errors, designs
 from hsieh2014.soft_contact import GENERIC, STEEL, PeakForces, SoftContact, line_contacts, soft_idle
 from hsieh2014.stated import HEIGHTS
 
 SEED = 2014
 TURNS = 1
 EXACT = 0.0
-QUICK_ERRORS = (EXACT, 50e-6)
-ERRORS = (EXACT, 2e-6, 10e-6, 20e-6, 50e-6, 100e-6)
-"""Chord errors of the facets [m]."""
+"""Chord error of flanks without facets [m]."""
 
 Case = tuple[str, SoftContact, float]
 """Name of the design, parameters of contact, chord error [m]."""
@@ -27,10 +25,9 @@ Case = tuple[str, SoftContact, float]
 
 def soft_cases(plan: Plan) -> list[Case]:
     """List what is turned: line contacts as here, and both defaults of motion solvers, at every chord error."""
-    errors = QUICK_ERRORS if plan.quick else ERRORS
     return [
         (design.name, contact, error)
-        for error in errors
+        for error in chord_errors(plan)
         for design in designs()
         for contact in (line_contacts(design), GENERIC, STEEL)
     ]

@@ -162,7 +162,7 @@ def idle_stress(
         at_peaks(starts[0], window), reducer, (), settings, told=progress, references=stress_references(design)
     )
     grids = {one.findings.part: one.grid for one in study.parts}
-    turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
+    turn = settings.turn
     parts = [*((part, NO_OTHERS) for part in grids), *((OUTPUT, pins) for pins in OTHER_PINS.values())]
     heavy = _heavy(starts, parts, turn, window)
     largest, loaded, curves, by_force = {}, {}, {}, {}

@@ -141,8 +141,9 @@ def heights_figure(
     for label, (degrees, stress) in curves.items():
         name, _, law = label.partition(", ")
         looks[label] = {"color": COLORS[names.index(name)], "linestyle": LINES[laws.index(law)], "linewidth": 1.0}
-        # a whole turn: it ends where it began
-        around, closed = np.append(degrees, degrees[0] + 360.0), np.append(stress, stress[0])
+        # a whole turn: it begins and ends between the last and the first
+        around = np.concatenate([[degrees[-1] - 360.0], degrees, [degrees[0] + 360.0]])
+        closed = np.concatenate([stress[-1:], stress, stress[:1]])
         axes.plot(around, np.where(closed > DECADES * top, closed, np.nan), **looks[label])
     for name, height in heights.items():
         axes.axhline(height, color=COLORS[names.index(name)], **HEIGHT)
@@ -172,14 +173,50 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
         for mark in marks:
             panel.axvline(mark, color=GREY, linewidth=0.8, linestyle=":")
         panel.set_title(name)
-        panel.set_ylim(bottom=0.0)
         crank_axis(panel, np.array([0.0, 360.0]))
+    panels[0].set_ylim(0.0, 1.05 * max(float(force.max()) for force in curves.values()))
     panels[0].set_ylabel("force of the cam [N]")
     figure.legend(
         handles=keys(*((case, _look(number)) for number, case in enumerate(cases))),
         loc="outside lower center",
         ncols=len(cases),
     )
+    return figure
+
+
+@styled
+def torques_figure(
+    ours: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]], ideal: float
+) -> Figure:
+    """Draw output torques: a panel for each design, a bar for each case of ours and, grey, for each that is stated.
+
+    A dashed line is the torque without losses.
+    """
+    figure = sheet(2.2)
+    panels = figure.subplots(1, len(ours), sharex=True, sharey=True, squeeze=False)[0]
+    for number, (panel, (name, torques)) in enumerate(zip(panels, ours.items(), strict=True)):
+        bars = {**torques, **stated[name]}
+        places = range(len(bars))
+        panel.barh(
+            places, list(bars.values()), height=0.65, color=[COLORS[number]] * len(torques) + [GREY] * len(stated[name])
+        )
+        for place, torque in zip(places, bars.values(), strict=True):
+            panel.annotate(
+                f"{torque:.2f}",
+                (torque, place),
+                (-4, 0),
+                textcoords="offset points",
+                ha="right",
+                va="center",
+                color="w",
+            )
+        panel.axvline(ideal, color=BLACK, linewidth=0.8, linestyle=(0, (4, 2)))
+        panel.set_yticks(places, list(bars))
+        panel.set_title(name)
+        panel.set_xlabel("output torque [N m]")
+        panel.grid(False, axis="y")
+    panels[0].invert_yaxis()
+    panels[0].set_xlim(0.0, 1.05 * ideal)
     return figure
 
 

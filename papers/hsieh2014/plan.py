@@ -87,12 +87,6 @@ RANGES = (
 )
 """What the paper leaves open of its idle motion, and how far the quick sweep searches it."""
 
-CONTACT_RANGES = (
-    Range("chord error of the flanks' facets", 0.0, 100.0, "um", "exact flanks to a coarse tessellation"),
-    Range("contact law on facets", 0.0, 2.0, "line, IMPACT, IMPACT of steel", "as here; defaults of motion solvers"),
-)
-"""How far the treatment of contact was searched for the heights of stress (`hypothesis`)."""
-
 MORE_RANGES = (
     Range("contact.damping_ratio", 0.1, 1.0, "of critical", "from dry steel to a full film"),
     Range("friction.pin_gear, pin_socket, tooth", 0.0, 0.1, "1", "a model without friction to boundary lubrication"),
@@ -100,6 +94,10 @@ MORE_RANGES = (
     Range("material.youngs_modulus_mpa", 105e3, 210e3, "N/mm2", "contacts half as stiff as steel"),
 )
 """What the full sweep searches besides, or farther."""
+
+QUICK_CHORD_ERRORS = (0.0, 50e-6)
+CHORD_ERRORS = (0.0, 2e-6, 10e-6, 20e-6, 50e-6, 100e-6)
+"""Of the flanks' facets, from exact flanks on [m]."""
 
 QUICK = Plan(quick=True, steps=STEPS, turns=1, varied_turns=1, finer_turns=0, varied_starts=STARTS, ramp=False)
 FULL = Plan(quick=False, steps=2 * STEPS, turns=4, varied_turns=2, finer_turns=2, varied_starts=STARTS, ramp=True)
@@ -187,9 +185,30 @@ def variations(plan: Plan) -> tuple[Variation, ...]:
     return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT, TIGHT)
 
 
+def unsearched(plan: Plan) -> tuple[str, ...]:
+    """List what the paper leaves open of its idle motion and the sweep does not vary."""
+    searched = {variation.parameter for variation in variations(plan)}
+    return tuple(parameter for parameter in LEFT_OPEN if parameter not in searched)
+
+
 def ranges(plan: Plan) -> tuple[Range, ...]:
     """List the ranges of what the paper leaves open that the sweep searches."""
     return RANGES if plan.quick else (*RANGES, *MORE_RANGES)
+
+
+def chord_errors(plan: Plan) -> tuple[float, ...]:
+    """List the chord errors of the flanks' facets that the treatment of contact is searched over [m]."""
+    return QUICK_CHORD_ERRORS if plan.quick else CHORD_ERRORS
+
+
+def contact_ranges(plan: Plan) -> tuple[Range, ...]:
+    """List how far the treatment of contact is searched for the heights of stress (`hypothesis`)."""
+    least, most = 1e6 * min(chord_errors(plan)), 1e6 * max(chord_errors(plan))
+    laws = "line, IMPACT, IMPACT of steel"
+    return (
+        Range("chord error of the flanks' facets", least, most, "um", "exact flanks to a coarse tessellation"),
+        Range("contact law on facets", 0.0, 2.0, laws, "as here; defaults of motion solvers"),
+    )
 
 
 def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:

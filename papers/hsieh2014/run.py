@@ -1,6 +1,7 @@
 """All stages in order; one that breaks says so, and the others still run."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from time import monotonic
 
@@ -8,10 +9,11 @@ from cycloid_mj.base.memory import give_back
 from hsieh2014.authors import authors
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
-from hsieh2014.plan import Plan
+from hsieh2014.plan import Plan, unsearched
 from hsieh2014.stage import Progress, Runs, Stage, StageResult, StageRun
 from hsieh2014.stress import stress
 from hsieh2014.torque import torque
+from hsieh2014.verdicts import as_searched
 from hsieh2014.vibration import vibration
 
 STEPS = (
@@ -79,6 +81,7 @@ def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRu
     start = monotonic()
     try:
         result, error = step.work(plan, runs, progress), ""
+        result = replace(result, claims=tuple(as_searched(claim, unsearched(plan)) for claim in result.claims))
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
         result, error = StageResult(), f"{type(problem).__name__}: {problem}"
     return StageRun(step, result, monotonic() - start, error)

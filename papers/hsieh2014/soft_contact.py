@@ -1,9 +1,9 @@
 """The idle mechanism with the contact of a commercial motion solver: soft springs, on flanks made of facets.
 
 A small computation of its own, in the plane and without friction: it shares only the distance to the trochoid with the
-rest of the project. The crank turns at constant speed; cycloid gear, free pins and output move by Newton's law under
-gravity and the function IMPACT of such solvers, F = k d^e + c step(d) d', d the depth, whose damping rises as a cubic
-step from nothing at the surface to its whole at some depth.
+rest of the project, and to the half-open sockets. The crank turns at constant speed; cycloid gear, free pins and output
+move by Newton's law under gravity and the function IMPACT of such solvers, F = k d^e + c step(d) d', d the depth, whose
+damping rises as a cubic step from nothing at the surface to its whole at some depth.
 """
 
 import math
@@ -16,9 +16,18 @@ from numba import njit
 from cycloid_mj.base.compiling import cacheable
 from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
-from cycloid_mj.dynamics.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
+from cycloid_mj.dynamics.contact.gap import (
+    PartialCircle,
+    Trochoid,
+    circle_at_edge,
+    circle_in_circle,
+    places_in_arc,
+    trochoid_curvature,
+    trochoid_distance,
+)
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import socket_half_angle
 from cycloid_mj.statics import impact
 from cycloid_mj.statics.law import pair_stiffness
 from hsieh2014.peaks import BINS
@@ -31,6 +40,9 @@ SETTLING = 0.5
 
 DEGREES = 360
 """Samples of a turn in the paper: one for each degree."""
+
+OTHERS = 8
+"""Figures of `PeakForces` before its curve."""
 
 
 _spring_at, _damper_at = njit(impact.spring), njit(impact.damper)
@@ -78,12 +90,13 @@ https://adams.thisaray.com/adams_solver/state_contact.html).
 
 @dataclass(frozen=True)
 class PeakForces:
-    """Largest normal force of each kind of contact over the turns that count [N], and how the gear fluctuates.
+    """Largest normal force of each kind of contact over the turns that count [N], and how gear and pins move.
 
     `tooth` of the gear on a pin or on the internal gear, `seat` of a pin in its socket (of the tooth where there is
     none), `cam`, `output`; `sampled` is the cam's largest at one sample for each degree. `rms` is that of the gear's
-    speed about its closed form [rad/s], `curve` the cam's largest force in each of `BINS` parts of a crank turn, from
-    gravity's direction on [N].
+    speed about its closed form [rad/s], `q_rms` that of the speed of q, the centre of hole 1 [m/s], `reach` how far a
+    pin gets from its place [m], `curve` the cam's largest force in each of `BINS` parts of a crank turn, from gravity's
+    direction on [N].
     """
 
     tooth: float
@@ -92,6 +105,8 @@ class PeakForces:
     output: float
     sampled: float
     rms: float = math.nan
+    q_rms: float = math.nan
+    reach: float = math.nan
     curve: tuple[float, ...] = ()
 
 
@@ -138,13 +153,14 @@ def soft_idle(
             *(body["gear"].mass, float(body["gear"].inertia[2, 2]), pin, float(body["output"].inertia[2, 2])),
             *(design.environment.gravity_x, design.environment.gravity_y, phase),
             *(contact.stiffness, contact.exponent, contact.damping, contact.depth),
+            socket_half_angle(design) if free else math.pi,
         ]
     )
     turn = 2.0 * math.pi / abs(design.drive.speed)
     steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
     turned = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
-    tooth, seat, cam, output_force, sampled, rms = turned[:6].tolist()
-    return PeakForces(tooth, seat, cam, output_force, sampled, rms, tuple(turned[6:].tolist()))
+    tooth, seat, cam, output_force, sampled, rms, q_rms, reach = turned[:OTHERS].tolist()
+    return PeakForces(tooth, seat, cam, output_force, sampled, rms, q_rms, reach, tuple(turned[OTHERS:].tolist()))
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:
@@ -165,14 +181,14 @@ def _turned(
 ) -> Any:
     radius, c, rho, speed, play, socket, cam_play, circle, room = values[:9]
     gear_mass, gear_inertia, pin_mass, output_inertia = values[9:13]
-    gravity_x, gravity_y, phase, k, e, damping, whole = values[13:20]
+    gravity_x, gravity_y, phase, k, e, damping, whole, half = values[13:21]
     lobes, count = facets.shape
     settled, stride = steps - (steps // per_turn) * per_turn, per_turn // 360
     x, y, turned = -c * math.sin(phase), c * math.cos(phase), -phase / lobes
     vx, vy, spin = -c * speed * math.cos(phase), -c * speed * math.sin(phase), -speed / lobes
     angle, slow = turned, spin
     pins = np.zeros((teeth, 4))
-    largest, squares = np.zeros(6 + BINS), 0.0
+    largest, squares, of_q = np.zeros(OTHERS + BINS), 0.0, 0.0
     curve = Trochoid(radius, c, float(teeth))
     for step in range(steps):
         theta = phase + speed * step * timestep
@@ -199,15 +215,26 @@ def _turned(
             gx, gy = vx - spin * ry, vy + spin * rx
             spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, whole)
             if free:
-                out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], 0.0, socket)
+                arc = PartialCircle(rho + socket, math.sin(home), math.cos(home), math.cos(half), math.sin(half))
+                side, on_arc, other = places_in_arc(pins[i, 0], pins[i, 1], arc)
+                if on_arc:
+                    out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], rho, rho + socket)
+                else:
+                    out, sx, sy = circle_at_edge(pins[i, 0], pins[i, 1], rho, arc, side)
                 seat, normal = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
+                # the edge across the opening, between which and the first the pin may be caught
+                out, ox, oy = circle_at_edge(pins[i, 0], pins[i, 1], rho, arc, -side)
+                edge, against = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
+                if half == math.pi or not other:
+                    edge, against = 0.0, 0.0
                 # dampers act on the speed at the end of the step: a pin is too light for them otherwise
-                axx = pin_mass + timestep * (damper * nx * nx + normal * sx * sx)
-                ayy = pin_mass + timestep * (damper * ny * ny + normal * sy * sy)
-                axy = timestep * (damper * nx * ny + normal * sx * sy)
+                axx = pin_mass + timestep * (damper * nx * nx + normal * sx * sx + against * ox * ox)
+                ayy = pin_mass + timestep * (damper * ny * ny + normal * sy * sy + against * oy * oy)
+                axy = timestep * (damper * nx * ny + normal * sx * sy + against * ox * oy)
                 pushed = spring + damper * (gx * nx + gy * ny)
-                bx = pin_mass * (pins[i, 2] + timestep * gravity_x) + timestep * (pushed * nx - seat * sx)
-                by = pin_mass * (pins[i, 3] + timestep * gravity_y) + timestep * (pushed * ny - seat * sy)
+                bx, by = pushed * nx - seat * sx - edge * ox, pushed * ny - seat * sy - edge * oy
+                bx = pin_mass * (pins[i, 2] + timestep * gravity_x) + timestep * bx
+                by = pin_mass * (pins[i, 3] + timestep * gravity_y) + timestep * by
                 whole_mass = axx * ayy - axy * axy
                 wx, wy = (ayy * bx - axy * by) / whole_mass, (axx * by - axy * bx) / whole_mass
                 force = max(spring - damper * ((wx - gx) * nx + (wy - gy) * ny), 0.0)
@@ -215,7 +242,10 @@ def _turned(
                 pins[i, 0] += timestep * wx
                 pins[i, 1] += timestep * wy
                 if counts:
-                    largest[1] = max(largest[1], seat + normal * (wx * sx + wy * sy))
+                    largest[1] = max(
+                        largest[1], seat + normal * (wx * sx + wy * sy), edge + against * (wx * ox + wy * oy)
+                    )
+                    largest[7] = max(largest[7], math.sqrt(pins[i, 0] ** 2 + pins[i, 1] ** 2))
             else:
                 force = max(spring + damper * (gx * nx + gy * ny), 0.0)
             if force > 0.0:
@@ -233,7 +263,11 @@ def _turned(
         if counts:
             largest[2] = max(largest[2], cam)
             squares += (spin + speed / lobes) ** 2
-            place = 6 + int(theta * BINS / (2.0 * math.pi)) % BINS
+            qx, qy = vx - spin * circle * cosine, vy - spin * circle * sine
+            ideal = speed * (circle / lobes - c * math.cos(theta + theta / lobes))
+            across = speed * c * math.sin(theta + theta / lobes)
+            of_q += (math.sqrt(qx * qx + qy * qy) - math.sqrt(ideal * ideal + across * across)) ** 2
+            place = OTHERS + int(theta * BINS / (2.0 * math.pi)) % BINS
             largest[place] = max(largest[place], cam)
             if step % stride == 0:
                 largest[4] = max(largest[4], cam)
@@ -262,6 +296,7 @@ def _turned(
         turned += timestep * spin
         angle += timestep * slow
     largest[5] = math.sqrt(squares / (steps - settled))
+    largest[6] = math.sqrt(of_q / (steps - settled))
     if not free:
         largest[1] = largest[0]
     return largest

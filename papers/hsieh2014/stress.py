@@ -13,7 +13,18 @@ from cycloid_mj.base.units import MEGAPASCAL
 from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import IdleStress, idle_stress
 from hsieh2014.peaks import largest_force, pairs_on
-from hsieh2014.plan import IMPACT, STARTS, Plan, designs, idle_runs, ranges, rated_runs, variations, varied_idle_runs
+from hsieh2014.plan import (
+    IMPACT,
+    STARTS,
+    Plan,
+    contact_ranges,
+    designs,
+    idle_runs,
+    ranges,
+    rated_runs,
+    variations,
+    varied_idle_runs,
+)
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import FIGURES, HEIGHTS, ORDER, SHAFT_PEAKS
 from hsieh2014.stress_claims import stress_claims
@@ -46,7 +57,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
     by_force = {name: one.by_force for name, one in studies.items()}
-    searched = Searched(ranges(plan), varied, hypothesis.reached(soft, by_force))
+    searched = Searched(ranges(plan), varied, hypothesis.reached(soft, by_force), contact_ranges(plan))
     wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
     return StageResult(
         tuple(_plates(studies)),
@@ -74,9 +85,7 @@ def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
         parts = {each.findings.part: each for each in study.study.parts}
         grids = {part: each.grid for part, each in parts.items()}
         maps = {part: each.map for part, each in parts.items()}
-        words = (
-            f"{name}, no load: von Mises stress on every part at the computed crank angle nearest to the paper's 74."
-        )
+        words = f"{name}, no load: von Mises stress on every part at the paper's crank angle, 74 deg."
         yield PaperFigure(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
         yield PaperFigure(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
     findings = [one.study.findings for one in studies.values()]

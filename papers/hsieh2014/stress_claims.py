@@ -1,5 +1,6 @@
 """Claims on stress, judged by numbers at no load over independent starts: heights and orders; and all claims on it."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from statistics import median
@@ -11,7 +12,7 @@ from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
 from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import ERROR, IdleStress, rated_value, stress_error
-from hsieh2014.plan import CONTACT_RANGES, LEFT_OPEN
+from hsieh2014.plan import LEFT_OPEN
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, ORDER
 from hsieh2014.statements import (
     BY_DESIGN,
@@ -99,7 +100,7 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
         verdict=verdict,
         decided_by=TREATMENT + (f"; {highest}: {cases[highest].high:.3g} MPa" if highest else ""),
         rated=rated_value(idle_stress, part),
-        searched=(*searched.ranges, *CONTACT_RANGES),
+        searched=(*searched.ranges, *searched.contact_ranges),
         removals=[Removal(words, f"{_of(size)} MPa", range_verdict(size, low, high)) for words, size in cases.items()],
         p=most_chance(within(ours, low, high)),
     )
@@ -116,39 +117,44 @@ def smaller(
 
     pin, nonpin = sizes(None)
     ratio = nonpin.over(pin)
+    # to what does not fluctuate in some start there is no ratio
+    compared = f"{ratio.values[0]:.2g} to 1, " if math.isfinite(ratio.high) else ""
     varied = {each: sizes(each) for each in evidence.varied}
     missed = max(evidence.stress[name].by_force[part].residual for name in ("pin", "nonpin"))
-    # what the line over the force misses may turn a smaller difference round
-    found = rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
-    verdict, by = order_verdict(found, _left_open(varied))
+    verdict, by = order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
     return statement.judged(
         found=Value(
-            f"{nonpin.words} against {pin.words} MPa, {ratio.values[0]:.2g} to 1, p = {chance(pin, nonpin):.2g}",
-            ratio.values[0],
+            f"{nonpin.words} against {pin.words} MPa, {compared}p = {chance(pin, nonpin):.2g}",
+            ratio.values[0] if compared else None,
             BY_DESIGN,
-            (ratio.low, ratio.high),
+            (ratio.low, ratio.high) if compared else None,
         ),
         error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
         decided_by=order_decided(verdict, by, "nothing varied that the paper leaves open"),
         searched=ranges,
-        removals=_orders(varied),
+        removals=_orders(varied, missed),
         p=chance(pin, nonpin),
     )
 
 
-def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]]) -> dict[str, int]:
+def _order(pin: StartSpread, nonpin: StartSpread, missed: float) -> int:
+    """Tell which is larger; neither within what the estimate misses [MPa], which may turn a difference round."""
+    return rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
+
+
+def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> dict[str, int]:
     """Collect the order of pin and nonpin with each thing changed that the paper leaves open."""
-    return {each.words: rank_order(*both) for each, both in varied.items() if each.parameter in LEFT_OPEN}
+    return {each.words: _order(*both, missed) for each, both in varied.items() if each.parameter in LEFT_OPEN}
 
 
-def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]]) -> list[Removal]:
+def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> list[Removal]:
     """Judge the order of pin and nonpin with each thing changed alone."""
     return [
         Removal(
             each.words,
             f"{nonpin.words} without pins, {pin.words} MPa with them, p = {chance(pin, nonpin):.2g}",
-            order_verdict(rank_order(pin, nonpin), {})[0],
+            order_verdict(_order(pin, nonpin, missed), {})[0],
         )
         for each, (pin, nonpin) in varied.items()
     ]
@@ -182,7 +188,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
         rated=Value(", ".join(f"{part} {one.rated[part].high:.3g}" for part in ORDER) + " MPa"),
-        searched=(*searched.ranges, *CONTACT_RANGES),
+        searched=(*searched.ranges, *searched.contact_ranges),
         removals=[*of_runs.values(), *of_contact],
         p=p,
     )

@@ -33,11 +33,14 @@ class Searched:
         What was changed alone -> design name -> its idle runs.
     reached
         Part and design -> treatment of contact -> the stress [MPa] that its forces make.
+    contact_ranges
+        Of these treatments.
     """
 
     ranges: tuple[Range, ...] = ()
     varied: Mapping[Variation, Mapping[str, Sequence[Run]]] = field(default_factory=dict)
     reached: Mapping[tuple[str, str], Mapping[str, float]] = field(default_factory=dict)
+    contact_ranges: tuple[Range, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from statistics import NormalDist, median
 
-from cycloid_mj.base.result import Value, Verdict
+from cycloid_mj.base.result import Claim, Value, Verdict
 from cycloid_mj.comparison import StartSpread
 from cycloid_mj.comparison.starts import ALIKE
 
@@ -64,7 +65,7 @@ def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     -------
     verdict
         It depends where a change turns the order round, and is not determined where the other order is found and a
-        change leaves none.
+        change leaves none; one that agrees stays so where a change leaves none.
     deciding
         The names of what turns it round, or leaves none.
     """
@@ -73,9 +74,9 @@ def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     turned, none = (tuple(name for name, each in varied.items() if each == wanted) for wanted in (-order, 0))
     if turned:
         return Verdict.DEPENDS, turned
-    if order < 0 and none:
-        return Verdict.NOT_DETERMINED, none
-    return (Verdict.AGREES if order > 0 else Verdict.DISAGREES), ()
+    if order > 0:
+        return Verdict.AGREES, none
+    return (Verdict.NOT_DETERMINED if none else Verdict.DISAGREES), none
 
 
 def order_decided(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
@@ -83,6 +84,17 @@ def order_decided(verdict: Verdict, deciding: Sequence[str], else_by: str) -> st
     if not deciding:
         return else_by
     return f"left open by the paper: {', '.join(deciding)}{'' if verdict == Verdict.DEPENDS else ' leaves no order'}"
+
+
+def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
+    """Return a claim at no load that disagrees only if all was searched that the paper leaves open there.
+
+    A value that the geometry gives, as the ratio, needs no search; claims under load have one of their own.
+    """
+    if claim.verdict != Verdict.DISAGREES or claim.kind == "value" or claim.condition.load or not unsearched:
+        return claim
+    words = f"{claim.decided_by}; not searched here: {', '.join(unsearched)}"
+    return replace(claim, verdict=Verdict.NOT_DETERMINED, decided_by=words)
 
 
 def most_chance(holds: Iterable[bool]) -> float | None:

@@ -56,6 +56,18 @@ def test_headline_failures_and_warnings_come_first_and_the_rest_with_all(printed
     assert sum("row " in line for line in whole) == len(TABLE.rows)
 
 
+def test_many_files_are_counted_by_folder_and_few_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out" / "figures").mkdir(parents=True)
+    for count, told in ((2, "wrote out/figures/0.png, out/figures/1.png, out/stem.json\n"), (40, None)):
+        files = {f"figures/{number}.png": b"" for number in range(count)}
+        wanted = Delivery(out="out", force=True)
+        deliver(outcome(files=files), claimed(wanted, "stem"), wanted)
+        assert capsys.readouterr().err == (told or "wrote 40 files in out/figures, 1 file in out\n")
+
+
 def test_no_failure_is_left_out(printed: Callable[..., list[str]]) -> None:
     lines = printed(outcome(failures=[f"part {number}" for number in range(60)], warnings=list("abcde")))
     assert sum(line.startswith("FAIL") for line in lines) == 60

@@ -130,6 +130,7 @@ RESULTS = {
     ("sweep",),
     ("tolerance",),
     ("optimize",),
+    ("reproduce",),
 }
 RESULTS |= {chain for chain in LEAVES if chain[0] == "measure"}
 """Commands whose results go out by `cycloid_mj.cli.delivery`."""

@@ -22,6 +22,7 @@ from hsieh2014 import (
     motion,
     peaks,
     stated,
+    statements,
     stress_claims,
     stress_evidence,
     stress_patterns,
@@ -29,17 +30,19 @@ from hsieh2014 import (
     torque_search,
     vibration,
 )
+from hsieh2014.hypothesis import soft_cases
 from hsieh2014.idle_stress import ByForce
 from hsieh2014.page import reproduction_page
-from hsieh2014.plan import IMPACT, QUICK, TIGHT, at_speed, designs, idle_runs
+from hsieh2014.plan import FULL, IMPACT, QUICK, TIGHT, at_speed, contact_ranges, designs, idle_runs, unsearched
 from hsieh2014.plan import STARTS as STARTS_OF_PAPER
-from hsieh2014.run import STEPS
+from hsieh2014.run import STEPS, run_step
 from hsieh2014.stage import StageResult, StageRun, silent
 from hsieh2014.stress_evidence import Evidence, Searched
 from hsieh2014.torque_search import GRID, SEARCHED, WITHOUT, Solution, TorqueSearch
 from hsieh2014.verdicts import (
     POWER,
     SIGNIFICANCE,
+    as_searched,
     chance,
     jointly,
     most,
@@ -51,7 +54,7 @@ from hsieh2014.verdicts import (
 )
 from ideal import ideal_run, ideal_runs
 
-from cycloid_mj.base.result import Quantity, Verdict
+from cycloid_mj.base.result import Quantity, Value, Verdict
 from cycloid_mj.comparison import StartSpread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
@@ -78,7 +81,9 @@ def test_an_order_counts_where_the_starts_do_not_overlap():
 @pytest.mark.parametrize(
     ("found", "varied", "verdict"),
     [
-        (1, {"friction": 1, "damping": 0}, ("agrees", ())),
+        # what agrees with every change but one that leaves no order still agrees, and says so
+        (1, {"friction": 1, "damping": 0}, ("agrees", ("damping",))),
+        (1, {"friction": 1}, ("agrees", ())),
         (-1, {"friction": -1, "damping": -1}, ("disagrees", ())),
         # what may give the paper's order keeps the other from being sure
         (-1, {"friction": -1, "damping": 0}, ("not determined", ("damping",))),
@@ -89,6 +94,34 @@ def test_an_order_counts_where_the_starts_do_not_overlap():
 )
 def test_an_order_depends_only_on_what_turns_it_round(found, varied, verdict):
     assert order_verdict(found, varied) == verdict
+
+
+def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_open():
+    def verdict(statement, *unsearched):
+        claim = statement.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing that was varied gives it")
+        found = as_searched(claim, unsearched)
+        assert (found == claim) == (found.verdict == "disagrees")
+        assert found.decided_by.startswith("nothing that was varied gives it")
+        assert all(name in found.decided_by for name in unsearched if found != claim)
+        return found.verdict
+
+    order, ratio, loaded = statements.stress_of_parts("pin"), statements.gear_speed("pin"), statements.TORQUE_ORDER
+    assert verdict(order) == "disagrees"
+    assert verdict(order, "stiffness", "damping") == "not determined"
+    assert (verdict(ratio, "stiffness"), verdict(loaded, "stiffness")) == ("disagrees", "disagrees")
+    assert unsearched(FULL) == ()
+    assert unsearched(QUICK) == ("damping", "creep speed", "stiffness")
+    made = StageResult(claims=(order.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
+    step = replace(STEPS[0], work=lambda *_: made)
+    verdicts = [run_step(step, which, ideal_runs, silent).result.claims[0].verdict for which in (QUICK, FULL)]
+    assert verdicts == ["not determined", "disagrees"]
+
+
+@pytest.mark.parametrize("which", [QUICK, FULL])
+def test_the_ranges_of_the_treatment_of_contact_are_those_that_are_turned(which):
+    errors = [1e6 * error for _, _, error in soft_cases(which)]
+    assert (contact_ranges(which)[0].low, contact_ranges(which)[0].high) == (min(errors), max(errors))
+    assert contact_ranges(which)[1].high + 1 == len({contact.name for _, contact, _ in soft_cases(which)})
 
 
 def test_a_height_and_a_pattern_need_most_starts():
@@ -486,9 +519,19 @@ def test_a_difference_that_the_line_over_the_force_misses_is_no_order(idle):
         both = stressed()
         both.by_force = dict.fromkeys(both.by_force, ByForce(0.0, 0.1, 10.0, 0.1, residual))
         with np.errstate(invalid="ignore"):
-            found = judged(both, both, (pressed, rated))
-        verdicts.append((found["stress_mean_shaft"].verdict, found["stress_fluctuation_shaft"].verdict))
-    assert verdicts == [("agrees", "agrees"), ("not determined", "not determined")]
+            found = judged(both, both, (pressed, rated), varied={IMPACT: pressed})
+        mean, fluctuation = found["stress_mean_shaft"], found["stress_fluctuation_shaft"]
+        verdicts.append((mean.verdict, mean.removals[0].verdict, fluctuation.verdict))
+    assert verdicts == [("agrees",) * 3, ("not determined",) * 3]
+
+
+def test_what_does_not_fluctuate_has_no_ratio(idle):
+    starts, rated = idle
+    still = {"pin": starts["pin"], "nonpin": [at_degrees(run, "cam", (75.0,)) for run in starts["nonpin"]]}
+    with np.errstate(invalid="ignore"):
+        told = judged(stressed(), stressed(), (still, rated))["stress_fluctuation_shaft"].as_json()["ours"]
+    assert "against 0 to 0 MPa, p = " in told["text"]
+    assert (told["value"], told["spread"]) == (None, None)
 
 
 def test_the_order_of_parts_is_searched_over_treatments_of_contact(idle):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hsieh2014.paper_figures import heights_figure, picture_figure
+from hsieh2014.paper_figures import cam_figure, heights_figure, picture_figure, torques_figure
 from hsieh2014.starts_figure import TICKS, starts_figure
 
 from cycloid_mj.comparison import RANKED, StartSpread
@@ -14,8 +14,9 @@ def drawn(figure):
     return figure
 
 
-def test_a_stress_goes_all_round_a_turn_within_its_frame():
-    degrees = np.arange(0.0, 360.0, 9.0)
+@pytest.mark.parametrize("first", [0.0, 2.0])
+def test_a_stress_goes_all_round_a_turn_within_its_frame(first):
+    degrees = first + np.arange(0.0, 360.0, 9.0)
     curves = {
         f"{design}, {law}": (degrees, size * (2.0 + np.cos(np.radians(degrees))))
         for design, size in (("pin", 0.1), ("nonpin", 0.05))
@@ -27,7 +28,10 @@ def test_a_stress_goes_all_round_a_turn_within_its_frame():
     assert axes.get_xlim() == (0.0, 360.0)
     for line in axes.lines[: len(curves)]:
         x, y = line.get_data()
-        assert (x[0], x[-1], y[0]) == (0.0, 360.0, y[-1])
+        begin, end = np.interp([0.0, 360.0], x, y)
+        assert x[0] <= 0.0
+        assert x[-1] >= 360.0
+        assert begin == pytest.approx(end)
         assert low < y.min() < y.max() < high
     # a column for each design, with both laws, and one for the paper
     (legend,) = figure.legends
@@ -49,6 +53,28 @@ def test_starts_stand_whole_on_axes_with_few_numbers(size):
         assert not [tick.get_text() for tick in panel.get_yticklabels(minor=True) if tick.get_text()]
         for line in panel.lines:
             assert all(low < value < high for value in line.get_ydata())
+
+
+def test_the_cams_force_stands_whole_in_both_panels():
+    curves = {"pin, neither": np.full(36, 4.0), "nonpin, neither": np.full(36, 9.0), "nonpin, soft": np.full(36, 3.0)}
+    curves["pin, soft"] = np.full(36, 2.0)
+    panels = drawn(cam_figure(curves, (75.0, 255.0))).axes
+    for panel in panels:
+        low, high = panel.get_ylim()
+        assert all(low <= line.get_ydata().min() < line.get_ydata().max() + 0.1 < high for line in panel.lines[:2])
+    assert panels[0].get_ylim() == panels[1].get_ylim()
+
+
+def test_torques_of_ours_and_the_papers_stand_in_one_panel():
+    ours = {"pin": {"line contacts": 32.4, "IMPACT": 30.6}, "nonpin": {"line contacts": 31.7, "IMPACT": 30.2}}
+    stated = {"pin": {"the paper": 34.7}, "nonpin": {"the paper": 35.8}}
+    panels = drawn(torques_figure(ours, stated, 36.68)).axes
+    assert [panel.get_title(loc="left") for panel in panels] == ["pin", "nonpin"]
+    for panel, torques, paper in zip(panels, ours.values(), stated.values(), strict=True):
+        bars = panel.patches
+        assert [bar.get_width() for bar in bars] == [*torques.values(), *paper.values()]
+        assert bars[0].get_facecolor() == bars[1].get_facecolor() != bars[2].get_facecolor()
+        assert panel.get_xlim()[1] > 36.68
 
 
 def test_pictures_stand_three_beside_each_other_under_their_names():

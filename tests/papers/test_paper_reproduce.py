@@ -1,5 +1,6 @@
 """The stages, claims and page of `reproduce` on runs with known waves; README and JSON; both designs alike."""
 
+import csv
 import gc
 import json
 import math
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
+from hsieh2014.command import ReproduceDelivery
 from hsieh2014.errata import errata
 from hsieh2014.logs import KEPT, Logs, fits, log_name
 from hsieh2014.page import TALLY as PAGE_TALLY
@@ -164,12 +166,13 @@ def test_a_broken_stage_is_told_and_the_others_are_there(tmp_path, monkeypatch, 
 
     steps = [replace(step, work=breaks) if step.key == "geometry" else step for step in stages.STEPS]
     monkeypatch.setattr(stages, "STEPS", tuple(steps))
-    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), quiet=True) == 1
-    page = (tmp_path / command.PAGE).read_text(encoding="utf-8")
+    delivery = ReproduceDelivery(out=str(tmp_path), quiet=True)
+    assert command.reproduce(quick=True, only=("geometry", "equal"), delivery=delivery) == 1
+    page = (tmp_path / "reproduce.html").read_text(encoding="utf-8")
     assert "ZeroDivisionError: nothing to divide by &lt;here&gt;" in page
     assert "ring.kind" in page
-    assert "geometry (Figs 1-4) broke" in capsys.readouterr().err
-    told = json.loads((tmp_path / command.RESULT).read_text(encoding="utf-8"))
+    assert "FAIL  stage geometry (Figs 1-4) broke: ZeroDivisionError" in capsys.readouterr().out
+    told = json.loads((tmp_path / "reproduce.json").read_text(encoding="utf-8"))
     assert [stage["error"] != "" for stage in told["stages"]] == [True, False]
 
 
@@ -186,7 +189,8 @@ class Sources(HTMLParser):
 
 @pytest.mark.slow
 def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
-    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), json=True) == 0
+    delivery = ReproduceDelivery(out=str(tmp_path), json=True)
+    assert command.reproduce(quick=True, only=("geometry", "equal"), delivery=delivery) == 0
     printed = capsys.readouterr()
     told = json.loads(printed.out)
     assert [stage["key"] for stage in told["stages"]] == ["geometry", "equal"]
@@ -198,6 +202,11 @@ def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
     sources.feed(page)
     assert all(source.startswith(("data:image/", "#")) for source in sources.found)
     assert sum(source.startswith("data:image/") for source in sources.found) == 4
+    assert (tmp_path / "reproduce.json").read_text(encoding="utf-8").strip() == printed.out.strip()
+    (row,) = csv.DictReader((tmp_path / "reproduce.csv").read_text(encoding="utf-8").splitlines())
+    (claim,) = told["claims"]
+    assert (row["key"], row["verdict"]) == (claim["key"], claim["verdict"]) == ("poisson", "depends")
+    assert float(row["ours_value"]) == claim["ours"]["value"]
     assert {path.name for path in (tmp_path / "figures").glob("*.svg")} == {
         f"{name}.svg" for name in ("fig1_rolling", "fig2_gear", "fig3_meshing", "fig4_ring")
     }
@@ -205,7 +214,7 @@ def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
 
 def test_an_unknown_stage_is_a_usage_error(tmp_path):
     with pytest.raises(UsageError, match=r"no stage 'stres'; there are geometry, .*torque"):
-        command.reproduce(only=("stres",), out=str(tmp_path))
+        command.reproduce(only=("stres",), delivery=ReproduceDelivery(out=str(tmp_path)))
 
 
 def test_the_time_left_follows_the_pace(monkeypatch):

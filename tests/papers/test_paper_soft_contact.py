@@ -47,6 +47,13 @@ def test_stiff_linear_springs_strike_as_hard_as_the_model():
     run = simulate(at_speed(PIN, 0.0, 1))
     settled = run.time > run.time[-1] / 3.0
     assert soft.cam == pytest.approx(float(run["cam_peak_force"][settled].max()), rel=0.2)
+    # and lets the pins as far out of their half-open sockets; closed ones hold them
+    numbers = range(1, PIN.ring.teeth + 1)
+    ways = [np.hypot(run[f"pin_{number}_x"], run[f"pin_{number}_y"])[settled].max() for number in numbers]
+    assert soft.reach == pytest.approx(max(ways), rel=0.25)
+    assert soft.reach > 4.0 * PIN.clearance.pin_socket
+    closed = soft_idle(PIN.but(ring={"socket": "closed"}), linear, 0.0, 1, 0)
+    assert PIN.clearance.pin_socket < closed.reach < 1.05 * PIN.clearance.pin_socket
     # neither strays far from what carries the gear round: its centrifugal force and weight
     carried = gear * (PIN.gear.eccentricity * PIN.drive.speed**2 + 9.8)
     assert 0.5 * carried < soft.cam < 1.5 * carried

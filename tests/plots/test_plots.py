@@ -125,6 +125,15 @@ def test_input(motion, drawn):
     assert has_curve(bottom, motion.time, 1e3 * (speed.simulated - speed.theory))
 
 
+@pytest.mark.parametrize(("name", "place"), [("fig5_input", 0), ("fig6_gear_speed", 0), ("fig9_pin1", 2)])
+def test_a_speed_has_a_scale_in_degrees_beside(drawn, name, place):
+    axes = drawn[name].axes[place]
+    drawn[name].draw_without_rendering()
+    (beside,) = axes.child_axes
+    assert (axes.get_ylabel()[-7:], beside.get_ylabel()) == ("[rad/s]", "[deg/s]")
+    assert beside.get_ylim() == pytest.approx(np.degrees(axes.get_ylim()))
+
+
 def test_gear_speed(motion, turn, drawn):
     rows, degrees = turn
     top, bottom = drawn["fig6_gear_speed"].axes

@@ -39,7 +39,7 @@ from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.notch import Notch
-from cycloid_mj.stress.study import corner_choice
+from cycloid_mj.stress.study import StudySettings, corner_choice
 from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
 from cycloid_mj.stress.turn import turn
 
@@ -525,7 +525,7 @@ def test_a_pin_without_load_is_told_to_be_idle():
 
 @needs_fem
 def test_the_study_of_a_part(pin_run):
-    from cycloid_mj.stress.study import StudySettings, at_angles, stress_study
+    from cycloid_mj.stress.study import at_angles, stress_study
 
     settings = StudySettings(angles=12, refinement=0.4, checked=3)
     told = []
@@ -557,7 +557,7 @@ def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
     """At its worst node the stress swings between what the maxima of the turn allow; rate takes it from the result."""
     from cycloid_mj.life import rate
     from cycloid_mj.life.ranges import read_ranges
-    from cycloid_mj.stress.study import StudySettings, stress_study
+    from cycloid_mj.stress.study import stress_study
 
     study = stress_study(pin_run, Reducer(PIN), ["ring"], StudySettings(angles=12, refinement=0.3, checked=1))
     found = study.findings["ring"]
@@ -663,6 +663,13 @@ def test_a_figure_of_stress_is_that_of_its_command(told, tmp_path):
     fixed = override(PIN, ["ring.pins=fixed", "load.rise_s=0.001"])
     assert figure("pin_stress_mpa").value(Reducer(fixed)) == pytest.approx(study["parts"][0]["governing_mpa"])
     assert math.isnan(figure("pin_stress_mpa").value(Reducer(NONPIN)))
+
+
+@pytest.mark.parametrize(("degrees", "first"), [(None, 0.0), (74.0, 2.0), (72.0, 0.0), (3.0, 3.0), (360.0, 0.0)])
+def test_the_angle_of_the_maps_is_one_of_the_turns(degrees, first):
+    asked = None if degrees is None else math.radians(degrees)
+    turn = np.degrees(StudySettings(angles=40, map_angle=asked).turn)
+    assert turn == pytest.approx(first + 9.0 * np.arange(40), abs=1e-9)
 
 
 def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
