@@ -7,7 +7,7 @@ usual value of the kind, of metals within 5 %, of plastics within a fifth. A har
 Vickers hardness as a pressure (Tabor); its case is taken to be deeper than the contacts press.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,20 @@ MATERIALS = {
     "aluminium 6061": _entry(68900.0, 0.33, 2700.0, 310.0, 276.0, 150.0, 23.6, "6061-T6, ASM Metals Handbook, vol. 2"),
     "aluminium 7075": _entry(71700.0, 0.33, 2810.0, 572.0, 503.0, 130.0, 23.6, "7075-T6, ASM Metals Handbook, vol. 2"),
     "bronze": _entry(95000.0, 0.34, 8700.0, 260.0, 140.0, 200.0, 18.5, "CuSn12-C (CC483K), sand cast, EN 1982"),
+    "PA12": _entry(
+        1387.0, 0.39, 1020.0, 43.0, 43.0, 80.0, 110.0, "3D Systems, by PMC10406103, Table 2, ISO 527; nu, limit as PA6"
+    ),
+    "PETG": _entry(
+        1810.0,
+        0.40,
+        1230.0,
+        44.0,
+        44.0,
+        60.0,
+        70.0,
+        "Essentium PCTG, printed, in the layers' plane, ISO 527-2 (across 40 to 45); makers of PETG 44 to 56, across "
+        "25 to 38 (additive.tools); its deflection by heat at 1.8 MPa is 64 °C",
+    ),
     "POM": _entry(2850.0, 0.37, 1410.0, 64.0, 64.0, 90.0, 110.0, "Hostaform C 9021, ISO 527; UL 746B"),
     "PA6": _entry(
         3300.0, 0.39, 1140.0, 79.0, 78.0, 80.0, 100.0, "Ensinger TECAMID 6, dry; moist it has about a third of it"
@@ -127,8 +141,17 @@ MATERIALS = {
         1400.0, 0.39, 1200.0, 36.0, 36.0, 80.0, 100.0, "Markforged Composites data sheet, ASTM D638; nu, limit as PA6"
     ),
     "PLA": _entry(
-        2539.0, 0.36, 1264.0, 26.0, 26.0, 50.0, 70.0, "Stratasys PLA, printed, the weaker direction, ASTM D638"
+        3039.0,
+        0.36,
+        1264.0,
+        48.0,
+        45.0,
+        50.0,
+        101.0,
+        "Stratasys PLA, printed, in the layers' plane, ASTM D638 (across 26 MPa); other makers 23 (PolyTerra) to 65",
     ),
     "resin": _entry(2800.0, 0.41, 1180.0, 65.0, 65.0, 50.0, 80.0, "Formlabs Clear, post-cured, ASTM D638"),
 }
 """Materials by name."""
+
+MATERIALS["PA-CF"] = replace(MATERIALS["Onyx"], source="as Onyx, PA6 with chopped carbon fibre, printed")

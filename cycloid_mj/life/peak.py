@@ -7,10 +7,15 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, weaker_is_plastic
 
 KINDS = {
-    "peak_yield": ("first yield", YIELD_PRESSURE, "surface_strength", "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)")
+    "peak_yield": (
+        "first yield, of plastics a lasting set",
+        YIELD_PRESSURE,
+        "surface_strength",
+        "p0 = 1.79 Y, below a line (Johnson 1985, 4.4); of plastics 4 k = 2.31 Y",
+    )
 }
 KINDS["peak_dents"] = (
     "lasting dents",
@@ -26,12 +31,12 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     design = reducer.design
     torque = abs(worst.point.torque)
     for key, (what, factor, kind_of_strength, source) in KINDS.items():
-        torques = {
-            kind: torque
-            * (factor * min(getattr(part, kind_of_strength) for part in design.partners(kind)) / pressure) ** 2
-            for kind, pressure in worst.pressures.items()
-            if pressure > 0.0
-        }
+        torques = {}
+        for kind, pressure in worst.pressures.items():
+            if pressure > 0.0:
+                borne = min(getattr(part, kind_of_strength) for part in design.partners(kind))
+                most = SHAKEDOWN_PRESSURE if weaker_is_plastic(reducer, kind) else factor
+                torques[kind] = torque * (most * borne / pressure) ** 2
         if torques:
             kind = min(torques, key=lambda one: torques[one])
             note = f"in {kind}; the pressure goes with the root of the torque"

@@ -10,7 +10,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rolling import EXPONENT
-from cycloid_mj.life.surfaces import PITTING_LIFE
+from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER
 from cycloid_mj.reducer import Reducer
 
 LOWEST, HIGHEST = 1e-3, 1e2
@@ -95,7 +95,8 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
 def _borne(item: RatedItem, torque: float, life: float) -> float:
     margin = item.margin(life)
     if item.safety is None:
-        return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else 2.0 * PITTING_LIFE[1]))
+        power = 2.0 * (SET_POWER if item.key.endswith("_set") else PITTING_LIFE[1])
+        return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else power))
     by_pressure = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
     return torque * (margin**2 if by_pressure else margin)
 

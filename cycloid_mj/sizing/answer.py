@@ -220,6 +220,8 @@ def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
             yield way
     if larger := _larger(asked, most):
         yield larger
+    elif not found:
+        yield from _together(asked, most)
 
 
 def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
@@ -259,6 +261,14 @@ def _larger(asked: Requirement, most: float) -> Way | None:
             return Way(f"{1e3 * larger.diameter:g} mm", larger)
         bears = SURELY * path[-1][1].bears if path and path[-1][1].rating else 0.0
     return None
+
+
+def _together(asked: Requirement, most: float) -> Iterator[Way]:
+    """Yield a larger diameter together with a second disc, or else with half the speed, where none alone is enough."""
+    for words, changed in (("two discs", asked.but(discs=2)), ("half the speed", asked.but(speed=0.5 * asked.speed))):
+        if larger := _larger(changed, most):
+            yield Way(f"{words} and {larger.words}", larger.asked)
+            return
 
 
 def _rounded_size(diameter: float) -> float:

@@ -38,8 +38,8 @@ BEGINNINGS = {
 """How the key of an item begins -> the part that it is about; others are about the teeth."""
 
 PRESSED = ("peak_yield", "peak_dents")
-YIELDS = ("pin_gear_yield", "tooth_yield", "output_yield", "pin_socket_yield", "pin_sleeve_yield")
-"""Stops by pressure, and the items that tell which contacts are pressed the most."""
+PRESSURES = ("_yield", "_set")
+"""Stops by pressure, and how the items end that tell which contacts are pressed the most."""
 
 GAIN = 1.01
 """A change counts that raises the torque by so much."""
@@ -104,6 +104,6 @@ def part_of(trial: TorqueTrial) -> str:
         return "tooth"
     key = trial.weakest.key
     if key in PRESSED:
-        yields = [item for item in trial.rating.items.values() if item.key in YIELDS]
-        key = min(yields, key=lambda item: item.margin(1.0)).key
+        items = [item for item in trial.rating.items.values() if item.key.endswith(PRESSURES) and item.unit == "MPa"]
+        key = max(items, key=lambda item: item.value / item.limit).key
     return next((part for start, part in BEGINNINGS.items() if key.startswith(start)), "tooth")

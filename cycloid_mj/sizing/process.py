@@ -62,7 +62,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
         clearance=1e-4,
         finest=4e-5,
         material="PLA",
-        others=("Onyx",),
+        others=("PETG", "PA-CF", "POM"),
         changes={
             **_BOUGHT,
             "output_material": {"name": "bearing steel"},

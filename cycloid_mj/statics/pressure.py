@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import STRIBECK
@@ -61,6 +62,12 @@ def pair_modulus(reducer: Reducer, kind: str) -> float:
 def pair_strength(reducer: Reducer, kind: str) -> float:
     """Compute the yield strength [Pa] of the weaker of the two surfaces that meet in a kind of pair."""
     return min(part.surface_strength for part in reducer.design.partners(kind))
+
+
+def weaker_is_plastic(reducer: Reducer, kind: str) -> bool:
+    """Tell whether the weaker of the two surfaces that meet in a kind of pair is a plastic."""
+    weaker = min(reducer.design.partners(kind), key=lambda part: part.surface_strength)
+    return weaker.youngs_modulus < SOFTEST_METAL
 
 
 def hertz_pressure(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:

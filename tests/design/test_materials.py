@@ -24,7 +24,7 @@ from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.stress.region import material_of
 
 PIN = PRESETS["pin"]
-PLASTICS = {"POM", "PA6", "Onyx", "PLA", "resin"}
+PLASTICS = {"POM", "PA6", "PA12", "PA-CF", "Onyx", "PETG", "PLA", "resin"}
 
 
 @pytest.mark.slow
