@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from time import process_time
 
 from cycloid_mj.base.digits import significant
 from cycloid_mj.base.errors import DesignError, UsageError
@@ -10,7 +11,6 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import length
-from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.climb import Step, climbed
@@ -18,12 +18,9 @@ from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import MOST_RATIOS, Requirement
-from cycloid_mj.sizing.trial import FEW, TorqueTrial, holds, tried
+from cycloid_mj.sizing.trial import FEW, RESERVE, TorqueTrial, holds, settled, tried
 
-RESERVE = 1.01
-"""Torque for which a first look, at few crank angles, is to find a drive good enough."""
-
-SURELY = 0.985
+SURELY = 0.97
 """Of what the best proportions bear by the laws of their items: what is told as the most, if it is found to hold."""
 
 NARROWINGS = 4
@@ -46,7 +43,9 @@ PROMISES = 0.75
 
 NO_BALANCE = "with these clearances its teeth hold no load at all"
 
-MOST_WAYS = 4
+MOST_WAYS, LONGEST = 3, 4.0
+"""Ways out beside a larger diameter, and the seconds of processor time within which they are looked for."""
+
 SLOWEST = 30.0 * RPM
 LARGEST = 3.0
 """Slowest crank [rad/s] and largest diameter [m] that a way out names."""
@@ -194,14 +193,13 @@ def _tightened(asked: Requirement) -> Requirement:
 def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
     """Find the most torque [N m] that the best proportions are sure to hold, rounded down to three digits."""
     of, trial = top
+    trial = settled(trial.reducer, trial.bears)
     torque = SURELY * trial.bears
     for _ in range(LOWERINGS):
         torque = _floored(torque)
-        reducer = shaped(asked, of, torque)
-        found = tried(reducer, torque, POSES) if reducer else trial
-        if found.rating and found.bears >= torque:
+        if found := _holding(asked, of, torque):
             return torque, found
-        torque = SURELY * min(found.bears, torque)
+        torque *= SURELY**2
     return 0.0, trial
 
 
@@ -213,14 +211,15 @@ def _floored(value: float) -> float:
 
 def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
     """Yield changes with which the torque is held, each found to work as it would be asked for."""
-    found = 0
-    for way in _conceivable(asked, top, most):
-        if found < MOST_WAYS and _works(way.asked, top[0]):
-            found += 1
-            yield way
+    began = process_time()
     if larger := _larger(asked, most):
         yield larger
-    elif not found:
+    found = 0
+    for way in _conceivable(asked, top, most):
+        if found < MOST_WAYS and process_time() - began < LONGEST and _works(way.asked, top[0]):
+            found += 1
+            yield way
+    if not larger and not found:
         yield from _together(asked, most)
 
 
