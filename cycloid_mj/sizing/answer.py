@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import process_time
 
 from cycloid_mj.base.digits import significant
@@ -13,7 +13,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.climb import Step, climbed
+from cycloid_mj.sizing.climb import GUESS, Step, climbed
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
 from cycloid_mj.sizing.reasons import reasons_of
@@ -24,7 +24,9 @@ SURELY = 0.97
 """Of what the best proportions bear by the laws of their items: what is told as the most, if it is found to hold."""
 
 NARROWINGS = 4
-LOWERINGS = 6
+LOWERINGS, LEAST = 6, 0.02
+"""Torques that are tried for it, and the least over the first guess: below, teeth barely touch within their play."""
+
 
 TIGHTER = 0.9
 """Of the clearances that a backlash asks for in proportion, since other proportions have more of it."""
@@ -197,10 +199,12 @@ def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
     torque = SURELY * trial.bears
     for _ in range(LOWERINGS):
         torque = _floored(torque)
+        if torque < LEAST * GUESS[asked.process] * asked.diameter**3:
+            break
         if found := _holding(asked, of, torque):
             return torque, found
         torque *= SURELY**2
-    return 0.0, trial
+    return 0.0, replace(trial, weakest=None)
 
 
 def _floored(value: float) -> float:

@@ -40,7 +40,7 @@ def require_held(drive: SizedDrive, asked: Requirement) -> None:
     assert rated >= asked.torque
     assert momentary >= 2.0 * asked.torque
     assert drive.figures["rated_torque_nm"] == pytest.approx(min(rated, momentary), rel=0.02)
-    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=1e-6)
+    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.02)
 
 
 def require_kept(answer: Answer, ways: int = 9) -> None:
