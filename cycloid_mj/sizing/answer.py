@@ -196,7 +196,7 @@ def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
     """Find the most torque [N m] that the best proportions are sure to hold, rounded down to three digits."""
     of, trial = top
     trial = settled(trial.reducer, trial.bears)
-    torque = SURELY * trial.bears
+    torque = SURELY * min(trial.bears, top[1].bears)  # beyond what was seen on the way up, the search would not look
     for _ in range(LOWERINGS):
         torque = _floored(torque)
         if torque < LEAST * GUESS[asked.process] * asked.diameter**3:
