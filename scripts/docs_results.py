@@ -1,7 +1,8 @@
 """Write the results of docs/paper.md, and their sum in README.md, from the numbers of `cycloid-mj reproduce`.
 
-`python scripts/docs_results.py` writes them from tests/data/reproduce.json; with the path of another reproduce.json
-it keeps that one's claims and errata there first.
+`python scripts/docs_results.py` writes them from tests/data/reproduce.json and authors.json; with the path of another
+reproduce.json it keeps there first what the pages show: of a run of `--as-the-authors` its tables, else claims and
+errata.
 """
 
 import json
@@ -15,15 +16,27 @@ from cycloid_mj.base.result import Table
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"
+AUTHORS = KEPT.with_name("authors.json")
 README = ROOT / "README.md"
 MARK = "<!-- {word} of {name}: scripts/docs_results.py writes what stands here -->"
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
 
 
-def sections(content: dict[str, Any]) -> dict[str, str]:
-    """Collect the generated sections of the page by name."""
-    return {"results": results(content), "errata": errata(content["errata"])}
+def sections(content: dict[str, Any], with_soft_contact: dict[str, Any]) -> dict[str, str]:
+    """Collect the generated sections of the page by name, from both runs of the command."""
+    return {
+        "authors": authors(with_soft_contact),
+        "results": results(content),
+        "errata": errata(content["errata"]),
+    }
+
+
+def authors(content: dict[str, Any]) -> str:
+    """Return the tables of `--as-the-authors`, and its sentence on the peaks of the cam's force."""
+    tables = [Table(one["title"], tuple(one["columns"]), tuple(map(tuple, one["rows"]))) for one in content["tables"]]
+    titled = [f"{table.title[0].upper()}{table.title[1:]}:\n\n{table.as_markdown()}" for table in tables]
+    return "\n\n".join([content["note"], *titled])
 
 
 def results(content: dict[str, Any]) -> str:
@@ -105,6 +118,14 @@ def kept(content: dict[str, Any]) -> dict[str, Any]:
     return {key: content[key] for key in ("quick", "claims", "errata")}
 
 
+def kept_authors(content: dict[str, Any]) -> dict[str, Any]:
+    """Collect what the page shows of the stage as the authors may have run it; raise ValueError if it broke."""
+    (stage,) = content["stages"]
+    if stage["error"]:
+        raise ValueError(f"the page is not written from a broken stage: {stage['error']}")
+    return {"note": stage["notes"][0], "tables": stage["tables"]}
+
+
 def _bounded(error: float) -> str:
     """Return the decade below which an error lies: its digits are rounding, another machine has others."""
     return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
@@ -117,10 +138,12 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Write the page; give the exit code."""
     if arguments:
-        kept_content = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
-        KEPT.write_text(json.dumps(kept_content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    content = json.loads(KEPT.read_text(encoding="utf-8"))
-    for path, texts in ((PAGE, sections(content)), (README, {"tally": tally(content)})):
+        given = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+        of_authors = [stage["key"] for stage in given["stages"]] == ["authors"]
+        path, chosen = (AUTHORS, kept_authors(given)) if of_authors else (KEPT, kept(given))
+        path.write_text(json.dumps(chosen, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    content, with_soft_contact = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
+    for path, texts in ((PAGE, sections(content, with_soft_contact)), (README, {"tally": tally(content)})):
         path.write_text(written(path.read_text(encoding="utf-8"), texts), encoding="utf-8")
     return 0
 

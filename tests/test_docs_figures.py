@@ -42,7 +42,7 @@ def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
     return script
 
 
-@pytest.mark.parametrize("name", ["picture", "report", "models", "measured", "compared", "paper"])
+@pytest.mark.parametrize("name", ["picture", "report", "models", "measured", "compared", "paper", "authors"])
 def test_what_is_printed_is_what_the_model_says_now(script: ModuleType, name: str) -> None:
     """Where this fails: `python scripts/docs_figures.py --list` says by how much, without --list it writes it anew."""
     assert script.stale(script.ARTEFACTS[name], script.stamps().get(name)) == []

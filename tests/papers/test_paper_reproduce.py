@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
+from hsieh2014.authors import CHANGES, brought_by
 from hsieh2014.command import ReproduceDelivery
 from hsieh2014.errata import errata
 from hsieh2014.logs import KEPT, Logs, fits, log_name
@@ -24,6 +25,7 @@ from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, 
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
 from hsieh2014.stage import StageResult, silent
+from hsieh2014.stated import TORQUES
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.base.errors import RunError, UsageError
@@ -312,16 +314,36 @@ def test_every_stage_has_a_name_and_a_time():
 
 
 def test_the_page_says_what_the_json_says(script):
-    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    found, soft = (json.loads(path.read_text(encoding="utf-8")) for path in (script.KEPT, script.AUTHORS))
     page = script.PAGE.read_text(encoding="utf-8")
-    assert script.written(page, script.sections(found)) == page
+    assert script.written(page, script.sections(found, soft)) == page
     readme = script.README.read_text(encoding="utf-8")
     assert script.written(readme, {"tally": script.tally(found)}) == readme
     assert script.tally(found) in page
     assert all(f"| {script.load(claim['condition'])} |" in page for claim in found["claims"])
     found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
-    assert script.written(page, script.sections(found)) != page
+    assert script.written(page, script.sections(found, soft)) != page
     assert script.written(readme, {"tally": script.tally(found)}) != readme
+
+
+def test_the_page_shows_the_tables_of_the_run_as_the_authors(script):
+    stage = {"key": "authors", "error": "", "notes": ["two maxima", "a hypothesis"]}
+    stage["tables"] = [{"title": "what brings it", "columns": ["feature", "by"], "rows": [["Fig. 12", "soft"]]}]
+    told = script.authors(script.kept_authors({"stages": [stage]}))
+    assert told == "two maxima\n\nWhat brings it:\n\n| feature | by |\n| --- | --- |\n| Fig. 12 | soft |"
+    with pytest.raises(ValueError, match="broken stage: ZeroDivisionError"):
+        script.kept_authors({"stages": [stage | {"error": "ZeroDivisionError"}]})
+
+
+def test_what_brings_a_feature_follows_from_the_table(script):
+    """By removal: each row says yes or no of neither change, of each alone, and of both."""
+    features, torques = json.loads(script.AUTHORS.read_text(encoding="utf-8"))["tables"]
+    names = dict(zip(features["columns"][1:5], CHANGES, strict=True))
+    assert {row[0].split(",")[0] for row in features["rows"]} >= {f"Fig. {number}" for number in (6, 8, 9, 12, 13, 14)}
+    for row in features["rows"]:
+        holds = {name: cell.endswith("(yes)") for name, cell in zip(names.values(), row[1:5], strict=True)}
+        assert row[-1] == brought_by(holds)
+    assert [row[0] for row in torques["rows"]] == [f"{name}, {way}" for name, ways in TORQUES.items() for way in ways]
 
 
 def test_the_reproduced_page_sums_up_as_the_readme_does(script):
