@@ -40,13 +40,11 @@ curvature, over the largest, from which it is a valley's bottom, where there is 
 _FAR, _SMALL = 0.7, 4e-4
 """Way along a curve, over its least radius and over E, beyond which its foot point is looked for."""
 
-_FARTHEST_FOOT, _LONGEST = 1.5, 0.5
-"""How far from its contact the search for a foot point begins, at most, and its longest step, in the generating
-circle's turn N t [rad]: within the half lobe, 1.57, next to which another flank begins, and a third of that."""
+_LONGEST = 0.1
+"""Longest step to a foot point, as a turn of the trochoid's generating circle [rad]: it is not to leave its lobe."""
 
-_ROUNDS, _SETTLED = 60, 1e-12
-"""Most steps to a foot point, as halvings of a lobe down to rounding need them, and the step at which it is found
-[rad]: convergence is quadratic, so that the foot is then known to rounding."""
+_SETTLED = 1e-10
+"""Step to a foot point at which it is found [rad]."""
 
 _SURELY = 1e-4
 """Most that a gap's third order narrows it, as a share of the way along the curve."""
@@ -671,13 +669,12 @@ def _rounded(
         if found:
             return distance, nq, np_, rate
         twist = 0.0
-    reach = math.sqrt(along * along + across * across)
-    if not reach > 0.0:
+    if along <= 0.0:  # open by more than the curve's radius
         return q, 1.0, 0.0, 0.0
+    reach = math.sqrt(along * along + across * across)
     share = 1.0 / reach
     # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
-    beyond = q + across * p / (reach + along) if along > 0.0 else (reach - 1.0) / bend
-    width = beyond + twist * p * p * p / 6.0
+    width = q + across * p / (reach + along) + twist * p * p * p / 6.0
     return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
 
 
@@ -714,9 +711,7 @@ def _foot(
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
     t = p / (rate * max(along, 0.5))  # the curve goes on at that rate by t
-    t = min(max(t, -_FARTHEST_FOOT / N), _FARTHEST_FOOT / N)
-    before, beyond = -math.inf, math.inf
-    for _ in range(_ROUNDS):
+    for _ in range(20):
         # sine, and cosine less 1, of t and N t
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
         st, ct, sw, cw = 2.0 * half * math.cos(0.5 * t), -2.0 * half * half, math.sin(N * t), -2.0 * wide * wide
@@ -727,15 +722,8 @@ def _foot(
         vq, vp = -up - E * sa + N * (wp + c * sb), uq + E * ca - N * (wq + c * cb)
         aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
         square = vq * vq + vp * vp
-        nearer = (q - xq) * vq + (p - xp) * vp
-        if nearer > 0.0:
-            before = t
-        else:
-            beyond = t
-        step = nearer / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
+        step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
         step = min(max(step, -_LONGEST / N), _LONGEST / N)
-        if not before <= t + step <= beyond:
-            step = 0.5 * (before + beyond) - t
         t += step
         if abs(step) < _SETTLED:
             break
