@@ -318,3 +318,12 @@ def point(text: str | None) -> tuple[float, float] | None:
     if not (abs(x) <= LARGEST_Q and abs(y) <= LARGEST_Q):
         raise UsageError(f"--q {text}: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
     return x / 1e3, y / 1e3
+
+
+StudySolverFlag = Annotated[
+    Literal["planar", "mujoco"],
+    Parameter(
+        help="What takes the steps of the runs. planar: a compiled solver of the planar equations of motion, much "
+        "cheaper. mujoco: MuJoCo. Default: planar."
+    ),
+]

@@ -28,6 +28,7 @@ from cycloid_mj.cli.flags import (
     PresetOptions,
     SetFlag,
     SeveralFlag,
+    StudySolverFlag,
     Values,
     out_flag,
     require_distinct,
@@ -64,6 +65,8 @@ class MeasureDelivery(Delivery):
 @dataclass(frozen=True)
 class MeasureOptions:
     """The options of one measure."""
+
+    solver: StudySolverFlag = "planar"
 
     EXAMPLES: ClassVar[str] = ""
     PUBLISHED: ClassVar[bool] = False
@@ -247,7 +250,7 @@ class TorqueOptions(MeasureOptions):
 
     def arguments(self) -> dict[str, Any]:
         """Collect what the design does not hold."""
-        return {"quick": self.quick}
+        return {"quick": self.quick, "solver": self.solver}
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from cycloid_mj.cli.flags import (
     ClusterDelivery,
     FollowFlag,
     PresetOptions,
+    StudySolverFlag,
     out_flag,
     within,
 )
@@ -114,6 +115,7 @@ def sweep(
     measure: MeasureFlag = ("statics",),
     quick: QuickFlag = False,
     real_pins: RealPinsFlag = False,
+    solver: StudySolverFlag = "planar",
     follow: FollowFlag = (),
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
@@ -137,7 +139,7 @@ def sweep(
 
     wanted = _points(vary, table, sample, points, seed)
     engine = delivery.engine()
-    task = task_of(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow)
+    task = task_of(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow, solver)
     resumed = begun(Path(delivery.out or OUT), SWEEP)
     place = claimed(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, out_flag, whole
+from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ def tolerance(
     seed: SeedFlag = 0,
     limit: LimitFlag = (),
     verify: VerifyFlag = 0,
+    solver: StudySolverFlag = "planar",
     delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Draw samples of a design within its tolerances, and tell yield, distributions and an error budget.
@@ -95,7 +96,9 @@ def tolerance(
     name = design.name
     place = claimed(delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True)
     try:
-        tolerances = found_in(design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify)
+        tolerances = found_in(
+            design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify, solver
+        )
     except Unfinished as stop:
         deliver(_outcome(stop.tolerances), place, delivery)
         raise RunError(f"stopped by {cause(stop)}; {stop.tolerances.samples_text} are in {place.folder}") from stop

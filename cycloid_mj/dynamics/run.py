@@ -46,7 +46,7 @@ from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, means_of_last
 from cycloid_mj.dynamics.massless import idle
-from cycloid_mj.dynamics.mjcf import ReducerModel, addresses, build, sensors, unused, xml
+from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.planar.stepper import Stepper
@@ -160,8 +160,8 @@ def columns(compiled: Model, reducer: Reducer) -> Groups:
     return groups
 
 
-def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile") -> Model:
-    """Make a reducer ready for a solver, and a kind of contact.
+def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", held: Held = "crank") -> Model:
+    """Make a reducer ready for a solver and a kind of contact; `held` is as of ``mjcf.build``, with exact profiles.
 
     Raises
     ------
@@ -171,10 +171,10 @@ def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile") ->
         As `reducer_model`.
     """
     if solver == "mujoco":
-        return reducer_model(reducer, contact)
+        return build(reducer.design, held) if contact == "profile" else reducer_model(reducer, contact)
     if contact == "mesh":
         raise UsageError("the planar solver takes exact profiles alone: leave out --contact mesh, or --solver planar")
-    return planar_model(reducer)
+    return planar_model(reducer, held)
 
 
 def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerModel:

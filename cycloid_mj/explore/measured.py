@@ -12,18 +12,31 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
 from cycloid_mj.dynamics.massless import massless
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
+from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
 
 
 @dataclass(frozen=True)
 class MeasureSettings:
-    """How measures are taken: `quick` as their flag of that name; whether runs keep `real_pins` under a load."""
+    """How measures are taken.
+
+    Attributes
+    ----------
+    quick
+        As their flag of that name.
+    real_pins
+        Whether runs keep the inertia of moving pins under a load.
+    solver
+        What takes the steps of runs.
+    """
 
     quick: bool = False
     real_pins: bool = False
+    solver: Solver = "planar"
 
 
 @dataclass(frozen=True)
@@ -66,24 +79,27 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
 
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
-    measurement = MEASURES[name](reducer.design, quick=options.quick)
+    measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
     warned = {text: None for run in measurement.runs.values() for text in run.warnings}
-    return _of_quantities(measurement.quantities.values(), assumptions=measurement.assumptions, warnings=tuple(warned))
+    assumed = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
+    return _of_quantities(measurement.quantities.values(), assumptions=assumed, warnings=tuple(warned))
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
     """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
     from cycloid_mj.analysis import analyze
-    from cycloid_mj.dynamics.run import MOST_STEPS, schedule, simulate
+    from cycloid_mj.dynamics.run import MOST_STEPS, model_for, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")
     light = not options.real_pins and abs(reducer.design.load.torque) > own_load(reducer)
     ran = massless(reducer) if light else reducer
-    if (steps := schedule(ran).steps) > MOST_STEPS:
+    compiled = model_for(options.solver, ran)
+    if (steps := schedule(ran, compiled.timestep).steps) > MOST_STEPS:
         raise RunError(f"the run would take {steps:.3g} steps, more than {MOST_STEPS:.0e}: shorten drive.hold_s")
-    findings = analyze(simulate(ran.design))
+    findings = analyze(simulate(ran.design, compiled))
     values = {
+        "solver": options.solver,
         "pins": ran.design.ring.pins if ran.design.ring.kind == "pin" else "none",
         **dict(_flat(findings.as_json())),
     }

@@ -15,6 +15,7 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
 from cycloid_mj.design import Design, declared, dump
 from cycloid_mj.design.units import unit_of
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.followers import following
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.measured import MeasureSettings, require_measures
@@ -115,6 +116,7 @@ def sweep(
     seed: int = 0,
     quick: bool = False,
     real_pins: bool = False,
+    solver: Solver = "planar",
     follow: str | Sequence[str] = (),
     out: str | Path | None = None,
     engine: Engine = PROCESSES,
@@ -138,6 +140,8 @@ def sweep(
         Whether measures take fewer angles and runs, as by their own option of that name.
     real_pins
         Whether loaded runs of `simulate` keep the inertia of moving pins, as they do where ``ring.pins`` is varied.
+    solver
+        What takes the steps of runs.
     follow
         Keys that change with those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY``
         of one that knows how: `output.hole_radius_mm`, which leaves the room that the design has, and
@@ -164,7 +168,7 @@ def sweep(
     """
     reducer = Reducer(design)
     where = chosen(vary, table, sample, points, seed)
-    task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow)
+    task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow, solver)
     if out is None:
         rows: dict[int, PointResult] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
@@ -179,6 +183,7 @@ def task_of(
     quick: bool,
     real_pins: bool,
     follow: str | Sequence[str] = (),
+    solver: Solver = "planar",
 ) -> Task:
     """Return what is done at each point; measures are named one by one or as ``a,b``.
 
@@ -188,7 +193,7 @@ def task_of(
         There is no such measure, or no such key to follow.
     """
     names = require_measures(name.strip() for words in measures for name in words.split(","))
-    options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys)
+    options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys, solver)
     return Task(reducer, points.keys, names, options, following(reducer, follow, points.keys))
 
 

@@ -14,6 +14,7 @@ from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES
 from cycloid_mj.explore.budget import Share, budget_blocks, shares
 from cycloid_mj.explore.draw import (
@@ -37,6 +38,7 @@ from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
+from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples, alike
 
@@ -203,8 +205,9 @@ class Tolerances(Tabular):
         if shares:
             tables.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
         if compared := tuple(row for one in self.verified for row in table_rows(one)):
+            by = SOLVERS[self.verified[0].solver]
             tables.append(
-                Table("the worst samples in full dynamics, at speed, with friction", VERIFIED_HEADER, compared)
+                Table(f"the worst samples in full dynamics, {by}, at speed, with friction", VERIFIED_HEADER, compared)
             )
         return tuple(tables)
 
@@ -253,6 +256,7 @@ def tolerance(
     progress: Progress = silent,
     engine: Engine = THREADS,
     verify: int = 0,
+    solver: Solver = "planar",
 ) -> Tolerances:
     """Draw samples within the design's tolerances, balance them all round, and share out the variance.
 
@@ -273,6 +277,8 @@ def tolerance(
         Where the work is done.
     verify
         How many of the worst samples are run in full dynamics.
+    solver
+        What takes the steps of these runs.
 
     Raises
     ------
@@ -302,7 +308,7 @@ def tolerance(
         if not _balance(study, done, progress, engine):
             raise AllJam(study.result({0: done[0]}))
         result = study.result(done)
-        checked.update(engine.stream(verified, [Reducer(one) for one in result.worst[:verify]]))
+        checked.update(engine.stream(partial(verified, solver=solver), [Reducer(one) for one in result.worst[:verify]]))
     except KeyboardInterrupt as stop:
         if 0 not in done:
             raise

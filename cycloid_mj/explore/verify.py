@@ -8,6 +8,7 @@ import numpy as np
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import SAMPLED, compute, figure
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
@@ -29,12 +30,15 @@ class Verified:
         Figures by their keys in `SAMPLED`; `dynamics` are fewer, and none where the run went wrong.
     note
         Why there are none.
+    solver
+        What took the steps of the run.
     """
 
     design: str
     statics: Mapping[str, float]
     dynamics: Mapping[str, float]
     note: str = ""
+    solver: Solver = "planar"
 
     @property
     def differences(self) -> dict[str, float]:
@@ -45,19 +49,19 @@ class Verified:
         }
 
 
-def verified(reducer: Reducer) -> Verified:
+def verified(reducer: Reducer, solver: Solver = "planar") -> Verified:
     """Run a design and give its figures beside those of its statics; a run that goes wrong is told in the note."""
     statics = compute(reducer, SAMPLED)
     try:
-        return Verified(reducer.design.name, statics, _dynamics(reducer))
+        return Verified(reducer.design.name, statics, _dynamics(reducer, solver), solver=solver)
     except CycloidError as error:
-        return Verified(reducer.design.name, statics, {}, str(error))
+        return Verified(reducer.design.name, statics, {}, str(error), solver)
 
 
-def _dynamics(reducer: Reducer) -> dict[str, float]:
+def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
-    run = steady(loaded, SETTLED, design.ring.teeth)
+    run = steady(loaded, SETTLED, design.ring.teeth, solver)
     error = run["output_angle"] - output_angle(design, run["crank_angle"])
     contacts = pressed(run, loaded)
     kinds = {"tooth_force_n": design.tooth_pair, **KINDS}

@@ -7,8 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course, braking
-from cycloid_mj.dynamics.mjcf import build
-from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import at_rated_load
 
@@ -52,7 +51,7 @@ class BreakAway:
         return math.isnan(self.torque)
 
 
-def break_away(reducer: Reducer) -> BreakAway:
+def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     """Let the output torque grow from zero on a reducer at rest, its crank free.
 
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
@@ -73,7 +72,7 @@ def break_away(reducer: Reducer) -> BreakAway:
         load=lambda time: forward * largest * time / GROWS_FOR,
     )
     resting = at_rated_load(reducer).but(drive={"ramp": 0.0, "hold": GROWS_FOR})
-    compiled = build(resting.design, held="")
+    compiled = model_for(solver, resting, held="")
     run = simulate(resting.design, compiled, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)
     frictionless = largest / reducer.design.reduction * GROWS_FOR**2 / (6.0 * compiled.crank_inertia)

@@ -18,7 +18,10 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Design, Errors, Modification
+from cycloid_mj.dynamics.massless import assumptions, massless
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, play
+from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
@@ -81,7 +84,11 @@ class Press:
 
 
 def backlash(
-    design: Design, angles: int | None = None, quick: bool = False, progress: Progress = silent
+    design: Design,
+    angles: int | None = None,
+    quick: bool = False,
+    progress: Progress = silent,
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure the backlash of a design at several locked crank angles, whole and by each clearance alone.
 
@@ -95,6 +102,8 @@ def backlash(
         By default `QUICK_ANGLES`.
     progress
         Called after each run with how many are done, and how many there are.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -110,10 +119,12 @@ def backlash(
     reducer = at_rated_load(reducer)
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     cases = {_ALL: bench.ideal(reducer)} | {kind: alone(reducer, kind) for kind in reducer.design.pair_kinds}
+    if solver == "planar":
+        cases = {name: massless(case) for name, case in cases.items()}
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
     jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
-    runs = each(lambda job: press(*job), jobs, progress)
+    runs = each(lambda job: press(*job, solver), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
     by_kind = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}
@@ -121,10 +132,10 @@ def backlash(
     return Measurement(
         measure="backlash",
         design=reducer.design,
-        condition="crank locked, without friction and weight",
+        condition=f"crank locked, without friction and weight, {SOLVERS[solver]}",
         quantities=keyed(_quantities(by_kind, checked, closed)),
         curves=_curves(reducer, by_kind, closed),
-        assumptions=_assumptions(reducer, [press.run for presses in by_kind.values() for press in presses]),
+        assumptions=_assumptions(reducer, [press.run for presses in by_kind.values() for press in presses], solver),
         runs={name: presses[0].run for name, presses in by_kind.items()},
         details={"angles": _by_angle(by_kind, closed)},
     )
@@ -140,7 +151,7 @@ def alone(reducer: Reducer, kind: str) -> Reducer:
     return bench.ideal(Reducer(design.model_copy(update=exact)))
 
 
-def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.0) -> Press:
+def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.0, solver: Solver = "planar") -> Press:
     """Press the output of a design without friction and weight to both stops, at a crank angle [rad].
 
     `longer` multiplies the time, `finer` divides the step.
@@ -153,7 +164,7 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
         return levels[np.minimum(time / dwell, len(LEVELS) - 0.5).astype(int)]
 
     largest, duration, samples = max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES
-    run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer)
+    run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer, solver)
     turn, phase = output_error(run, reducer), run.time / dwell
     ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
     return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
@@ -234,7 +245,7 @@ def _curves(reducer: Reducer, by_kind: dict[str, list[Press]], closed: dict[str,
     return tuple(drawn)
 
 
-def _assumptions(reducer: Reducer, runs: list[Run]) -> tuple[str, ...]:
+def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
     torque = PRESS * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
@@ -246,6 +257,7 @@ def _assumptions(reducer: Reducer, runs: list[Run]) -> tuple[str, ...]:
         f"time step {bench.steps_text(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "
         "what the angles leave out of the turn: by the closed form, and by the scatter of what that does not explain",
+        *(assumptions(reducer, "all runs") if solver == "planar" else ()),
     )
 
 

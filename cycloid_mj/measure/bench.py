@@ -19,8 +19,10 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.dynamics.course import Signal, locked_crank
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
+from cycloid_mj.dynamics.planar import timestep as planar_steps
+from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.regime import at_rest
-from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.run import Solver, simulate
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
@@ -66,11 +68,13 @@ def ideal(reducer: Reducer) -> Reducer:
     return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
 
 
-def step(reducer: Reducer, torque: float) -> float:
+def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
     """Compute the step [s] for a torque on the output [N m]: the one given, if any."""
     design = reducer.design
     if design.settings.timestep:
         return design.settings.timestep
+    if solver == "planar":
+        return planar_steps.LONGEST
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
         return LONGEST_STEP
@@ -82,14 +86,16 @@ def step(reducer: Reducer, torque: float) -> float:
     return min(LONGEST_STEP, (HELD_SHARE if sticks else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 
 
-def benched(reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0) -> Reducer:
+def benched(
+    reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0, solver: Solver = "planar"
+) -> Reducer:
     """Return the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
 
     Below its creep speed the model's friction is viscous, and a slow motion would feel none of it: the creep speed is
     lowered as far as the step bears.
     """
     design = reducer.design
-    timestep = step(reducer, torque) / finer
+    timestep = step(reducer, torque, solver) / finer
     slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * pair_stiffness(reducer, design.tooth_pair) * timestep)
     creep = min(design.contact.creep_speed or math.inf, slowest or creep_speed(reducer))
     contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
@@ -104,9 +110,12 @@ def benched(reducer: Reducer, torque: float, duration: float, samples: int, fine
     )
 
 
-def locked_run(benched: Reducer, crank: float, torque: Signal) -> Run:
+def locked_run(benched: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
     """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
     timestep = benched.design.settings.timestep
+    if solver == "planar":
+        planar = _planar(benched.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep)
+        return simulate(benched.design, planar, locked_crank(planar, crank, torque))
     made_for = timestep * STEADIER * (HEAVIER if _rubbing(benched) else 1.0)
     drive = Drive(rotor_inertia=benched.design.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
@@ -115,7 +124,14 @@ def locked_run(benched: Reducer, crank: float, torque: Signal) -> Run:
 
 
 def run_to_the_end(
-    reducer: Reducer, crank: float, torque: Signal, largest: float, duration: float, samples: int, finer: float = 1.0
+    reducer: Reducer,
+    crank: float,
+    torque: Signal,
+    largest: float,
+    duration: float,
+    samples: int,
+    finer: float = 1.0,
+    solver: Solver = "planar",
 ) -> Run:
     """Run a design on the bench as in `benched` and `locked_run`, at half the step again where it goes wrong.
 
@@ -133,6 +149,8 @@ def run_to_the_end(
         Of the run [s].
     finer
         Divides the first step.
+    solver
+        What takes the steps.
 
     Returns
     -------
@@ -146,10 +164,10 @@ def run_to_the_end(
     """
     shortest, problem = 0.0, None
     for halvings in range(MOST_HALVINGS + 1):
-        one = benched(reducer, largest, duration, samples, finer * 2.0**halvings)
+        one = benched(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
         shortest = one.design.settings.timestep
         try:
-            return locked_run(one, crank, torque)
+            return locked_run(one, crank, torque, solver)
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
@@ -175,6 +193,12 @@ def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
     compiled = replace(compiled, warnings=at_rest(reducer, compiled.laws))
     compiled.spec.option.timestep = compiled.model.opt.timestep = timestep
     return compiled
+
+
+@once
+def _planar(reducer: Reducer, timestep: float) -> PlanarModel:
+    """Make a model once for all crank angles."""
+    return planar_model(reducer, step=timestep)
 
 
 def _rubbing(reducer: Reducer) -> float:

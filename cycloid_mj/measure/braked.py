@@ -10,7 +10,8 @@ from dataclasses import replace
 from cycloid_mj.base.names import DRIVE
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import braked_output, rising
-from cycloid_mj.dynamics.mjcf import ReducerModel, build
+from cycloid_mj.dynamics.planar.model import PlanarModel
+from cycloid_mj.dynamics.run import Model, Solver, model_for
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_at
@@ -26,7 +27,7 @@ SETTLED = 15e-3
 """Time after which a run counts [s]: the ringing is below 0.2 % of the torque then."""
 
 
-def braked_run(reducer: Reducer, torque: float, periods: int) -> Run:
+def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
     """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
 
     A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
@@ -39,16 +40,18 @@ def braked_run(reducer: Reducer, torque: float, periods: int) -> Run:
     """
     reducer = working_at(reducer, torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed
-    compiled = build(reducer.design, held="output")
+    compiled = model_for(solver, reducer, held="output")
     slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
     compiled = with_slope(compiled, slope)
     drive = rising(math.copysign(torque, torque * speed), RISE)
     course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
-    return steady(reducer, SETTLED, periods, compiled, course)
+    return steady(reducer, SETTLED, periods, solver, compiled, course)
 
 
-def with_slope(compiled: ReducerModel, slope: float) -> ReducerModel:
+def with_slope(compiled: Model, slope: float) -> Model:
     """Return the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
+    if isinstance(compiled, PlanarModel):
+        return compiled.with_slope(slope)
     import mujoco
 
     motor = compiled.spec.actuator(DRIVE)

@@ -11,9 +11,10 @@ from cycloid_mj.base.result import Curve, Quantity, Table, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import assumptions
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import drag_assumption
+from cycloid_mj.measure.conditions import SOLVERS, drag_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
@@ -41,6 +42,7 @@ def efficiency(
     quick: bool = False,
     progress: Progress = silent,
     published: Sequence[Published] = (),
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure the efficiency of a design and its losses by pair.
 
@@ -58,6 +60,8 @@ def efficiency(
         Called after each run with how many are done, and how many there are.
     published
         Torques that a paper gives for this design, to stand beside ours.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -72,12 +76,12 @@ def efficiency(
     torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
-    efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress)
+    efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress, solver)
     beside = [replace(one, friction=friction_for(efficiency_map.by_friction, one.rate)) for one in published]
     return Measurement(
         measure="efficiency",
         design=steady.design,
-        condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm",
+        condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=keyed(
             _rated(steady, efficiency_map), _losses(efficiency_map.rated), _driven(steady, efficiency_map)
         ),

@@ -7,6 +7,7 @@ from functools import partial
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.massless import massless
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
@@ -84,7 +85,13 @@ class EfficiencyMap:
 
 
 def run_map(
-    reducer: Reducer, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, progress: Progress
+    reducer: Reducer,
+    torques: Sequence[float],
+    speeds: Sequence[float],
+    periods: int,
+    check: bool,
+    progress: Progress,
+    solver: Solver,
 ) -> EfficiencyMap:
     """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
 
@@ -101,23 +108,25 @@ def run_map(
     rated, speed = design.rated_torque, design.drive.speed
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
-    rest = break_away(reducer)
+    rest = break_away(reducer, solver)
     light = massless(reducer)
     tasks: dict[Hashable, Callable[[], Point]] = {
-        place: partial(forward, light, *place, periods) for place in grid if light != reducer or place != (rated, speed)
+        place: partial(forward, light, *place, periods, solver)
+        for place in grid
+        if light != reducer or place != (rated, speed)
     }
-    tasks["rated"] = partial(forward, reducer, rated, speed, periods)
-    tasks["ideal"] = partial(forward, ideal_limit(reducer), rated, speed, periods)
-    tasks["unloaded"] = partial(forward, reducer, 0.0, speed, periods)
+    tasks["rated"] = partial(forward, reducer, rated, speed, periods, solver)
+    tasks["ideal"] = partial(forward, ideal_limit(reducer), rated, speed, periods, solver)
+    tasks["unloaded"] = partial(forward, reducer, 0.0, speed, periods, solver)
     if not rest.locked:
-        tasks["coasting"] = partial(backward, reducer, 0.0, periods)
-        tasks["backward"] = partial(backward, reducer, design.drive.torque, periods)
+        tasks["coasting"] = partial(backward, reducer, 0.0, periods, solver)
+        tasks["backward"] = partial(backward, reducer, design.drive.torque, periods, solver)
     if check:
-        tasks["halved"] = partial(forward, halved(reducer), rated, speed, periods)
+        tasks["halved"] = partial(forward, halved(reducer, solver), rated, speed, periods, solver)
     assumed = inputs(reducer)
     varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
-    tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
+    tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
     points = run_all(tasks, progress)
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
@@ -134,15 +143,16 @@ def run_map(
     )
 
 
-def forward(reducer: Reducer, torque: float, speed: float, periods: int) -> Point:
+def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
     """Run under an output torque [N m], the crank held at a speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods)))
+    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods), solver))
 
 
-def backward(reducer: Reducer, torque: float, periods: int) -> Point:
+def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> Point:
     """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
-    return _point(torque, reducer.design.drive.speed, braked_run(reducer, -torque, whole_periods(reducer, periods)))
+    run = braked_run(reducer, -torque, whole_periods(reducer, periods), solver)
+    return _point(torque, reducer.design.drive.speed, run)
 
 
 def _point(torque: float, speed: float, run: Run) -> Point:

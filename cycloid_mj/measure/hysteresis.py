@@ -18,6 +18,7 @@ from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics import course
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import closed_stiffness
 from cycloid_mj.measure import bench
 from cycloid_mj.parts import turning_inertia
@@ -145,10 +146,12 @@ def signal(rated: float, period: float) -> course.Signal:
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
 
 
-def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0) -> HysteresisLoop:
+def loop(
+    reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0, solver: Solver = "planar"
+) -> HysteresisLoop:
     """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
     duration, samples = (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES)
-    run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer)
+    run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer, solver)
     whole = run.select(run.time >= LEAD * period)
     return HysteresisLoop(
         crank=crank,

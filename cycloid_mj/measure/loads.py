@@ -12,10 +12,11 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.measure.conditions import halved
+from cycloid_mj.measure.conditions import SOLVERS, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
@@ -59,7 +60,13 @@ _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 Kinds = Mapping[str, ContactPressures]
 
 
-def loads(design: Design, load: float | None = None, quick: bool = False, progress: Progress = silent) -> Measurement:
+def loads(
+    design: Design,
+    load: float | None = None,
+    quick: bool = False,
+    progress: Progress = silent,
+    solver: Solver = "planar",
+) -> Measurement:
     """Measure the loads of a design at an output torque [N m], by default the rated one, over a turn of the crank.
 
     Parameters
@@ -72,6 +79,8 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
         Some mesh periods instead of a turn.
     progress
         Called after each run with how many are done, and how many there are.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -87,9 +96,9 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halved(loaded), CHECKED)]
+    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halved(loaded, solver), CHECKED)]
     whole = len(work) + 1
-    run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
+    run, finer = each(lambda one: steady(one[0], SETTLED, one[1], solver), work, lambda done, _: progress(done, whole))
     contacts, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
@@ -101,9 +110,18 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
         # pressure goes with the root of the force
         unsure = missed[weakest] + sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
         capacities = [
-            _capacity("capacity", loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure),
             _capacity(
-                "capacity_shakedown", loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN, unsure
+                "capacity", loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure, solver
+            ),
+            _capacity(
+                "capacity_shakedown",
+                loaded,
+                weakest,
+                torque * lasting[weakest],
+                SHAKEDOWN_PRESSURE,
+                SHAKEDOWN,
+                unsure,
+                solver,
             ),
         ]
     progress(whole, whole)
@@ -112,7 +130,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     return Measurement(
         measure="loads",
         design=reducer.design,
-        condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm",
+        condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=keyed(*by_kind, discs, capacities),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
@@ -142,7 +160,14 @@ def _undecided(key: str, name: str) -> Quantity:
 
 
 def _capacity(
-    key: str, reducer: Reducer, weakest: str, torque: float, allowed: float, name: str, unsure: float
+    key: str,
+    reducer: Reducer,
+    weakest: str,
+    torque: float,
+    allowed: float,
+    name: str,
+    unsure: float,
+    solver: Solver,
 ) -> Quantity:
     """Find the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
 
@@ -153,7 +178,7 @@ def _capacity(
         # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
         deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), DEEPEST)
         guess = reducer.but(load={"torque": torque}, contact={"max_penetration": deeper})
-        run = steady(guess, SETTLED, CHECKED)
+        run = steady(guess, SETTLED, CHECKED, solver)
         factor = _limits(pressed(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
             return _undecided(key, name)

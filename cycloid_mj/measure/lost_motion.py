@@ -2,7 +2,10 @@
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import assumptions, massless
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, hysteresis
+from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -23,6 +26,7 @@ def lost_motion(
     angles: int | None = None,
     quick: bool = False,
     progress: Progress = silent,
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure lost motion, stiffness and hysteresis of a design at several locked crank angles.
 
@@ -38,6 +42,8 @@ def lost_motion(
         By default `QUICK_ANGLES`.
     progress
         Called after each run with how many are done, and how many there are.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -54,10 +60,12 @@ def lost_motion(
     reducer = working_at(reducer, rated)
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     period, level = hysteresis.slow_period(reducer, rated), bench.ideal(reducer)
+    if solver == "planar":
+        level = massless(level)
     # the longest first, so that no processor is left alone with one
     jobs = [(one, cranks[0], *check) for one in (reducer, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
     jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
-    loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, progress)
+    loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:], solver), jobs, progress)
     checks, loops = loops[:4], loops[4:]
     measured = LostMotionLoops(
         reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)
@@ -65,10 +73,10 @@ def lost_motion(
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
-        condition=f"crank locked, up to {rated:.4g} N m on the output",
+        condition=f"crank locked, up to {rated:.4g} N m on the output, {SOLVERS[solver]}",
         quantities=quantities(measured),
         curves=curves(measured),
-        assumptions=_assumptions(measured, period),
+        assumptions=_assumptions(measured, period, solver),
         runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
         details={"rated_torque_nm": rated, "period_s": period, "angles": by_angle(measured)},
     )
@@ -82,7 +90,7 @@ def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup
         return []
 
 
-def _assumptions(measured: LostMotionLoops, period: float) -> tuple[str, ...]:
+def _assumptions(measured: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
     steps = [bench.steps_text(loop.run for loop in loops) for loops in (measured.service, measured.ideal)]
     checks = [bench.steps_text([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
     beyond = () if measured.statics else (LEFT_OUT,)
@@ -97,5 +105,6 @@ def _assumptions(measured: LostMotionLoops, period: float) -> tuple[str, ...]:
         structure_text(measured.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
         f"{working_forces_text(measured.reducer, measured.reducer.design.pair_kinds)}",
+        *(assumptions(measured.reducer, "runs without friction and weight") if solver == "planar" else ()),
         *beyond,
     )

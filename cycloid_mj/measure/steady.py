@@ -4,8 +4,7 @@ from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.base.errors import warn
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course
-from cycloid_mj.dynamics.mjcf import ReducerModel
-from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
 from cycloid_mj.reducer import Reducer
@@ -36,9 +35,16 @@ def whole_periods(reducer: Reducer, least: int) -> int:
 
 
 def steady(
-    reducer: Reducer, settled: float, periods: int, compiled: ReducerModel | None = None, course: Course | None = None
+    reducer: Reducer,
+    settled: float,
+    periods: int,
+    solver: Solver = "planar",
+    compiled: Model | None = None,
+    course: Course | None = None,
 ) -> Run:
     """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
+
+    `compiled` is a model for another `course`, by default the solver's own.
 
     A drive that settles more slowly than the paper's is given as much longer.
 
@@ -48,7 +54,8 @@ def steady(
         The run went wrong.
     """
     settled *= slowness(reducer)
-    run = simulate(reducer.steady(settled, periods / reducer.mesh_periods).design, compiled, course)
+    timed = reducer.steady(settled, periods / reducer.mesh_periods)
+    run = simulate(timed.design, compiled or model_for(solver, timed), course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(reducer.design.name, unbalanced(run, reducer))
     return run

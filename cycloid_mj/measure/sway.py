@@ -17,8 +17,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.comparison.vibration import acceleration
-from cycloid_mj.dynamics.mjcf import ReducerModel
-from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
@@ -101,7 +100,7 @@ class Sway:
         return self.speed / RPM
 
 
-def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, speed: float, turns: int) -> Sway:
+def sway(reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int) -> Sway:
     """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled.
 
     Raises
@@ -109,7 +108,7 @@ def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, spe
     RunError
         The run went wrong.
     """
-    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * compiled.model.opt.timestep) + 1e-6)))
+    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
     settling = SETTLING * slowness(reducer)
     reducer = reducer.steady(
         settling,

@@ -12,9 +12,9 @@ import numpy as np
 from cycloid_mj.base.result import keyed
 from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Design
-from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG, SOLVERS, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -41,6 +41,7 @@ def te(
     turns: int = 1,
     quick: bool = False,
     progress: Progress = silent,
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure the transmission error of a design.
 
@@ -60,6 +61,8 @@ def te(
         At speed only, and no runs with half the step.
     progress
         Called after each run with how many are done, and how many there are.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -80,7 +83,7 @@ def te(
         for pace, one, way in product(paces, torques, ways)
     ]
     reducer = working_at(reducer, torques["loaded"])
-    runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick)
+    runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
     traces = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): run for (case, share), run in runs.items() if share == 0.5}
     statics = {case: _statics(reducer, case, turns) for case in cases}
@@ -88,7 +91,7 @@ def te(
         measure="te",
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
-        + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed",
+        + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
         quantities=keyed(te_table.quantities(reducer, traces, finer, statics)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
@@ -98,13 +101,13 @@ def te(
 
 
 def _traces(
-    reducer: Reducer, cases: list[TraceCondition], turns: float, progress: Progress, check: bool
+    reducer: Reducer, cases: list[TraceCondition], turns: float, progress: Progress, check: bool, solver: Solver
 ) -> Mapping[tuple[TraceCondition, float], Trace]:
     """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
-    half = halved(reducer)
-    models = {1.0: (reducer, build(reducer.design), turns)}
+    half = halved(reducer, solver)
+    models = {1.0: (reducer, model_for(solver, reducer), turns)}
     if check:
-        models[0.5] = (half, build(half.design), CHECKED / reducer.mesh_periods)
+        models[0.5] = (half, model_for(solver, half), CHECKED / reducer.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [
         (reducer, copied(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]

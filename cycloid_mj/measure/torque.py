@@ -14,10 +14,11 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import assumptions, massless
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import drag_assumption, halved
+from cycloid_mj.measure.conditions import SOLVERS, drag_assumption, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
@@ -42,7 +43,11 @@ class BrakedRun:
 
 
 def torque(
-    design: Design, quick: bool = False, progress: Progress = silent, published: Sequence[Published] = ()
+    design: Design,
+    quick: bool = False,
+    progress: Progress = silent,
+    published: Sequence[Published] = (),
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure the output torque of a design under its rated input torque.
 
@@ -56,6 +61,8 @@ def torque(
         Called after each run with how many are done, and how many there are.
     published
         Torques that a paper gives for this design, to stand beside ours.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -69,30 +76,31 @@ def torque(
     main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(reducer, quick)
     assumed = spread.inputs(steady)
-    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, steady, main)}
+    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, steady, main, solver)}
     if not quick:
-        tasks["halved"] = partial(rated_test, halved(steady), main)
+        tasks["halved"] = partial(rated_test, halved(steady, solver), main, solver)
     tasks |= {
         ("row", row.design): partial(
-            rated_test, massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)
+            rated_test, massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS), solver
         )
         for row in rows
     }
     periods = whole_periods(steady, spread.PERIODS)
-    tasks |= {end: partial(rated_test, massless(Reducer(end)), periods) for one in assumed for end in one.ends}
+    tasks |= {end: partial(rated_test, massless(Reducer(end)), periods, solver) for one in assumed for end in one.ends}
     last = 1 + len(published)
     tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row = {row: rates["row", row.design] for row in rows}
     by_input = spread.moved(assumed, rates)
-    at_held_crank = held_efficiency(steady, ours.output, main)
-    beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer))
+    at_held_crank = held_efficiency(steady, ours.output, main, solver)
+    beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
         design=steady.design,
-        condition=f"{steady.design.drive.torque:.4g} N m on the crank, {abs(steady.design.drive.speed) / RPM:.0f} rpm",
+        condition=f"{steady.design.drive.torque:.4g} N m on the crank, {abs(steady.design.drive.speed) / RPM:.0f} rpm, "
+        + SOLVERS[solver],
         quantities=keyed(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
         curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
         tables=(
@@ -107,16 +115,16 @@ def torque(
     )
 
 
-def rated_test(reducer: Reducer, periods: int) -> BrakedRun:
+def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
     """Run the test under the rated torque over so many mesh periods."""
-    run = braked_run(reducer, reducer.design.drive.torque, periods)
+    run = braked_run(reducer, reducer.design.drive.torque, periods, solver)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
     return BrakedRun(run, mean_powers(run), output, crank)
 
 
-def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
+def held_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
     """Compute the efficiency under a load [N m] with the crank held at its speed: the second method."""
-    return mean_powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
+    return mean_powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods, solver)).efficiency
 
 
 def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
@@ -126,7 +134,11 @@ def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
 
 
 def with_friction(
-    published: Sequence[Published], reducer: Reducer, by_variant: Mapping[FrictionVariant, float], error: float | None
+    published: Sequence[Published],
+    reducer: Reducer,
+    by_variant: Mapping[FrictionVariant, float],
+    error: float | None,
+    solver: Solver,
 ) -> list[Published]:
     """List published torques with the friction that gives each of them.
 
@@ -139,17 +151,17 @@ def with_friction(
         return figures
     slope = abs(sensitivity.slope(rates))
     periods = whole_periods(reducer, sensitivity.PERIODS)
-    reached = each(lambda one: rate_test(reducer, one.friction, periods), inside)
+    reached = each(lambda one: rate_test(reducer, one.friction, periods, solver), inside)
     missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
     return [
         replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures
     ]
 
 
-def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
+def rate_test(reducer: Reducer, friction: float, periods: int, solver: Solver) -> float:
     """Compute the rate with one friction for all sliding pairs."""
     varied = massless(sensitivity.with_common_friction(reducer, friction))
-    return rated_test(varied, periods).powers.efficiency
+    return rated_test(varied, periods, solver).powers.efficiency
 
 
 def _quantities(

@@ -9,8 +9,8 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.course import Course, braking, load_torque, servo_target
-from cycloid_mj.dynamics.mjcf import ReducerModel
-from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.planar.model import PlanarModel
+from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.reducer import Reducer
@@ -77,12 +77,14 @@ class Trace(ErrorCurves):
     run: Run
 
 
-def copied(compiled: ReducerModel) -> ReducerModel:
+def copied(compiled: Model) -> Model:
     """Copy a model with its specification: one cannot be written to XML by two threads at a time."""
+    if isinstance(compiled, PlanarModel):
+        return compiled
     return replace(compiled, spec=compiled.spec.copy())
 
 
-def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Course:
+def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> Course:
     """Return the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
 
     A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
@@ -98,7 +100,7 @@ def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Cou
     return Course(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
-def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: TraceCondition) -> Trace:
+def trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
     per_second = SAMPLES * reducer.mesh_periods * abs(case.speed) / (2.0 * np.pi)
@@ -109,7 +111,7 @@ def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: TraceCon
         samples=4.0,
         drive={"speed": case.speed},
         load={"torque": case.torque, "rise": RISE},
-        settings={"log_rate": min(per_second, 1.0 / compiled.model.opt.timestep)},
+        settings={"log_rate": min(per_second, 1.0 / compiled.timestep)},
     )
     # Both ways sweep the same angles, so that their curves can be laid over each other.
     start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * settling

@@ -11,8 +11,8 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import require_pin_bodies
-from cycloid_mj.dynamics.mjcf import build
-from cycloid_mj.measure.conditions import DRAG, halved, require_motion
+from cycloid_mj.dynamics.run import Solver, model_for
+from cycloid_mj.measure.conditions import DRAG, SOLVERS, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
@@ -51,6 +51,7 @@ def vibration(
     turns: int = 1,
     quick: bool = False,
     progress: Progress = silent,
+    solver: Solver = "planar",
 ) -> Measurement:
     """Measure the vibration of a design over crank speed, unloaded and loaded.
 
@@ -68,6 +69,8 @@ def vibration(
         At the design's speed only, and without half the step.
     progress
         Called after each run with how many are done, and how many there are.
+    solver
+        What takes the steps of the runs.
 
     Raises
     ------
@@ -83,9 +86,9 @@ def vibration(
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
     reducer = working_at(reducer, torques["loaded"])
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
-    half = halved(reducer)
-    points = [(reducer, build(reducer.design), one) for one in sorted({speed, *swept}, key=abs)]
-    points += [] if quick else [(half, build(half.design), speed)]
+    half = halved(reducer, solver)
+    points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]
+    points += [] if quick else [(half, model_for(solver, half), speed)]
     tasks = [(one, copied(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
     levels = each(lambda task: sway(*task), tasks, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
@@ -95,7 +98,7 @@ def vibration(
         measure="vibration",
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
-        + f", spectra at {abs(speed) / RPM:.0f} rpm",
+        + f", spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=keyed(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
         curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
         assumptions=(

@@ -18,6 +18,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.explore import journal, sweep, sweeps
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.points import MOST_POINTS, grid, sampled, tabled
@@ -205,7 +206,9 @@ def test_loaded_runs_have_massless_pins_and_say_so() -> None:
     found = sweep(design, {"load.torque_nm": [36.0]}, "simulate", engine=HERE)
     assert found["pins"].tolist() == ["massless"]
     assert any("without inertia" in one for one in found.assumptions)
-    alone = cm.analyze(cm.simulate(override(design, {"ring.pins": "massless"})))
+    assert found["solver"].tolist() == ["planar"]
+    light = override(design, {"ring.pins": "massless"})
+    alone = cm.analyze(cm.simulate(light, planar_model(Reducer(light))))
     assert found["power_crank_torque_nm"][0] == alone.power.crank_torque_nm
     short = override(design, {"drive.hold_s": 0.0005})
     for chosen in (

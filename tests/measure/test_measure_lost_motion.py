@@ -109,8 +109,8 @@ def test_lost_motion_is_the_backlash_and_a_little_give():
 
 def test_a_free_pin_needs_the_step_of_its_bowl():
     ideal, rated = bench.ideal(Reducer(PRESETS["pin"])), PRESETS["pin"].rated_torque
-    assert bench.step(ideal, rated) < 5e-6
-    assert bench.step(bench.ideal(FIXED), rated) == bench.LONGEST_STEP
+    assert bench.step(ideal, rated, "mujoco") < 5e-6
+    assert bench.step(bench.ideal(FIXED), rated, "mujoco") == bench.LONGEST_STEP
     given = override(FIXED.design, ["settings.timestep_us=2.0"])
     assert bench.step(Reducer(given), rated) == 2e-6
 

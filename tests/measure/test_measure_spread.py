@@ -126,7 +126,7 @@ def test_other_designs_build_up_and_hold_at_half_the_step(name):
     design = unlike(name)
     torque = design.rated_torque
     own = steady_design(Reducer(override(design, [f"load.torque_nm={torque!r}"])))
-    found, finer = (mean_powers(steady(one, SETTLED, spread.PERIODS)) for one in (own, halved(own)))
+    found, finer = (mean_powers(steady(one, SETTLED, spread.PERIODS)) for one in (own, halved(own, "planar")))
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)
     assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), torque).efficiency, abs=0.08)
     assert abs(found.residual) < 1e-4

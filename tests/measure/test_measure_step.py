@@ -16,13 +16,13 @@ CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
 
 def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
     rated = TEETH21.rated_torque
-    held, sliding = bench.step(Reducer(TEETH21), rated), bench.step(bench.ideal(Reducer(TEETH21)), rated)
+    held, sliding = (bench.step(one, rated, "mujoco") for one in (Reducer(TEETH21), bench.ideal(Reducer(TEETH21))))
     # the least force that friction holds is none: no limit but the longest
     assert sliding < held < bench.LONGEST_STEP
-    assert bench.step(Reducer(TEETH21), 4.0 * rated) < held
+    assert bench.step(Reducer(TEETH21), 4.0 * rated, "mujoco") < held
     heavier = override(TEETH21, ["material.density_kg_m3=15700"])
     # the weight adds its own to what the pins bear
-    assert bench.step(Reducer(heavier), rated) == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
+    assert bench.step(Reducer(heavier), rated, "mujoco") == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
 
 
 @pytest.mark.slow
@@ -30,12 +30,12 @@ def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
     rated = TEETH21.rated_torque
     period = hysteresis.slow_period(Reducer(TEETH21), rated)
-    finer = bench.step(Reducer(TEETH21), rated) / 16e-6
+    finer = bench.step(Reducer(TEETH21), rated, "mujoco") / 16e-6
     torque, duration = hysteresis.signal(rated, period), 0.3 * period
-    too_long = bench.benched(Reducer(TEETH21), rated, duration, 100, finer)
+    too_long = bench.benched(Reducer(TEETH21), rated, duration, 100, finer, "mujoco")
     with pytest.raises(RunError, match="um deep"):
-        bench.locked_run(too_long, CRANK, torque)
-    run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer)
+        bench.locked_run(too_long, CRANK, torque, "mujoco")
+    run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
     halvings = np.log2(16e-6 / bench.step_of(run))
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
     assert 1 <= round(halvings) <= bench.MOST_HALVINGS
@@ -46,7 +46,7 @@ def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
 def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkeypatch):
     steps = []
 
-    def failing(benched, crank, torque):
+    def failing(benched, crank, torque, solver):
         steps.append(benched.design.settings.timestep)
         raise problem("a contact is deep")
 

@@ -104,8 +104,8 @@ def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
 
 
 def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
-    assert timestep(halved(Reducer(FIXED))) == 5e-6
-    assert timestep(halved(Reducer(override(FIXED, ["settings.timestep_us=3.0"])))) == pytest.approx(1.5e-6)
+    assert timestep(halved(Reducer(FIXED), "mujoco")) == 5e-6
+    assert timestep(halved(Reducer(override(FIXED, ["settings.timestep_us=3.0"])), "planar")) == pytest.approx(1.5e-6)
 
 
 def test_window_holds_whole_periods_of_the_output_pins():

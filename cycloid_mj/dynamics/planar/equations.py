@@ -159,11 +159,8 @@ def _assemble(
             s, c = math.sin(turn), math.cos(turn)
             right[i] += (c * mx - s * my) * gy - (s * mx + c * my) * gx
         stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
-        if stiffness == 0.0:
-            right[i] += command[shaft]
-        else:
-            matrix[i, i] += stiffness * half + damping
-            right[i] += stiffness * (command[shaft] - q0[i])
+        matrix[i, i] += stiffness * half + damping
+        right[i] += stiffness * (command[shaft] - q0[i]) if stiffness != 0.0 else command[shaft]
         limit = system.drag[shaft, 0]
         if limit > 0.0:
             if equations.shaft_state[shaft] == STICKS:

@@ -1,7 +1,7 @@
 """A design made ready for planar steps: what ``mjcf.ReducerModel`` is for MuJoCo's."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
 from cycloid_mj.dynamics.course import Course
@@ -54,6 +54,12 @@ class PlanarModel:
     def pairs(self) -> tuple[Pair, ...]:
         """Every mating pair, in the order of the log's force columns."""
         return self.reducer.mechanism.pairs
+
+    def with_slope(self, slope: float) -> "PlanarModel":
+        """Return the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
+        servo = self.system.servo.copy()
+        servo[1] = 0.0, slope
+        return replace(self, system=self.system._replace(servo=servo))
 
     def stepper(self, course: Course, every: int) -> Stepper:
         """Start steps of a course, with a sample at one in `every`."""

@@ -298,9 +298,8 @@ def _write_shaft(
 ) -> int:
     """Write angle, speed and the torque of its actuator; return where the next number stands."""
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
-    torque = command[shaft]
-    if stiffness != 0.0:
-        torque = stiffness * (command[shaft] - q[unknown]) - damping * v[unknown]
+    torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]
+    torque -= damping * v[unknown]
     row[at], row[at + 1], row[at + 2] = q[unknown], v[unknown], torque
     return at + _OF_SHAFT
 

@@ -76,7 +76,7 @@ class System(NamedTuple):
     drag
         Limit [N m] of the drag on output and crank, and its torque per speed below [N m s], shape (2, 2).
     servo
-        Gains [N m/rad], [N m s/rad] on output and crank, shape (2, 2): 0 where the command is a torque.
+        Gains [N m/rad], [N m s/rad] on output and crank, shape (2, 2): where the first is 0 the command is a torque.
     """
 
     teeth: Teeth
