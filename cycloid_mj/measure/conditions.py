@@ -4,7 +4,6 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.dynamics.run import STEPS, Solver
 from cycloid_mj.reducer import Reducer
 
-"""One turn a minute [rad/s]."""
 LOG_RATE = 20e3
 """Samples per second."""
 DRAG = 0.01

@@ -220,7 +220,7 @@ def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatc
     whole = Verified("done", {"cam_force_n": 2.0}, {"cam_force_n": 3.0})
     runs = iter([whole])
 
-    def run(_: Design) -> Verified:
+    def run(_: Design, solver: str) -> Verified:
         try:
             return next(runs)
         except StopIteration:
