@@ -98,11 +98,13 @@ LEAVING = Paper(
 def test_a_paper_with_a_fault_is_named_in_one_line_and_stops_no_command(value, found, capsys, tmp_path, monkeypatch):
     (tmp_path / "leaves_2000.py").write_text("import sys\nsys.exit('I leave')\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for argv in (["profile", "--help"], ["--help"], ["design", "show", "pin"], ["reproduce", "--help"]):
+    for argv in (["profile", "--help"], ["--help"], ["design", "show", "pin"]):
         found(hsieh2014="hsieh2014:PAPER", zebra=value)
         assert main(argv) == 0
-        (line,) = capsys.readouterr().err.splitlines()
-        assert line.startswith(f"warning: paper zebra: left out, since {FAULTY[value]}")
+        assert capsys.readouterr().err == ""
+    assert main(["reproduce", "--help"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"warning: paper zebra: left out, since {FAULTY[value]}")
 
 
 def test_a_paper_that_fails_when_it_is_asked_is_passed_over(found, capsys):

@@ -27,9 +27,9 @@ LogName = Annotated[str, Parameter(metavar="RUN.mcap", help="Log of a run, writt
 
 
 def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Compare a logged run with the closed form, from the log alone.
+    """Compare a logged run with the closed form.
 
-    Over the hold phase: transmission error and speed of the output and the
+    The log alone is read. Over the hold phase: transmission error and speed of the output and the
     gear (Hsieh 2014, Eq. 12), path and speed of the point q (Eqs 16-18 at the
     measured crank angle), contacts, pin 1, torques and losses; over the ramp:
     the path of q. The log of a run that was stopped is judged as far as it

@@ -67,7 +67,7 @@ def animate(
     disc: DiscFlag = 1,
     force: ForceFlag = False,
 ) -> int:
-    """Draw a logged run in motion, with the forces on the gear and the load on each pin or lobe.
+    """Draw a logged run in motion, with forces and loads.
 
     It needs no display. With --magnify each gap between the gear and what
     touches it is drawn that many times as wide; an overlap is elastic approach.

@@ -4,51 +4,25 @@ Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C, SIGTERM
 """
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from inspect import BoundArguments
+from typing import TYPE_CHECKING
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError, Group, Parameter
 
 from cycloid_mj import __version__
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.replacing import one_command
-from cycloid_mj.cli import (
-    analyze,
-    animate,
-    bench,
-    build,
-    compare,
-    datasheet,
-    design,
-    doctor,
-    export,
-    figures,
-    kinematics,
-    log,
-    measure,
-    optimize,
-    page,
-    plot,
-    profile,
-    rate,
-    reduce,
-    render,
-    review,
-    serve,
-    simulate,
-    statics,
-    stress,
-    sweep,
-    tolerance,
-    validate,
-    view,
-)
+from cycloid_mj.cli import page
+from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import log_to_stderr, tell, warnings_kept
-from cycloid_mj.papers import GROUP, papers
+
+if TYPE_CHECKING:
+    from cycloid_mj.papers import Paper
 
 FAILURE = 1
 
@@ -60,45 +34,17 @@ Results go to stdout, progress and messages to stderr. Exit code: 0 done,
 
 EXAMPLES = """Start with:
   cycloid-mj simulate --design pin    # the paper's reducer
-  cycloid-mj plot runs/pin.mcap       # draw that run
   cycloid-mj design new my            # edit this: my.toml
-  cycloid-mj design check my.toml"""
+  cycloid-mj statics my.toml          # what its data sheet will have
+  cycloid-mj app --design my.toml     # the same in the browser"""
 
-ABOUT_PAPERS = f"""Run a published paper again and judge its claims.
+ABOUT_PAPERS = """Run a published paper again and judge its claims.
 
-Papers are packages of their own, found by entry points of the group {GROUP}.
+Papers are packages of their own, found by entry points of the group cycloid_mj.papers.
 """
 
+REPRODUCE, COMPLETION = "reproduce", "--install-completion"
 RENAMED = {"--jobs": "--workers"}
-
-COMMANDS: dict[Callable[..., int], str] = {
-    simulate.simulate: simulate.EXAMPLES,
-    analyze.analyze: analyze.EXAMPLES,
-    plot.plot: plot.EXAMPLES,
-    review.report: review.EXAMPLES,
-    animate.animate: animate.EXAMPLES,
-    render.render: render.EXAMPLES,
-    view.view: view.EXAMPLES,
-    compare.compare: compare.EXAMPLES,
-    statics.statics: statics.EXAMPLES,
-    figures.figures: figures.EXAMPLES,
-    validate.validate: validate.EXAMPLES,
-    stress.stress: stress.EXAMPLES,
-    rate.rate: rate.EXAMPLES,
-    datasheet.datasheet: datasheet.EXAMPLES,
-    sweep.sweep: sweep.EXAMPLES,
-    tolerance.tolerance: tolerance.EXAMPLES,
-    optimize.optimize: optimize.EXAMPLES,
-    reduce.reduce: reduce.EXAMPLES,
-    bench.calibrate: bench.EXAMPLES,
-    bench.compare_bench: bench.TE_EXAMPLES,
-    serve.app: serve.EXAMPLES,
-    build.build: build.EXAMPLES,
-    export.export: export.EXAMPLES,
-    profile.profile: profile.EXAMPLES,
-    kinematics.kinematics: kinematics.EXAMPLES,
-    doctor.doctor: doctor.EXAMPLES,
-}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -110,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         quiet = "--quiet" in words
         with one_command(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
-            app = application()
+            app = application(words[:1])
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
                 raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
@@ -135,12 +81,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return stop.code if isinstance(stop.code, int) else FAILURE
 
 
-def application() -> App:
-    """Build the whole command line: every command, its flags and its help."""
+def application(wanted: Collection[str] | None = None) -> App:
+    """Build the command line: every command with its flags and help, or those of `wanted`, and the names of the rest.
+
+    A name costs nothing; a command imports its modules.
+    """
     app = App(
         name="cycloid-mj",
         version=__version__,
-        help=ABOUT,
+        help=page.paragraphs(ABOUT),
         help_epilogue=EXAMPLES,
         help_format="plaintext",
         default_parameter=Parameter(negative=(), show_default=False),
@@ -150,25 +99,38 @@ def application() -> App:
         suppress_keyboard_interrupt=False,
         console=page.console(),
     )
-    for place, (command, examples) in enumerate(COMMANDS.items()):
-        app.command(command, sort_key=place, help_epilogue=examples)
-    _add_papers(app, place=list(COMMANDS).index(stress.stress) + 0.5)
-    for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
-        app.command(group.commands(sort_key=place))
-    app.register_install_completion_command(help="Make this shell complete commands and flags.")
-    return page.flowing(app)
+    everything = wanted is None or COMPLETION in wanted
+    for order, (title, commands) in enumerate(GROUPS.items()):
+        group = Group(title, sort_key=order)
+        if title == PAPER_AND_LOG:
+            _add_papers(app, group, everything or REPRODUCE in (wanted or ()))
+        for place, (name, command) in enumerate(commands.items(), start=1):
+            add = command.add_to if everything or name in (wanted or ()) else command.list_in
+            add(app, name, group, place)
+        if title == HERE:
+            for flag in (*app.help_flags, *app.version_flags):
+                app[flag].group = group
+            app.register_install_completion_command(help="Make this shell complete commands and flags.", group=group)
+    return app
 
 
-def _add_papers(app: App, place: float) -> None:
-    """Add ``reproduce`` at a place: the command of the one paper that is installed, or a group of several."""
-    installed = papers()
+def _add_papers(app: App, group: Group, wanted: bool) -> None:
+    """Add ``reproduce``: the command of the one paper that is installed, or a group of several; else its name."""
+    installed: Sequence[Paper] = ()
+    if wanted:
+        from cycloid_mj.papers import papers
+
+        installed = papers()
     if len(installed) == 1:
-        app.command(installed[0].command, name="reproduce", sort_key=place, help_epilogue=installed[0].examples)
-        return
-    group = App(name="reproduce", help=ABOUT_PAPERS, sort_key=place)
-    for paper in installed:
-        group.command(paper.command, name=paper.key, help_epilogue=paper.examples)
-    app.command(group)
+        command, examples = installed[0].command, installed[0].examples
+        app.command(command, name=REPRODUCE, group=group, sort_key=0, help_epilogue=examples)
+    else:
+        several = App(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
+        for paper in installed:
+            several.command(paper.command, name=paper.key, help_epilogue=paper.examples)
+        app.command(several)
+    if wanted:
+        page.flowing(app[REPRODUCE])
 
 
 def _renamed(word: str) -> str:

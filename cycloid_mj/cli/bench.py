@@ -109,7 +109,7 @@ def calibrate(
     losses: LossesFlag = False,
     delivery: Annotated[CalibrationDelivery, FLAT] = CALIBRATED,
 ) -> int:
-    """Fit clearances, stiffness and friction of a design to measured hysteresis loops.
+    """Fit clearances, stiffness and friction to measured loops.
 
     The model is static: contacts with their clearances, friction at teeth, holes
     and cam that grows with the load and remembers which way it slid, constant
@@ -222,7 +222,7 @@ def compare_bench(
     load_nm: LoadFlag = None,
     delivery: Annotated[BenchDelivery, FLAT] = COMPARED,
 ) -> int:
-    """Hold a measured transmission error against a design, order by order.
+    """Hold a measured transmission error against a design.
 
     The file has the columns crank_deg and te_arcsec. Beside it stands the static
     balance of the design under the load; the crank's zero, which a bench does not

@@ -154,7 +154,7 @@ def compare(
     options: Annotated[CompareOptions, FLAT] = DEFAULT,
     delivery: Annotated[CompareDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Run designs at no load and under load and put them side by side.
+    """Run designs at no load and under load, side by side.
 
     Of the runs, for each load: errors of gear speed, path and speed of q,
     transmission error, contacts and forces, and vibration, which is the

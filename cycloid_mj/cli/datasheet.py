@@ -38,7 +38,7 @@ def datasheet(
     life_h: LifeFlag = None,
     delivery: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
-    """Write a data sheet, as makers of reducers do: two pages as PDF, and one as HTML.
+    """Write a data sheet, as makers of reducers do: PDF and HTML.
 
     Rated torque for a life (service.life_h), solved for with the items of `rate`, momentary torque,
     lost motion, stiffness, efficiency, backlash, mass, inertia, curves, and a

@@ -43,7 +43,7 @@ class Finding(NamedTuple):
 
 
 def doctor(*, json: JsonFlag = False) -> int:
-    """Look at this installation: versions, compile cache, rendering, extras, and a self-test.
+    """Look at this installation, and test it.
 
     The self-test simulates a millisecond of a reducer and holds it against the
     closed form; the first one on a machine compiles the contact code for some

@@ -22,7 +22,7 @@ EXAMPLES = """Examples:
 
 
 def figures(*, need: NeedFlag = None, json: JsonFlag = False) -> int:
-    """List the figures that commands print, minimise, limit and vary, by key.
+    """List the figures that commands print, limit and vary, by key.
 
     A key ends in its unit, and means the same number in `statics`, `sweep
     --measure`, `optimize`, `tolerance` and the data sheet. What a figure needs

@@ -42,7 +42,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
 
-ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
+ABOUT = "Measure one figure with its error and its closed form."
 EXAMPLES = """Examples:
   cycloid-mj measure te --design pin
   cycloid-mj measure backlash --design nonpin --set clearance.tooth_um=5

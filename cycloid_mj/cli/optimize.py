@@ -107,7 +107,7 @@ def optimize(
     quick: QuickFlag = False,
     delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Find the best design within ranges of some keys, or the front of two objectives.
+    """Find the best design within ranges, or a front of two aims.
 
     Real numbers are searched by CMA-ES, from several starts; whole numbers and words
     are tried one by one, the better half of the combinations going on. A point must

@@ -21,7 +21,7 @@ def console(stderr: bool = False) -> "Console":
 
 def flowing(app: App) -> App:
     """Build an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
-    app.help = _paragraphs(app.help)
+    app.help = paragraphs(app.help)
     for name in commands(app):
         flowing(app[name])
     return app
@@ -32,6 +32,6 @@ def commands(app: App) -> list[str]:
     return [name for name in app if not name.startswith("-")]
 
 
-def _paragraphs(text: str) -> str:
+def paragraphs(text: str) -> str:
     """Join each paragraph of a docstring into one line."""
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in re.split(r"\n\s*\n", text.strip()))

@@ -52,7 +52,7 @@ def rate(
     stress: StressFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Rate life, fatigue, wear and heat of a reducer, the weakest item first.
+    """Rate life, fatigue, wear and heat, the weakest item first.
 
     Loads are those of statics with the real clearances and friction, at the rated
     torque and speed, at others, or over a duty cycle (Miner's rule; a rest has the

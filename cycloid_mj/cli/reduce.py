@@ -73,7 +73,7 @@ def reduce(
     load_inertia_kgm2: InertiaFlag = None,
     delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Reduce a reducer to one joint for a robot's model: ratio, play, springs, friction, ripple.
+    """Reduce a reducer to one joint for a robot's model.
 
     The full model is measured by statics: backlash, stiffness over torque,
     efficiency both ways over torque and speed, no-load torque, inertia,

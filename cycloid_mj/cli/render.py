@@ -51,7 +51,7 @@ def render(
     elevation: ElevationFlag = ELEVATION,
     force: ForceFlag = False,
 ) -> int:
-    """Render a moment of a logged run with MuJoCo, with the forces on the gear as arrows.
+    """Render a moment of a logged run with MuJoCo.
 
     The log's own model is shown; no display is needed, but OpenGL off-screen
     (EGL, or what MUJOCO_GL names). `cycloid-mj animate` needs neither.

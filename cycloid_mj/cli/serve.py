@@ -22,7 +22,7 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 def app(
     chosen: Annotated[PresetOptions, FLAT] = PRESET, *, port: PortFlag = PORT, no_browser: BrowserFlag = False
 ) -> int:
-    """Open a page with a design under sliders: redrawn, checked and solved as they move.
+    """Open a page with a design under sliders, solved as they move.
 
     The page is served on this machine alone, until Ctrl-C. It gives the design as
     TOML, its parts, its model and its data sheet, and runs it in MuJoCo. Needs

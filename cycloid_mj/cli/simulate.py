@@ -91,7 +91,7 @@ def simulate(
     load_nm: Annotated[float | None, LOAD.flag("Constant torque against the output's rotation")] = None,
     delivery: Annotated[SimulateDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Run a design in MuJoCo or by the planar solver, log it, and compare the run with the closed form.
+    """Run a design, log it, and compare the run with the closed form.
 
     The crank speeds up linearly from rest, then keeps its speed. Over that
     hold phase the table (or, with --json, one JSON object) compares with

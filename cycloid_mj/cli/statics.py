@@ -49,7 +49,7 @@ def statics(
     load_nm: LoadFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Tell what a data sheet has of a reducer, by statics, in under a second.
+    """Compute what a data sheet has of a reducer, in a second.
 
     Backlash, lost motion, torsional stiffness; transmission error, loaded and
     unloaded, both ways; forces and Hertz pressures by kind of contact; the

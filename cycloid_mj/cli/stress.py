@@ -134,10 +134,10 @@ def stress(
     solid: SolidFlag = False,
     delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Find the stress of the parts by finite elements, at each degree of a crank turn.
+    """Compute the stress of the parts by finite elements.
 
     The loads are the contact forces that a run logged, with friction, put on
-    as Hertz-wide patches, and inertia. Tables tell for each part the
+    as Hertz-wide patches, and inertia, at each degree of a crank turn. Tables tell for each part the
     largest von Mises stress away from the contacts (bulk) and below them (by
     Hertz), where and at which crank angle it sits, the safety against yield,
     and how much one more refinement of the grid changes it; below it stand

@@ -120,7 +120,7 @@ def sweep(
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Measure a design at many points: a grid, samples of ranges, or a table of points.
+    """Measure a design at many points: a grid, samples, a table.
 
     Any key of the design file can be varied: numbers, words and switches; others
     follow with --follow, such as the hole of an output pin with the eccentricity. Each

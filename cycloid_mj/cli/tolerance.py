@@ -63,7 +63,7 @@ def tolerance(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Draw samples of a design within its tolerances, and tell yield, distributions and an error budget.
+    """Draw samples within tolerances: yield and an error budget.
 
     Tolerances stand in the table [tolerance] of the design file, as "normal 2",
     "uniform 5", "between -1 4" (um), as a grade "IT6", or for clearances as a fit

@@ -32,7 +32,7 @@ OnlyFlag = Annotated[
 
 
 def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Hold the simulation against closed forms and published cases.
+    """Hold the simulation against closed forms and other sources.
 
     Rows of quantity, ours, reference, source, error, bound and result (all of
     them with --all), rung by rung: two-body, friction, mechanism, backlash, sharing,

@@ -26,7 +26,7 @@ SlowFlag = Annotated[
 
 
 def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
-    """Open MuJoCo's viewer on the model of a design, or replay a log there, over and over.
+    """Open MuJoCo's viewer on a design, or replay a log there.
 
     It needs a display; without one, use `cycloid-mj render` or `cycloid-mj
     animate`.

@@ -17,7 +17,8 @@ import pytest
 from cyclopts import App
 
 from cycloid_mj.cli import main
-from cycloid_mj.cli.app import application
+from cycloid_mj.cli.app import ABOUT_PAPERS, application
+from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
 from cycloid_mj.cli.page import WIDEST, commands
 
@@ -53,6 +54,33 @@ def test_help_fills_the_terminal_and_is_never_wider_than_reads_well(chain, width
 def test_pages_are_those_of_every_command():
     assert len(PAGES) > 25
     assert {("measure", "te"), ("design", "check"), ("log", "repair"), ("simulate",)} <= set(PAGES)
+
+
+def test_the_list_names_every_command_in_one_line_each_as_its_own_page_begins(capsys):
+    assert main(["--help"]) == 0
+    listed = capsys.readouterr().out
+    app = application()
+    pages = {name: app[name].help.partition("\n")[0] for name in commands(app)}
+    lines = pages | {"reproduce": ABOUT_PAPERS.partition("\n")[0]}
+    assert [title.group(1) for title in re.finditer(r"╭─ ([\w ]+?) ─", listed)] == [*GROUPS]
+    for name, line in lines.items():
+        assert re.search(rf"^│ {name} +{re.escape(line)} +│$", listed, re.MULTILINE), name
+
+
+def test_the_list_imports_no_command() -> None:
+    code = "import sys; from cycloid_mj.cli import main; main(['--help']); assert not {heavy} & set(sys.modules)"
+    heavy = "{'pydantic', 'numpy', 'cycloid_mj.cli.flags', 'cycloid_mj.design', 'hsieh2014'}"
+    done = subprocess.run([sys.executable, "-c", code.format(heavy=heavy)], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("name", [name for commands in GROUPS.values() for name in commands])
+def test_a_command_stands_where_the_list_says(name: str) -> None:
+    """What is asked for is the same command alone as among all others."""
+    alone, among_all = application([name])[name], application()[name]
+    assert commands(alone) == commands(among_all)
+    assert (alone.help, alone.help_epilogue) == (among_all.help, among_all.help_epilogue)
+    assert alone.help_epilogue.startswith("Examples:")
 
 
 def test_help_in_a_very_wide_terminal_is_as_wide_as_reads_well():

@@ -581,9 +581,8 @@ def unwarned(err):
 
 
 @pytest.fixture
-def told(monkeypatch):
+def told():
     """Run a command in-process: exit code, stdout, stderr."""
-    monkeypatch.setitem(app.COMMANDS, command.stress, command.EXAMPLES)
 
     def run(*argv):
         out, err = StringIO(), StringIO()
