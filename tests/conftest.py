@@ -48,10 +48,10 @@ def _contact() -> None:
 
 def _contact_and_sliding() -> None:
     from cycloid_mj.design import Design
-    from cycloid_mj.statics.sliding import Losses, turn_along
+    from cycloid_mj.statics.sliding import Losses, course_along
 
     _contact()
-    turn_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())
+    course_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())
 
 
 def _statics() -> None:

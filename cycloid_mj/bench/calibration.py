@@ -18,7 +18,7 @@ from cycloid_mj.bench.search import STEP, FitProblem
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
-from cycloid_mj.statics.sliding import Held, Losses, turn_along
+from cycloid_mj.statics.sliding import Held, Losses, turn_under
 from cycloid_mj.statics.windup import STRAIGHT
 
 Progress = Callable[[int], None]
@@ -443,14 +443,18 @@ def _play(fitted: Fitted, model: Model) -> float:
 
 
 def _slope(fitted: Fitted, model: Model) -> float:
-    smooth = _smooth(model.reducer)
+    smooth = Reducer(_smooth(model.reducer))
     most = max(loop.most for loop in fitted.loops)
     low, high = STRAIGHT
-    rise = []
-    for way in (-1.0, 1.0):
-        course = way * most * np.linspace(0.0, high, 21)
-        turn = way * turn_along(Reducer(smooth), course, fitted.bench.crank, Losses(), fitted.bench.held)
-        rise.append(turn[-1] - turn[round(20 * low / high)])
+    # without friction a torque alone decides where parts are: no course needs to be followed
+    rise = [
+        way
+        * (
+            turn_under(smooth, way * high * most, fitted.bench.crank)
+            - turn_under(smooth, way * low * most, fitted.bench.crank)
+        )
+        for way in (-1.0, 1.0)
+    ]
     return (high - low) * most / float(np.mean(rise))
 
 

@@ -20,7 +20,8 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
-from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path
+from cycloid_mj.statics.balance import require_balance
+from cycloid_mj.statics.kernel import KernelSprings, Rubbing, balance, follow_path
 from cycloid_mj.statics.springs import springs_of
 
 Held = Literal["crank", "output"]
@@ -60,37 +61,51 @@ class Losses:
     material: float = 0.0
 
 
-def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
-    """Find the turn of the output [rad], shape (m,), along a course of torque [N m], shape (m,), that begins at rest.
+def turn_under(reducer: Reducer, torque: float, crank: float) -> float:
+    """Find the turn of the output under a torque that rests there [rad], without friction, else as `course_along`.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    still = reducer.but(drive={"speed": 0.0})
+    springs = springs_of(still, [crank], friction=False)
+    load = springs.load(torque)
+    z, force = np.zeros(load.shape), np.zeros(springs.contacts.distance.shape)
+    z[:, :-1].reshape(1, -1, 3)[..., :2] = springs.contacts.cam_place
+    with announced():
+        require_balance(balance(springs.contacts, load, z, force, False))
+    return float(z[0, -1]) / springs.contacts.radius
+
+
+def course_along(
+    reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
+) -> tuple[Array, Array]:
+    """Compute where along a course of torque the output is, and its turn [rad], shape (rows,) each; it begins at rest.
+
+    Where is counted in points of `torque` from its first. Each of them has a row; where the output turns by more than
+    `reach` between two, there are rows between them, so that a leap across the play has the torque that it has.
 
     Parameters
     ----------
     reducer
         Whose clearances, errors, stiffness, friction and weight count; its drive and load do not.
     torque
-        On the output, counter-clockwise; or on the crank times the ratio, that way.
+        Shape (m,) [N m]: on the output, counter-clockwise; or on the crank times the ratio, that way.
     crank
         Angle at which the crank is held, or starts [rad].
     losses
         Beside the friction of the contacts.
     held
         Which shaft is held.
+    reach
+        Most turn of the output from row to row [rad].
 
     Raises
     ------
     RunError
         A step has no balance, as where friction jams the reducer.
-    """
-    return course_along(reducer, torque, crank, losses, held)[1]
-
-
-def course_along(
-    reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
-) -> tuple[Array, Array]:
-    """Compute where along a course of torque the output is, and its turn [rad], shape (rows,) each, as `turn_along`.
-
-    Where is counted in points of `torque` from its first. Each of them has a row; where the output turns by more than
-    `reach` [rad] between two, there are rows between them, so that a leap across the play has the torque that it has.
     """
     still = reducer.but(drive={"speed": 0.0})
     springs = springs_of(still, [crank], friction=False)
@@ -108,7 +123,7 @@ def course_along(
 
 
 def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, held: Held) -> Rubbing:
-    """Return the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
+    """Return the friction of contacts, cams and seals, and how far each slides with the unknowns; as `course_along`.
 
     The springs are those at the crank angle [rad].
     """

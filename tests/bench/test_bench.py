@@ -37,7 +37,7 @@ from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.sliding import Losses, turn_along
+from cycloid_mj.statics.sliding import Held, Losses, course_along, turn_under
 
 DATA = Path(__file__).parents[1] / "data" / "bench"
 BENCH = [DATA / "play_loop.csv", DATA / "stiffness_loop.csv"]
@@ -57,6 +57,10 @@ def soft() -> Design:
     return resolve("printed").but(stiffness={"pin_gear": 2e6}, friction={"pin_gear": 0.2})
 
 
+def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
+    return course_along(reducer, torque, crank, losses, held)[1]
+
+
 @pytest.mark.parametrize("name", ["pin", "nonpin", "printed", *UNLIKE])
 def test_without_friction_it_is_the_balance(name: str) -> None:
     """Every design, up and down again: an independent iteration from nothing finds the same turn."""
@@ -69,6 +73,7 @@ def test_without_friction_it_is_the_balance(name: str) -> None:
     for place in (12, 20, 24, 36):
         expected = loads(Reducer(design), springs, float(torque[place])).output_turn[0]
         assert found[place] == pytest.approx(expected, rel=1e-4)
+        assert turn_under(Reducer(design), float(torque[place]), 0.3) == pytest.approx(found[place], rel=1e-4)
 
 
 def test_constant_friction_comes_on_over_its_travel() -> None:
