@@ -8,6 +8,7 @@ is judged once, in the crank's own line.
 from cycloid_mj.analysis.curves import FIGURES, MICROMETRE, SIGNALS, Signal, SignalFigure
 from cycloid_mj.analysis.findings import Findings, condition
 from cycloid_mj.analysis.judge import analyze, judge
+from cycloid_mj.analysis.meaning import RETURNED, meaning
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, FigureRow, RowGroup, groups, table
 
@@ -15,6 +16,7 @@ __all__ = [
     "FIGURES",
     "GROUPS",
     "MICROMETRE",
+    "RETURNED",
     "SIGNALS",
     "Compared",
     "FigureRow",
@@ -28,6 +30,7 @@ __all__ = [
     "condition",
     "groups",
     "judge",
+    "meaning",
     "series",
     "table",
 ]

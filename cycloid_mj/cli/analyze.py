@@ -50,7 +50,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
 
 def outcome_of(findings: "Findings") -> Outcome:
     """Turn the findings of a run into an outcome."""
-    from cycloid_mj.analysis import groups
+    from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import framed
 
     window, parts = findings.window, groups(findings)
@@ -68,6 +68,7 @@ def outcome_of(findings: "Findings") -> Outcome:
         condition=span,
         headline=dict(map(_first, parts)),
         summary=notes,
+        notes=[RETURNED] if any(loss.normal_w < 0.0 for loss in findings.losses) else [],
         tables=[Table("findings", HEADER, tuple(rows))],
         frame=framed([{"part": part.name, **row._asdict()} for part in parts for row in part.rows], COLUMNS, {}),
         result=findings.as_json(),

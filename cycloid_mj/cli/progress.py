@@ -2,12 +2,14 @@
 
 import sys
 from collections.abc import Callable
+from threading import Event, Thread
 from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from cycloid_mj.cli.terminal import tell
 
+PREPARING = "preparing the model"
 SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
@@ -27,11 +29,21 @@ class Progress:
         self._quiet = quiet
         self._start = self._told = monotonic()
         self._bar: Any = None
+        self._begun = Event()
 
     def __enter__(self) -> "Progress":
+        self.tell(PREPARING)
+        if not self._quiet:
+            Thread(target=self._wait, daemon=True).start()
         return self
 
+    def _wait(self) -> None:
+        """Write now and then, until the first sample, that the work goes on: modules are loaded, code compiled."""
+        while not self._begun.wait(SECONDS_BETWEEN_COUNTS):
+            tell(f"{PREPARING}: {monotonic() - self._start:.0f} s so far")
+
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self._begun.set()
         if self._bar:
             self._bar.stop()
 
@@ -42,6 +54,7 @@ class Progress:
 
     def reached(self, simulated: float) -> None:
         """Show that the run has come to `simulated` [s]."""
+        self._begun.set()
         if self._quiet:
             return
         if sys.stderr.isatty():

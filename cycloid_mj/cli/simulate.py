@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from itertools import chain, count
 from json import dumps
 from pathlib import Path
+from shlex import join
 from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError, warn
 from cycloid_mj.base.interrupt import cause, unbroken
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
@@ -98,7 +100,7 @@ def simulate(
     theory: gear speed, path and speed of the centre of hole 1, transmission
     error; and tells contacts, pin 1, torques and losses. The MCAP log is
     written as the run goes, with the design, the model and every sample;
-    `cycloid-mj analyze` and `cycloid-mj plot` read it.
+    beside it, unless --json is given, stands the page of `cycloid-mj report`.
 
     A run that goes wrong (not a number, a warning of MuJoCo's, a contact too
     deep, a jumped tooth) or is stopped (Ctrl-C, SIGTERM, SIGHUP) ends with an
@@ -110,17 +112,51 @@ def simulate(
     require_possible(design, solver)
     force = delivery.force
     into = folder(delivery.out or RUNS, "the log", (), force)
-    place = Destination(design.name, None, claimed_page(delivery, design.name, into))
+    page = claimed_page(delivery, design.name, into)
     names: Iterable[Path] = [into / f"{design.name}.mcap"]
     if delivery.out is None and not force:
         names = _free_names(into, design.name)
-    elif not force:
-        claim(*names, force=False)
+    else:
+        claim(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
         ran = run_into_log(design, names, force, progress, contact, solver)
     findings = ran.judged()
     warn(findings.design, findings.warnings)
-    return deliver(outcome_of(findings), place, delivery)
+    page = page or (None if delivery.json else review_of(ran.log))
+    outcome = _told(outcome_of(findings), findings, ran.log, page, chosen)
+    return deliver(outcome, Destination(design.name, None, page), delivery)
+
+
+def review_of(log: Path) -> Path:
+    """Return the path of the review beside a log."""
+    return log.with_name(f"{log.stem}-review.html")
+
+
+def _told(outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions) -> Outcome:
+    """Have an outcome tell what the figures mean, in place of the first of each part, and what to do next."""
+    from cycloid_mj.analysis import meaning
+    from cycloid_mj.report import review_page
+
+    summary = [*meaning(findings), *outcome.summary, *([f"to look at in a browser: {page}"] if page else [])]
+    return replace(
+        outcome,
+        headline={},
+        summary=[*summary, "next:", *(f"  {words}" for words in _next(findings, log, chosen))],
+        page=lambda: review_page(log),
+    )
+
+
+def _next(findings: "Findings", log: Path, chosen: DesignOptions) -> Iterator[str]:
+    """Yield three commands that lead on from a run."""
+    design = [chosen.design, *(word for change in chosen.set_ for word in ("--set", change))]
+    if findings.condition.load:
+        yield f"{join(['cycloid-mj', 'rate', *design])}    # how long it lasts, and what gives way first"
+    else:
+        loaded = [*design, "--load-nm", f"{chosen.resolved().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
+        yield f"{join(['cycloid-mj', 'simulate', *loaded])}    # the same under load"
+    yield f"{join(['cycloid-mj', 'statics', *design])}    # backlash, stiffness, capacity"
+    film = ["animate", str(log), str(log.with_suffix(".gif"))]
+    yield f"{join(['cycloid-mj', *film])}    # in motion, with the forces"
 
 
 @dataclass(frozen=True)
@@ -192,7 +228,8 @@ def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) 
 def _free_names(into: Path, name: str) -> Iterator[Path]:
     """Yield the names that the usual folder has for a design's runs and that are free, one after the other."""
     numbered = (into / f"{name}-{number}.mcap" for number in count(2))
-    yield from (path for path in chain([into / f"{name}.mcap"], numbered) if not path.exists())
+    logs = chain([into / f"{name}.mcap"], numbered)
+    yield from (log for log in logs if not log.exists() and not review_of(log).exists())
 
 
 def run_into_log(
@@ -205,7 +242,6 @@ def run_into_log(
 ) -> Ran:
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     reducer = Reducer(design)
-    progress.tell("preparing the model")
     from cycloid_mj.dynamics.run import (
         attachments,
         blocks,

@@ -5,6 +5,7 @@ carries (``page.js`` and its neighbours), so that they can be zoomed and share o
 """
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy.typing as npt
 
@@ -13,10 +14,17 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, review
 
-__all__ = ["MOST_RUNS", "report"]
+__all__ = ["MOST_RUNS", "report", "review_page"]
 
 MOST_RUNS = len(PALETTE)
 """Runs that can be told apart in one figure."""
+
+
+def review_page(log: Path) -> str:
+    """Write the review of one logged run, which `report` names by the log's path; for the errors see there."""
+    from cycloid_mj.log import read
+
+    return report({str(log): read(log)})
 
 
 def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:

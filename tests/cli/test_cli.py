@@ -19,6 +19,7 @@ from cycloid_mj import __version__
 from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
+from cycloid_mj.cli.app import application
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -194,8 +195,9 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT, "--all")
     assert code == 0
-    first, step, *lines, last = err.splitlines()
+    first, step, *lines, last, wrote = [line for line in err.splitlines() if "s so far" not in line]
     assert first == "preparing the model"
+    assert wrote == "wrote runs/pin-review.html"
     assert step == (
         "time step 3.44828 us (chosen by the design: stiffness of pin_socket), "
         "for without a load spreads over independent starts alone: motion in the play is chaotic"
@@ -204,6 +206,12 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert last.startswith("warning: pin: only 0.13 crank turns")
     assert bool(lines) == progress
     assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
+    assert Path("runs/pin-review.html").read_text().startswith("<!doctype html>")
+    assert "to look at in a browser: runs/pin-review.html" in out
+    commands = [line.split("    #")[0].split() for line in out.splitlines() if line.startswith("  cycloid-mj ")]
+    assert [words[1] for words in commands] == ["simulate", "statics", "animate"]
+    for words in commands:
+        application(words[1:2]).parse_args(words[1:])
     for words in ("quantity", "simulated", "closed form", "error", "gear speed", "runs/pin.mcap", "wall time"):
         assert words in out
 
@@ -211,6 +219,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
 def test_nonpin_run_has_no_pin_1(here):
     code, out, _ = told("simulate", "--design", "nonpin", *SHORT, "--json", "--quiet")
     assert code == 0
+    assert [path.name for path in Path("runs").iterdir()] == ["nonpin.mcap"], "no page for programs"
     assert one_object(out)["pin1"] is None
 
 
@@ -266,7 +275,7 @@ def test_log_in_a_named_folder_is_replaced_only_by_force(here, two_samples):
     assert Path("mine/pin.mcap").read_bytes() == before
     assert told(*argv, "--load-nm", "1", "--force")[0] == 0
     assert loads(read("mine/pin.mcap").attachments["design.toml"].decode()).load.torque == 1
-    assert [path.name for path in Path("mine").iterdir()] == ["pin.mcap"]
+    assert sorted(path.name for path in Path("mine").iterdir()) == ["pin-review.html", "pin.mcap"]
 
 
 @pytest.mark.slow
@@ -346,8 +355,19 @@ def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
         for simulated in (0.2, 0.5, 0.6):
             progress.reached(simulated)
     captured = capsys.readouterr()
-    assert captured.err == " 25%  0.500 of 2 s simulated, about 33 s left\n"
+    assert captured.err == "preparing the model\n 25%  0.500 of 2 s simulated, about 33 s left\n"
     assert captured.out == ""
+
+
+def test_progress_tells_before_the_first_sample_that_work_goes_on(monkeypatch, capsys):
+    monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_COUNTS", 0.01)
+    told_so_far = threading.Event()
+    monkeypatch.setattr("cycloid_mj.cli.progress.tell", lambda text: "so far" in text and told_so_far.set())
+    with Progress(end=2.0) as progress:
+        assert told_so_far.wait(60.0)
+        progress.reached(0.2)
+    with Progress(end=2.0, quiet=True):
+        assert capsys.readouterr().err == ""
 
 
 def test_progress_on_a_terminal_is_a_bar_that_vanishes(monkeypatch):

@@ -197,7 +197,7 @@ def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
 @pytest.mark.slow
 def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end, monkeypatch):
     second = []
-    built = cycloid_mj.dynamics.run.reducer_model
+    built = cycloid_mj.dynamics.run.model_for
 
     def slowly(*args):
         # the name was free when this run began, and is taken by another one while the model is made
@@ -206,7 +206,7 @@ def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end,
             second.append(simulated("--speed-rpm", "200"))
         return built(*args)
 
-    monkeypatch.setattr(cycloid_mj.dynamics.run, "reducer_model", slowly)
+    monkeypatch.setattr(cycloid_mj.dynamics.run, "model_for", slowly)
     first = simulated("--speed-rpm", "100")
     assert (second[1]["log"], first["log"]) == ("runs/pin.mcap", "runs/pin-2.mcap")
     for found, rpm in ((second[1], 200), (first, 100)):
