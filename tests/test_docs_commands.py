@@ -155,7 +155,7 @@ def test_every_block_is_of_a_kind_that_is_tested() -> None:
 @pytest.mark.slow
 def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten_commands(tutored: Path) -> None:
     assert len(commands(PAGES[WHOLE], "sh")) < 10
-    made = {"drive.toml", "runs/drive.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
+    made = {"drive.toml", "runs/drive-review.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
     assert all((tutored / name).stat().st_size > 0 for name in made)
 
 
@@ -165,7 +165,7 @@ def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytes
     monkeypatch.chdir(tutored)
     run("", ["rate", "--design", "drive.toml", "--html", "rating.html"])
     pages = {page.name: page for page in tutored.rglob("*.html")}
-    assert pages.keys() == {"drive.html", "drive-tolerance.html", "reducer.html", "rating.html"}
+    assert pages.keys() == {"drive-review.html", "drive-tolerance.html", "reducer.html", "rating.html"}
     with browser() as driver:
         for page in pages.values():
             show(driver, page)
