@@ -58,7 +58,7 @@ def ideal_run(design: Design, wave: float = 0.0, ratio: float = LOBES) -> Run:
     return ideal_mechanism(design, time, load_torque=design.load.torque, **added)
 
 
-def ideal_runs(designs):
+def ideal_runs(designs, solver="mujoco"):
     """The pin design's gear is the rougher one under load, and the calmer one without."""
     loaded = [design.load.torque != 0.0 for design in designs]
     rough = [(design.ring.kind == "pin") == load for design, load in zip(designs, loaded, strict=True)]

@@ -193,11 +193,14 @@ class Condition:
         Of the crank [rad/s].
     input_torque
         On the crank, where the test gives that and the load follows from it [N m].
+    solver
+        What takes the steps of the runs that it is judged on, where one is named.
     """
 
     load: float
     speed: float
     input_torque: float | None = None
+    solver: str = ""
 
     def __str__(self) -> str:
         """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
@@ -213,10 +216,11 @@ class Condition:
         """The load in words, for a row of a table."""
         return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
 
-    def as_json(self) -> dict[str, float]:
-        """Convert load [N m] and speed [rpm] to JSON values."""
+    def as_json(self) -> dict[str, float | str]:
+        """Convert load [N m], speed [rpm] and solver to JSON values."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
-        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque
+        solver = {"solver": self.solver} if self.solver else {}
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver
 
 
 def load_words(load: float) -> str:

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import RunError
@@ -15,9 +16,14 @@ from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.simulate import run_into_log
 from cycloid_mj.design import Design
 
+if TYPE_CHECKING:
+    from cycloid_mj.dynamics.run import Solver
 
-def run_all(jobs: Mapping[Design, Path], force: bool, quiet: bool) -> None:
-    """Run designs into their logs, as many at a time as there are workers.
+
+def run_all(
+    jobs: Mapping[Design, Path], force: bool, quiet: bool, solver: "Solver" = "mujoco", shown: bool = True
+) -> None:
+    """Run designs into their logs, as many at a time as there are workers; `shown` is as of `run_into_log`.
 
     Raises
     ------
@@ -29,7 +35,10 @@ def run_all(jobs: Mapping[Design, Path], force: bool, quiet: bool) -> None:
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
         progress.tell(f"{len(jobs)} runs, {workers} at a time")
         whole = _Whole(progress)
-        runs = [pool.submit(run_into_log, design, [path], force, _Part(whole)) for design, path in jobs.items()]
+        runs = [
+            pool.submit(run_into_log, design, [path], force, _Part(whole), solver=solver, shown=shown)
+            for design, path in jobs.items()
+        ]
         try:
             wait(runs, return_when=FIRST_EXCEPTION)
             failed = next((run for run in runs if run.done() and run.exception()), None)

@@ -239,9 +239,14 @@ def run_into_log(
     progress: Progress,
     contact: "Contact" = "profile",
     solver: "Solver" = "mujoco",
+    shown: bool = True,
 ) -> Ran:
-    """Run a design into the first log of `names` that no other run has taken meanwhile."""
+    """Run a design into the first log of `names` that no other run has taken meanwhile.
+
+    One that is not to be `shown` has its samples and the design alone: no frames, no model, no findings.
+    """
     reducer = Reducer(design)
+    from cycloid_mj.analysis.series import DESIGN_FILE
     from cycloid_mj.dynamics.run import (
         attachments,
         blocks,
@@ -263,13 +268,15 @@ def run_into_log(
     entries |= warned(warnings(compiled, reducer))
     progress.tell(f"time step {entries['timestep']}, for {entries['timestep_for']}")
     start = time.perf_counter()
-    scene = Scene(design, frame_rate(reducer))
+    scene: Scene | None = Scene(design, frame_rate(reducer))
     files = attachments(compiled, reducer)
+    if not shown:
+        scene, files = None, {DESIGN_FILE: files[DESIGN_FILE]}
     with _first(names, lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)) as log:
         _record(blocks(compiled, reducer), log, progress)
         wall = time.perf_counter() - start
         log.flush()
-        findings = _judgement(log)
+        findings = _judgement(log) if shown else LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
         log.close(attachments={} if isinstance(findings, CycloidError) else _attached(findings))
     return Ran(log.path, plan.steps, wall, findings)
 

@@ -66,20 +66,22 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
     progress("runs with IMPACT")
-    ours = {design.name: settled(runs(idle_runs(plan, design))[0]) for design in designs()}
-    soft = {design.name: settled(runs(varied_idle_runs(plan, IMPACT, design))[0]) for design in designs()}
+    ours = {design.name: settled(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
+    soft = {design.name: settled(runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]) for design in designs()}
     progress("output torque with IMPACT")
     torques = {
         design.name: (_settled_torque(design), _settled_torque(IMPACT.of(Reducer(design)))) for design in designs()
     }
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
     pin = designs()[0]
-    struck = [largest_of_halves(by_angle(run, [CAM])) for run in runs(varied_idle_runs(plan, IMPACT, pin))]
+    struck = [largest_of_halves(by_angle(run, [CAM])) for run in runs(varied_idle_runs(plan, IMPACT, pin), plan.solver)]
     stresses = {}
     for design in designs():
         progress(f"stress, {design.name}")
         one, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
-        stresses[design.name] = idle_stress(runs(one), rated[design.name], settings(plan), runs(impact)[0])
+        stresses[design.name] = idle_stress(
+            runs(one, plan.solver), rated[design.name], settings(plan), runs(impact, plan.solver)[0]
+        )
     features = _features({name: per_newton(stress, rated[name]) for name, stress in stresses.items()})
     return StageResult(
         (*_plates(ours, soft, cases), *height_plates(stresses), _torque_plate(torques)),

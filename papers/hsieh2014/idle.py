@@ -24,7 +24,7 @@ def pin_over_nonpin(levels: Levels, key: str) -> int:
 
 def idle(plan: Plan, runs: Runs) -> Levels:
     """Compute the idle fluctuations of both designs."""
-    return levels_of({design.name: runs(idle_runs(plan, design)) for design in designs()})
+    return levels_of({design.name: runs(idle_runs(plan, design), plan.solver) for design in designs()})
 
 
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
@@ -34,8 +34,11 @@ def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
         for variation in variations(plan)
     }
     # all at once, so that the runs fill every core
-    runs([run for case in cases.values() for starts in case.values() for run in starts])
-    return {one: levels_of({name: runs(starts) for name, starts in case.items()}) for one, case in cases.items()}
+    runs([run for case in cases.values() for starts in case.values() for run in starts], plan.solver)
+    return {
+        one: levels_of({name: runs(starts, plan.solver) for name, starts in case.items()})
+        for one, case in cases.items()
+    }
 
 
 def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:

@@ -11,7 +11,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_own
 from cycloid_mj.cli.batch import run_all
 from cycloid_mj.design import Design, dump
-from cycloid_mj.dynamics.run import provenance
+from cycloid_mj.dynamics.run import Solver, provenance
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 
@@ -60,11 +60,11 @@ class Logs:
 
     def __init__(self, into: Path, fresh: bool, quiet: bool) -> None:
         self._into, self._fresh, self._quiet = into, fresh, quiet
-        self._known: dict[Design, Path] = {}
+        self._known: dict[tuple[Design, Solver], Path] = {}
         self._read = lru_cache(KEPT)(read)
 
-    def __call__(self, designs: Sequence[Design]) -> LoggedRuns:
-        """Return the run of each design.
+    def __call__(self, designs: Sequence[Design], solver: Solver = "mujoco") -> LoggedRuns:
+        """Return the run of each design by a solver; the planar solver's, which are many, are not to be shown.
 
         Raises
         ------
@@ -74,29 +74,31 @@ class Logs:
             Ctrl-C stopped the runs: it ends the command, not this stage alone.
         """
         paths = {
-            design: self._into / log_name(design, provenance(Reducer(design)))
+            design: self._into / log_name(design, provenance(Reducer(design), solver=solver))
             for design in designs
-            if design not in self._known
+            if (design, solver) not in self._known
         }
-        missing = {design: path for design, path in paths.items() if self._fresh or not self._is_there(design, path)}
+        missing = {
+            design: path for design, path in paths.items() if self._fresh or not self._is_there(design, solver, path)
+        }
         if missing:
             for path in missing.values():
                 # one that was read did not fit
                 as_own(path)
             self._read.cache_clear()
             try:
-                run_all(missing, force=True, quiet=self._quiet)
+                run_all(missing, force=True, quiet=self._quiet, solver=solver, shown=solver == "mujoco")
             except RunError as error:
                 if isinstance(error.__cause__, KeyboardInterrupt):
                     raise error.__cause__ from None
                 raise
-        self._known |= paths
+        self._known |= {(design, solver): path for design, path in paths.items()}
         for design, path in paths.items():
             warn(design.name, self._read(path).warnings)
-        return LoggedRuns([self._known[design] for design in designs], self._read)
+        return LoggedRuns([self._known[design, solver] for design in designs], self._read)
 
-    def _is_there(self, design: Design, path: Path) -> bool:
+    def _is_there(self, design: Design, solver: Solver, path: Path) -> bool:
         try:
-            return path.exists() and fits(self._read(path), design, provenance(Reducer(design)))
+            return path.exists() and fits(self._read(path), design, provenance(Reducer(design), solver=solver))
         except LogError:
             return False

@@ -60,7 +60,7 @@ def over_starts(
     """Take a figure of each idle start, and of each with one thing changed that concerns a design and that `has` it."""
 
     def of(starts: Sequence[Design]) -> list[T]:
-        return [figure(settled(run)) for run in runs(starts)]
+        return [figure(settled(run)) for run in runs(starts, plan.solver)]
 
     changed = [
         variation
@@ -69,7 +69,7 @@ def over_starts(
     ]
     base, varied = idle_runs(plan, design), {one: varied_idle_runs(plan, one, design) for one in changed}
     # asked for together, so that the runs fill every core
-    runs([*base, *(start for starts in varied.values() for start in starts)])
+    runs([*base, *(start for starts in varied.values() for start in starts)], plan.solver)
     return OverStarts(of(base), {one: of(starts) for one, starts in varied.items()}, ranges(plan))
 
 

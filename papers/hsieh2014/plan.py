@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.result import Condition, Range
 from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.reducer import Reducer
 
 SAMPLING = 360
@@ -45,6 +46,9 @@ class Plan:
         With fewer than 6 the rank test finds no order unless the starts do not overlap at all, with 3 none.
     ramp
         Whether the real ramp of 1 s is run for Fig. 5.
+    solver
+        What runs the independent starts and what is varied; the runs that the figures draw, and the rated ones whose
+        stress and torque are found, are MuJoCo's.
     """
 
     quick: bool
@@ -54,6 +58,7 @@ class Plan:
     finer_turns: int
     varied_starts: int
     ramp: bool
+    solver: Solver = "planar"
 
 
 PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
@@ -151,7 +156,7 @@ def main_runs(plan: Plan) -> list[Design]:
 
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
-    """List the independent starts of a design at no load; the first is its main run."""
+    """List the independent starts of a design at no load; the first is as its main run."""
     return list(all_started(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
 
 

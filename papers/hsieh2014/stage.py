@@ -2,17 +2,24 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Table
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.run import Solver
 from hsieh2014.plan import Plan
 
-Runs = Callable[[Sequence[Design]], Sequence[Run]]
-"""Gives the run of each design: from a log that fits, or by running it. A run is read whenever it is asked for: what
-takes figures of many runs goes through them one by one.
-"""
+
+class Runs(Protocol):
+    """Gives the run of each design by a solver: from a log that fits, or by running it.
+
+    A run is read whenever it is asked for: what takes figures of many runs goes through them one by one.
+    """
+
+    def __call__(self, designs: Sequence[Design], solver: Solver = "mujoco") -> Sequence[Run]:
+        """Return the runs in the order of their designs."""
+
 
 Progress = Callable[[str], None]
 """Called with what a stage does next."""
@@ -48,7 +55,10 @@ Work = Callable[[Plan, Runs, Progress], StageResult]
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full."""
+    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full.
+
+    Its claims may be `judged_on_starts`, which the plan's solver runs.
+    """
 
     key: str
     title: str
@@ -56,6 +66,7 @@ class Stage:
     work: Work
     quick: float
     full: float
+    judged_on_starts: bool = False
 
     @property
     def heading(self) -> str:

@@ -42,16 +42,16 @@ QUICK_ANGLES = 40
 
 def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
-    starts = {design.name: runs(idle_runs(plan, design)) for design in designs()}
+    starts = {design.name: runs(idle_runs(plan, design), plan.solver) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
     studies = {}
     for design in designs():
         name = design.name
         begins = partial(_part_begins, progress, name)
-        impact = runs(varied_idle_runs(plan, IMPACT, design))[0]
+        impact = runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]
         studies[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
     varied = {
-        variation: {design.name: runs(varied_idle_runs(plan, variation, design)) for design in designs()}
+        variation: {design.name: runs(varied_idle_runs(plan, variation, design), plan.solver) for design in designs()}
         for variation in variations(plan)
     }
     progress("hypothesis: soft contact")

@@ -61,20 +61,21 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     # asked for together, so that the runs fill every core
     mains = main_runs(plan)[:2]
     pairs = [(design, nudged(design)) for design in mains]
-    runs([*(run for design in designs() for run in idle_runs(plan, design)), *rated_runs(plan), *(b for _, b in pairs)])
+    starts = [run for design in designs() for run in idle_runs(plan, design)]
+    runs([*starts, *rated_runs(plan), *(one for pair in pairs for one in pair)], plan.solver)
     base, sweep = idle(plan, runs), swept(plan, runs)
-    chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
-    rated = {"as it is": _rated(runs(rated_runs(plan)))} | _varied_rated(plan, runs)
+    chaos = {one.name: divergence(*runs([one, other], plan.solver)) for one, other in pairs}
+    rated = {"as it is": _rated(runs(rated_runs(plan), plan.solver))} | _varied_rated(plan, runs)
     cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
-    halved = {"half the step": levels_of({name: runs(starts) for name, starts in finer.items()})}
+    halved = {"half the step": levels_of({name: runs(begun, plan.solver) for name, begun in finer.items()})}
     return StageResult(
         tuple(_plates(plan, runs, cases)),
         (
             _idle_table(cases | (halved if plan.finer_turns else {})),
             _rated_table(rated),
             _spin_table(plan, runs),
-            cycle_table({"as it is": runs(rated_runs(plan))}),
+            cycle_table({"as it is": runs(rated_runs(plan), plan.solver)}),
         ),
         tuple(_claim(plan, each, base, sweep, rated["as it is"]) for each in RANKED),
         {
@@ -172,8 +173,8 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
         return {}
     cases = {variation.words: varied_rated_runs(plan, variation) for variation in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
-    runs([run for each in cases.values() for run in each])
-    return {name: _rated(runs(each)) for name, each in cases.items()}
+    runs([run for each in cases.values() for run in each], plan.solver)
+    return {name: _rated(runs(each, plan.solver)) for name, each in cases.items()}
 
 
 def _spin_table(plan: Plan, runs: Runs) -> Table:
@@ -186,7 +187,10 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
                 varied_idle_runs(plan, variation, design),
                 [] if plan.quick else varied_rated_runs(plan, variation)[:1],
             )
-    rows = [(name, _spins(runs(free)), _spins(runs(loaded))) for name, (free, loaded) in cases.items()]
+    rows = [
+        (name, _spins(runs(free, plan.solver)), _spins(runs(loaded, plan.solver)))
+        for name, (free, loaded) in cases.items()
+    ]
     return Table(
         "mean spin of pin 1 [rad/s]: its range over starts, and at the rated load",
         ("", "no load", "rated"),

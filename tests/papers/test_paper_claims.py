@@ -157,7 +157,7 @@ def test_the_ratio_is_judged_in_each_design():
     ]
     assert [claim.found.value for claim in found] == pytest.approx([4.906870] * 2, rel=1e-6)
 
-    def slow(which):
+    def slow(which, solver="mujoco"):
         runs = [ideal_run(one) for one in which]
         return [replace(run, columns={**run.columns, "gear_speed": 0.99 * run["gear_speed"]}) for run in runs]
 
@@ -167,7 +167,7 @@ def test_the_ratio_is_judged_in_each_design():
 def spinning(signs):
     """Runs of which pin 1 turns one way or the other, start by start."""
 
-    def runs(which):
+    def runs(which, solver="mujoco"):
         found = ideal_runs(which)
         return [
             replace(run, columns={**run.columns, "pin_1_speed": sign * run["pin_1_speed"]})
@@ -196,7 +196,7 @@ def test_pin_1_sways_and_spins_as_its_starts_say():
 
 
 def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
-    def stray(which):
+    def stray(which, solver="mujoco"):
         found = ideal_runs(which)
         wide = {name: 3.0 * found[0][name] for name in ("pin_1_x", "pin_1_y") if name in found[0].columns}
         return [replace(found[0], columns={**found[0].columns, **wide}), *found[1:]]
@@ -209,7 +209,7 @@ def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
 def varied_runs(changed):
     """The pin design is the calmer one at no load, but in runs of which a question holds."""
 
-    def runs(which):
+    def runs(which, solver="mujoco"):
         return [
             ideal_run(one, 0.004 if (one.ring.kind == "nonpin") != (changed(one) and not one.load.torque) else 0.001)
             for one in which
@@ -258,7 +258,7 @@ def test_the_rated_load_changes_no_verdict(calm):
     assert by_key(turned)["gear_speed"].rated.value == pytest.approx(4.0, rel=1e-3)
 
 
-def rated_turned(which):
+def rated_turned(which, solver="mujoco"):
     return [
         ideal_run(one, 0.004 if (one.ring.kind == "nonpin") == (one.load.torque == 0.0) else 0.001) for one in which
     ]
@@ -266,7 +266,7 @@ def rated_turned(which):
 
 @pytest.mark.slow
 def test_starts_that_overlap_leave_an_order_undetermined():
-    def scattered(which):
+    def scattered(which, solver="mujoco"):
         return [ideal_run(one, 0.001 * (1 + number % 3)) for number, one in enumerate(which)]
 
     assert by_key(vibration.vibration(FEW, scattered, silent))["gear_speed"].verdict == "not determined"

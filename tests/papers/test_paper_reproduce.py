@@ -262,6 +262,21 @@ def test_runs_are_read_again_where_their_logs_fit(tmp_path, monkeypatch):
         Logs(tmp_path, fresh=True, quiet=True)([design])
 
 
+def test_each_solver_has_its_own_log_and_starts_are_not_shown(tmp_path):
+    design = override(PRESETS["nonpin"], ["drive.ramp_s=0.0", "drive.hold_s=0.0004", "settings.log_rate_hz=20000.0"])
+    logs = Logs(tmp_path, fresh=False, quiet=True)
+    shown, start = logs([design])[0], logs([design], "planar")[0]
+    assert (shown.provenance["solver"], start.provenance["solver"]) == ("mujoco", "planar")
+    assert set(start.attachments) == {"design.toml"} < set(shown.attachments)
+    assert start["gear_angle"] == pytest.approx(shown["gear_angle"], abs=1e-9)
+
+
+def test_claims_over_starts_name_their_solver():
+    step = next(step for step in stages.STEPS if step.key == "gear_speed")
+    claims = stages.run_step(step, QUICK, ideal_runs, silent).result.claims
+    assert {claim.as_json()["condition"]["solver"] for claim in claims} == {"planar"}
+
+
 def test_only_a_few_runs_are_in_memory(tmp_path, monkeypatch):
     class Logged(SimpleNamespace):
         """A run that can be referred to weakly."""
