@@ -1,14 +1,13 @@
 """The process ``cycloid-mj``: what it does with signals, from its first moment to its last, and with closed streams."""
 
 import atexit
-import gc
 import os
 import sys
 from collections.abc import Sequence
 from io import StringIO
 
 from cycloid_mj.base.interrupt import cause, end_on_signals, raise_on_signals
-from cycloid_mj.base.memory import look_rarely
+from cycloid_mj.base.memory import leave_circles, look_rarely
 
 FAILURE = 1
 
@@ -27,7 +26,7 @@ def run() -> None:
     sys.stderr = sys.stderr or StringIO()
     code = FAILURE
     look_rarely()
-    atexit.register(_leave_circles)
+    atexit.register(leave_circles)
     try:
         raise_on_signals()
         code = main()
@@ -45,9 +44,3 @@ def run() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     end_on_signals()
     sys.exit(code)
-
-
-def _leave_circles() -> None:
-    """Take all objects from the last search, but where duckdb is one, whose nanobind tells of what is left as leaks."""
-    if "duckdb" not in sys.modules:
-        gc.freeze()

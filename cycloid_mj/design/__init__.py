@@ -4,7 +4,6 @@ This room owns every input of the project and is the only place where mm, rpm, d
 """
 
 from cycloid_mj.design.file import declared, dump, load, loads, override, resolve, value_of
-from cycloid_mj.design.lasting import material_limits
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -31,6 +30,7 @@ from cycloid_mj.design.model import (
     Stiffness,
     Tolerance,
     WorkingForce,
+    material_limits,
 )
 from cycloid_mj.design.presets import PRESETS, reasons
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from cycloid_mj.design import units as u
-from cycloid_mj.design.materials import DEFAULT, MATERIALS
+from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch
 
@@ -925,3 +925,18 @@ class Design(Section):
 def _tupled(value: Any) -> Any:
     """Convert a list to the tuple that the model has in its place."""
     return tuple(value) if isinstance(value, list) else value
+
+
+def material_limits(design: Design) -> tuple[str, ...]:
+    """Tell up to which temperature the plastics of a design may be used, and that they creep; of metals nothing."""
+    by_material: dict[Material, list[str]] = {}
+    for part in PARTS:
+        by_material.setdefault(design.material_of(part), []).append(part)
+    limits = []
+    for material, parts_of in by_material.items():
+        entry = MATERIALS.get(material.name)
+        if material.youngs_modulus < SOFTEST_METAL:
+            what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
+            hottest = f" and holds up to {entry.hottest:g} °C ({entry.source})" if entry else ""
+            limits.append(f"{what} creeps{hottest}: stiffness and strength here are those of a short load at 23 °C")
+    return tuple(limits)
