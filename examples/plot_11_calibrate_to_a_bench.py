@@ -24,7 +24,12 @@ found = cm.calibrate(cm.load("printed"), [loop], keys=keys)
 for key, one in found.estimates.items():
     unsure = "" if one.identified else ": not determined"
     print(f"{key}: {one.value:.4g} {one.unit}, 95 % {one.ci95[0]:.4g} to {one.ci95[1]:.4g}{unsure}")
-print(f"play {np.degrees(found.play[0]):.2f} deg, residual {np.degrees(found.rms):.3f} deg rms")
+for name in ("stiffness", "coulomb"):
+    measured, modelled = getattr(found.measured, name), getattr(found.modelled, name)
+    print(
+        f"{name}: measured {measured.value:.3g} ({measured.low:.3g} to {measured.high:.3g}), model {modelled.value:.3g}"
+    )
+print(f"residual {np.degrees(found.rms):.3f} deg rms")
 
 # %%
 # The loop and the model's, torque against deflection of the output.

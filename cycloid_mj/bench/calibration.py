@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,15 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import DEGREE
-from cycloid_mj.bench.fit import COVERED, Fitted, fit
+from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
-from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
+from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
+from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
 from cycloid_mj.bench.search import STEP, FitProblem
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import stops
-from cycloid_mj.statics.sliding import Held, Losses, turn_under
-from cycloid_mj.statics.windup import STRAIGHT
+from cycloid_mj.statics.sliding import Held, Losses
 
 Progress = Callable[[int], None]
 """Called at each trial of the search with how many there have been."""
@@ -34,16 +34,11 @@ RADIANS, MINUTES, MILLIMETRES = 8.0, 30.0, 30.0
 """How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
 minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm."""
 
-DEFINITIONS = {
-    "play_deg": "turn of the output between its stops at the held crank angle, rigid parts, with the fitted clearances",
-    "stiffness_nm_per_rad": "slope of the fitted curve without friction from 50 to 100 % of the largest torque "
-    "measured, mean of both sides",
-    "coulomb_nm": "half the torque between the measured branches half-way up the deflection of the lowest loop, where "
-    "the teeth carry nothing",
-    "residual_rms_deg": "rms difference of all measured deflections from the fitted loop's at the same torque, without "
-    "those on the way to the loop",
-}
-"""How the figures of a calibration are read."""
+RESIDUAL = (
+    "rms difference of all measured deflections from the fitted loop's at the same torque, without those on the way to "
+    "the loop"
+)
+"""How the residual of a calibration is read."""
 
 UNEXPLAINED = (
     "twist of housing, shafts and output pins is not told apart from the teeth: tooth_stiffness stands for all of it",
@@ -64,8 +59,8 @@ class Estimate:
     ci95
         The ends of its interval of 95 %.
     identified
-        Whether the loop determines it: the interval is no wider than twice the value, and neither of its ends is that
-        of what is looked for.
+        Whether the loop determines it: both ends of the interval are told by the loop, not by the bounds of what is
+        looked for, and it is no wider than the value.
     """
 
     value: float
@@ -103,8 +98,8 @@ class Calibration:
         By key.
     alike
         Pairs of keys that the loop cannot tell apart, with their correlation.
-    play, stiffness, coulomb
-        By `DEFINITIONS` [rad], [N m/rad], [N m]; the first two with the ends of their intervals of 95 %.
+    measured, modelled
+        What the measured loops show, and the fitted model's at the same torques, by the same definitions.
     variants
         Fits with other losses, if they were asked for.
     notes
@@ -115,9 +110,8 @@ class Calibration:
     design: Design
     estimates: dict[str, Estimate]
     alike: tuple[tuple[str, str, float], ...]
-    play: tuple[float, float, float]
-    stiffness: tuple[float, float, float]
-    coulomb: float
+    measured: LoopReading
+    modelled: LoopReading
     variants: tuple[Variant, ...] = ()
     notes: tuple[str, ...] = ()
 
@@ -133,6 +127,11 @@ class Calibration:
         """Keys of the values that the loop does not determine."""
         return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
 
+    @property
+    def measure_next(self) -> tuple[str, ...]:
+        """What loop would tell most of what these leave open, a sentence each."""
+        return _next_loops(self.fitted, self.unidentified, self.alike)
+
     def tables(self) -> tuple[Table, ...]:
         """Tabulate parameters, figures, loops and variants."""
         rows = tuple(
@@ -145,17 +144,16 @@ class Calibration:
             )
             for key, estimate in self.estimates.items()
         )
-        low, high = (f"{end / DEGREE:.4g}" for end in self.play[1:])
-        figures = (
-            ("play", self.play[0] / DEGREE, f"{low} to {high}", "deg", DEFINITIONS["play_deg"]),
+        read, modelled = self.measured.in_units(), self.modelled.in_units()
+        figures = tuple(
             (
-                "stiffness",
-                self.stiffness[0],
-                f"{self.stiffness[1]:.4g} to {self.stiffness[2]:.4g}",
-                "N m/rad",
-                DEFINITIONS["stiffness_nm_per_rad"],
-            ),
-            ("Coulomb friction", self.coulomb, "", "N m", DEFINITIONS["coulomb_nm"]),
+                key,
+                _written(one.value),
+                f"{one.low:.4g} to {one.high:.4g}" if np.isfinite(one.value) else "",
+                _written(modelled[key].value),
+                DEFINITIONS[key],
+            )
+            for key, one in read.items()
         )
         loops = tuple(
             (
@@ -174,7 +172,7 @@ class Calibration:
                 ("value", "fitted", "95 %", "unit", "determined by the loop"),
                 rows,
             ),
-            Table("figures, by definition", ("figure", "value", "95 %", "unit", "definition"), figures),
+            Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), figures),
             Table(
                 "loops",
                 ("loop", "points", "height [deg]", "residual rms [deg]", "of the height", "torque range [N m]"),
@@ -208,7 +206,7 @@ class Calibration:
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
-        loops = self.fitted.loops
+        loops, read = self.fitted.loops, self.measured.in_units()
         return {
             "design": self.design.name,
             "held": self.fitted.bench.held,
@@ -230,12 +228,11 @@ class Calibration:
                 for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
             },
             "residual_rms_deg": self.rms / DEGREE,
-            "play_deg": self.play[0] / DEGREE,
-            "play_ci95_deg": [end / DEGREE for end in self.play[1:]],
-            "stiffness_nm_per_rad": self.stiffness[0],
-            "stiffness_ci95_nm_per_rad": list(self.stiffness[1:]),
-            "coulomb_nm": self.coulomb,
-            "definitions": DEFINITIONS,
+            **{key: read[key].value for key in ("play_deg", "stiffness_nm_per_rad", "coulomb_nm")},
+            "measured": {key: {"value": one.value, "ci95": [one.low, one.high]} for key, one in read.items()},
+            "model": {key: {"value": one.value} for key, one in self.modelled.in_units().items()},
+            "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
+            "measure_next": list(self.measure_next),
             "loops": [
                 {
                     "name": loop.name,
@@ -243,7 +240,7 @@ class Calibration:
                     "height_deg": loop.height / DEGREE,
                     "residual_rms_deg": self.fitted.rms(place) / DEGREE,
                     "residual_share": self.fitted.rms(place) / loop.height,
-                    "width_at_zero_torque_deg": loop.middle()[0] / DEGREE,
+                    "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
                     "offset_torque_nm": float(self.fitted.offsets[place, 0]),
                     "offset_deg": float(self.fitted.offsets[place, 1]) / DEGREE,
                     "points_left_out": loop.lead,
@@ -396,71 +393,57 @@ def _calibration(fitted: Fitted) -> Calibration:
         (keys[i], keys[j], float(related[i, j])) for i in range(count) for j in range(i) if abs(related[i, j]) > ALIKE
     )
     calibrated = fitted.calibrated.reducer.design
-    lowest = min(fitted.loops, key=_height)
+    modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
         fitted=fitted,
         design=calibrated.but(name=calibrated_name(Reducer(calibrated))),
         estimates=estimates,
         alike=alike,
-        play=_derived(fitted, _play),
-        stiffness=_derived(fitted, _slope),
-        coulomb=0.5 * lowest.middle()[1],
+        measured=read_figures(fitted.loops),
+        modelled=read_figures(modelled),
         notes=_notes(fitted),
     )
 
 
 def _estimate(parameter: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
     value, low, high = (parameter.value(float(at)) for at in (place, *ends))
-    ended = parameter.place(parameter.least) < ends[0] and ends[1] < parameter.place(parameter.most)
-    identified = bool(not at_bound and ended and high - low < 2.0 * abs(value))
+    bounded = parameter.place(parameter.least) + STEP < ends[0] and ends[1] < parameter.place(parameter.most) - STEP
+    identified = bool(not at_bound and bounded and high - low < abs(value))
     return Estimate(value, parameter.unit, parameter.meaning, (low, high), identified)
-
-
-def _derived(fitted: Fitted, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:
-    """Compute a figure of the fitted model and its interval, by how it answers to each value."""
-    count = len(fitted.parameters)
-
-    def at(places: Array) -> float:
-        return read(fitted, put_all(fitted.model, fitted.parameters, fitted.values_at(places)))
-
-    value, slopes = at(fitted.places), np.zeros(len(fitted.places))
-    for place in np.flatnonzero(~fitted.at_bound[:count]):
-        moved = np.stack([fitted.places, fitted.places])
-        moved[:, place] += [-STEP, STEP]
-        slopes[place] = (at(moved[1]) - at(moved[0])) / (2.0 * STEP)
-    variance = float(slopes @ fitted.spread.covariance @ slopes)
-    spread = fitted.spread.reach_along(slopes, COVERED) * max(variance, 0.0) ** 0.5
-    return value, max(value - spread, 0.0), value + spread
-
-
-def _height(loop: MeasuredLoop) -> float:
-    return loop.height
-
-
-def _play(fitted: Fitted, model: Model) -> float:
-    low, high = stops(model.reducer, fitted.bench.crank)
-    return high - low
-
-
-def _slope(fitted: Fitted, model: Model) -> float:
-    smooth = Reducer(_smooth(model.reducer))
-    most = max(loop.most for loop in fitted.loops)
-    low, high = STRAIGHT
-    # without friction a torque alone decides where parts are: no course needs to be followed
-    rise = [
-        way
-        * (
-            turn_under(smooth, way * high * most, fitted.bench.crank)
-            - turn_under(smooth, way * low * most, fitted.bench.crank)
-        )
-        for way in (-1.0, 1.0)
-    ]
-    return (high - low) * most / float(np.mean(rise))
 
 
 def _smooth(reducer: Reducer) -> Design:
     """Return a design whose contacts have no friction."""
     return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
+
+
+def _written(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "-"
+
+
+def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[str, str, float]]) -> tuple[str, ...]:
+    """Tell which loop to measure next, by which values are open."""
+    open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
+    most, bench = max(loop.most for loop in fitted.loops), fitted.bench
+    lowest = min(fitted.loops, key=attrgetter("height"))
+    coulomb, told = coulomb_of(lowest).value, []
+    if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
+        half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
+        angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
+        told.append(f"play: a loop at a second crank angle, {angle:.4g} deg, where other teeth and holes carry")
+    if {"drag", "drag_travel", "friction", "material_loss"} & open_keys:
+        small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * most
+        told.append(
+            f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, beside one of "
+            f"+-{most:.4g} N m"
+        )
+        other = "output" if bench.held == "crank" else "crank"
+        told.append(
+            f"friction: the same loop with the {other} held (--held {other}): friction acts the other way there"
+        )
+    if "tooth_stiffness" in open_keys:
+        told.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, in which play and friction are a smaller part")
+    return tuple(told)
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:

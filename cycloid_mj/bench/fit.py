@@ -4,6 +4,10 @@ An interval ends where the loops are missed by too much even with all other valu
 likelihood (Venzon and Moolgavkar, Appl. Statist. 37, 1988, 87-94). Where values lie in a long bent valley, as friction
 of contacts and constant friction do, that of the straight neighbourhood would be far too narrow. There may be several
 valleys that explain the loops alike: an interval reaches as far as any of them does, from the ends of all searches.
+
+A model is off by more than noise. Whatever the course of an error of the rms value d is, it moves a value by no more
+than d times the root of its inverse curvature (by Cauchy and Schwarz, where the model is straight): intervals reach as
+much farther than noise alone carries them, with d = `DISCREPANCY`.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,13 +24,13 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import FAILED, LONG, SHORT, FitProblem, offset_scales
-from cycloid_mj.bench.spread import FitUncertainty, memory, spread
+from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
 """Distance from a bound, on a value's scale, at which a value is at it."""
 
-COVERED = 0.95
-"""What an interval covers."""
+DISCREPANCY = 0.03
+"""What the model itself may miss the loops by, rms, as a share of their ranges: no model of a drive is nearer."""
 
 PROFILED, DOUBLED = 4, 4
 """Steps of the search for all other values with one of them held, and how often that one is moved twice as far."""
@@ -176,7 +180,12 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
     sure = spread(of_loops, weighted, ~at_bound)
     whole = spread(of_loops, weighted, np.ones_like(at_bound)) if at_bound.any() else sure
     each = (whole if bound else sure for bound in at_bound.tolist())
-    reach = np.array([one.reach(COVERED)[place] * one.errors[place] for place, one in enumerate(each)])
+    reach = np.array(
+        [
+            one.reach(COVERED)[place] * one.errors[place] + DISCREPANCY * one.inverse[place, place] ** 0.5
+            for place, one in enumerate(each)
+        ]
+    )
     ends = np.clip(places[:, np.newaxis] + np.outer(reach, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
     return Fitted(
         model=search.model,
@@ -242,6 +251,9 @@ def _reach(
             break
         reached, before = way, rise
         way = min(2.0 * way, most) if side else max(2.0 * way, most)
+    else:
+        # nothing that was tried ends the interval
+        way = most
     if rise > allowed:
         ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
         way = reached + ratio * (way - reached)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import as_input
-from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
@@ -79,29 +79,10 @@ class MeasuredLoop:
         """Whether the torque of the first branch rises."""
         return self.turns[1] > self.turns[0]
 
-    def middle(self) -> tuple[float, float]:
-        """Compute the loop's width in deflection at zero torque [rad] and in torque half-way up the deflection [N m].
-
-        Each is the distance of the means of the branches there, over a window of a tenth of the range; no number where
-        a branch does not get there.
-        """
-        half = 0.5 * float(self.deflection.max() + self.deflection.min())
-        return self._apart(self.torque, self.deflection, 0.0), -self._apart(self.deflection, self.torque, half)
-
-    def _apart(self, along: Array, values: Array, level: float) -> float:
-        """Compute how far the falling branches lie above the rising ones where what is `along` is at a level."""
-        sides = []
-        for rises in (False, True):
-            chosen = ((self.branch % 2 == 0) == self.rising) == rises
-            near = chosen & (np.abs(along - level) <= 0.05 * np.ptp(along))
-            # where a branch leaps past the window, its points on either side
-            if np.any(near):
-                sides.append(float(np.mean(values[near])))
-            elif np.any(chosen) and along[chosen].min() < level < along[chosen].max():
-                sides.append(_between(along[chosen], values[chosen], level))
-            else:
-                return math.nan
-        return sides[0] - sides[1]
+    def on_the_way(self, way: int) -> Mask:
+        """Tell which points of the loop lie where the torque rises, `way` 1, or falls, -1, shape (n,)."""
+        rising = (self.branch % 2 == 0) == self.rising
+        return (rising == (way > 0)) & (np.arange(len(self.torque)) >= self.lead)
 
 
 def _between(along: Array, values: Array, level: float) -> float:

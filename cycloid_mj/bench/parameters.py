@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.reading import coulomb_of
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.reducer import Reducer
@@ -68,10 +69,10 @@ class Parameter:
         return min(max(value, self.least), self.most)
 
 
-DEFAULT = ("mesh_play", "output_play", "cam_play", "tooth_stiffness", "friction", "drag", "drag_travel")
-"""What is fitted unless something else is asked for."""
+DEFAULT = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
+"""What is fitted unless something else is asked for: a loop shows the sum of the clearances, not each of them."""
 
-NAMED = (*DEFAULT, "play", "material_loss")
+NAMED = (*DEFAULT, "mesh_play", "output_play", "cam_play", "material_loss")
 """Every name that is no key of the design file."""
 
 
@@ -94,7 +95,7 @@ def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLo
 def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
     design = reducer.design
     most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
-    turn, coulomb = lowest.height / DEGREE, 0.5 * lowest.middle()[1]
+    turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
     drag = coulomb if 0.0 < coulomb < 0.5 * most else 0.02 * most
     tooth, clearance = design.tooth_pair, design.clearance
     mesh = getattr(clearance, tooth) + design.pin_play

@@ -7,6 +7,9 @@ import numpy as np
 
 from cycloid_mj.base.types import Array, Mask
 
+COVERED = 0.95
+"""What an interval covers."""
+
 LONGEST_MEMORY = 0.25
 """Largest lag over which residuals count as one, as a share of a loop's points."""
 

@@ -1,5 +1,6 @@
 """``cycloid-mj calibrate`` and ``compare-bench``: what a test bench measured, held against a design."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
@@ -38,9 +39,9 @@ FitFlag = Annotated[
     str,
     Parameter(
         metavar="KEY,...",
-        help="What to fit: mesh_play, output_play, cam_play, play (teeth and holes alike), tooth_stiffness, friction, "
+        help="What to fit: play (teeth and holes alike), mesh_play, output_play, cam_play, tooth_stiffness, friction, "
         "drag, drag_travel, material_loss, or numbers of the design file, such as clearance.output_um. Default: "
-        "mesh_play,output_play,cam_play,tooth_stiffness,friction,drag,drag_travel.",
+        "play,tooth_stiffness,friction,drag,drag_travel.",
     ),
 ]
 HeldFlag = Annotated[
@@ -115,8 +116,10 @@ def calibrate(
     and cam that grows with the load and remembers which way it slid, constant
     friction, and a lossy material where asked. Each loop has an offset of its own.
     Written are the calibrated design, a JSON file, a table of residuals, a figure
-    and a page: every value with its interval of 95 %, and which of them the loop
-    cannot tell apart.
+    and a page: play, stiffness and Coulomb friction as the measured loop and the
+    fitted one show them, every value with its interval of 95 %, which of them the
+    loop cannot tell apart, and what to measure next. A design on which statics at
+    the loop's torque or reduce would stop is told, and the exit code is 1.
     """
     import math
 
@@ -148,10 +151,48 @@ def calibrate(
             raise RunError(
                 f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {place.folder}"
             ) from stop
-    return deliver(_calibrated(calibration, place), place, delivery)
+    return deliver(_calibrated(calibration, place, _unusable(calibration)), place, delivery)
 
 
-def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
+def _unusable(calibration: "Calibration") -> tuple[str, ...]:
+    """Tell on what the written design stops, and which of its fitted values is why; empty where it serves."""
+    most = max(loop.most for loop in calibration.fitted.loops)
+    if (flaw := _flaw(Reducer(calibration.design), most)) is None:
+        return ()
+    fitted, blamed = calibration.fitted, []
+    for one in fitted.parameters:
+        model = fitted.model
+        for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
+            model = model if other == one else other.put(model, value)
+        if _flaw(model.reducer, most) is None:
+            blamed.append(one.key)
+    values = ", ".join(
+        f"{key} {calibration.estimates[key].value:.4g} {calibration.estimates[key].unit}" for key in blamed
+    )
+    why = f"with {values} as drawn instead it would serve: leave that out of --fit" if blamed else "no value alone"
+    return (f"the calibrated design is of no use: {flaw}; {why}",)
+
+
+def _flaw(reducer: Reducer, torque: float) -> str | None:
+    """Return on what a reducer stops: its checks, statics under a torque [N m], or its reduction to a joint."""
+    from cycloid_mj.checks import require_sound
+    from cycloid_mj.robot import reduce
+    from cycloid_mj.statics.sheet import sheet
+
+    steps: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("design check", lambda: require_sound(reducer)),
+        (f"statics at {torque:.4g} N m", lambda: sheet(reducer, torque)),
+        ("reduce", lambda: reduce(reducer.design)),
+    )
+    for name, step in steps:
+        try:
+            step()
+        except CycloidError as error:
+            return f"{name}: {error}"
+    return None
+
+
+def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[str, ...] = ()) -> Outcome:
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
     from cycloid_mj.design import dump
@@ -177,6 +218,7 @@ def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
     names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(
         title=f"calibration: {name}",
+        failures=unusable,
         warnings=[
             *(
                 f"the loop cannot tell {one} from {other}: correlation {size:.3f}"
@@ -190,22 +232,26 @@ def _calibrated(calibration: "Calibration", place: Destination) -> Outcome:
         ],
         headline=_headline(calibration),
         tables=[*calibration.tables(), quantity_table("figures of the calibrated design", figures.values())],
+        summary=[f"measure next: {sentence}" for sentence in calibration.measure_next],
         notes=calibration.notes,
         pictures={f"{name}-loops": draw},
         files=files,
         result=calibration.as_json()
-        | {"figures": values_json(figures), "files": [*place.paths(names), str(place.page)]},
-        page=lambda: calibration_page(calibration, draw("svg").decode()),
+        | {"unusable": list(unusable), "figures": values_json(figures)}
+        | {"files": [*place.paths(names), str(place.page)]},
+        page=lambda: calibration_page(calibration, draw("svg").decode(), unusable),
+        code=1 if unusable else 0,
     )
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
     from cycloid_mj.base.units import DEGREE
 
+    read, modelled = calibration.measured, calibration.modelled
     derived = {
-        "play": f"{calibration.play[0] / DEGREE:.4g} deg",
-        "stiffness": f"{calibration.stiffness[0]:.4g} N m/rad",
-        "Coulomb friction": f"{calibration.coulomb:.4g} N m",
+        "play": _beside(read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"),
+        "stiffness": _beside(read.stiffness.value, modelled.stiffness.value, "N m/rad"),
+        "Coulomb friction": _beside(read.coulomb.value, modelled.coulomb.value, "N m"),
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
     fitted = {
@@ -213,6 +259,10 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
         for key, one in calibration.estimates.items()
     }
     return dict(islice((derived | fitted).items(), MOST_FIGURES))
+
+
+def _beside(measured: float, model: float, unit: str) -> str:
+    return f"{measured:.4g} {unit} (fitted model {model:.4g})"
 
 
 def compare_bench(

@@ -1,6 +1,7 @@
 """Pages of results: of any outcome, by the template ``assets/outcome.html``, and of a calibration."""
 
 import base64
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
@@ -27,8 +28,11 @@ def _source(picture: Picture) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(picture('svg')).decode()}"
 
 
-def calibration_page(calibration: "Calibration", figure: str) -> str:
-    """Write a calibration as one page that needs no other file; `figure` is the SVG of its loops."""
+def calibration_page(calibration: "Calibration", figure: str, unusable: Sequence[str] = ()) -> str:
+    """Write a calibration as one page that needs no other file.
+
+    `figure` is the SVG of its loops, `unusable` what the design stops on.
+    """
     from cycloid_mj.bench.calibration import UNEXPLAINED
 
     drawing = figure[figure.index("<svg") :]
@@ -38,6 +42,7 @@ def calibration_page(calibration: "Calibration", figure: str) -> str:
         .render(
             title=f"cycloid_mj: {calibration.design.name}",
             found=calibration,
+            unusable=unusable,
             bench=f"{calibration.fitted.bench.held} held",
             tables=calibration.tables(),
             unexplained=UNEXPLAINED,

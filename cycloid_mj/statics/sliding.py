@@ -20,8 +20,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
-from cycloid_mj.statics.balance import require_balance
-from cycloid_mj.statics.kernel import KernelSprings, Rubbing, balance, follow_path
+from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path
 from cycloid_mj.statics.springs import springs_of
 
 Held = Literal["crank", "output"]
@@ -59,24 +58,6 @@ class Losses:
     drag: float = 0.0
     travel: float = 0.0
     material: float = 0.0
-
-
-def turn_under(reducer: Reducer, torque: float, crank: float) -> float:
-    """Find the turn of the output under a torque that rests there [rad], without friction, else as `course_along`.
-
-    Raises
-    ------
-    RunError
-        No balance was found.
-    """
-    still = reducer.but(drive={"speed": 0.0})
-    springs = springs_of(still, [crank], friction=False)
-    load = springs.load(torque)
-    z, force = np.zeros(load.shape), np.zeros(springs.contacts.distance.shape)
-    z[:, :-1].reshape(1, -1, 3)[..., :2] = springs.contacts.cam_place
-    with announced():
-        require_balance(balance(springs.contacts, load, z, force, False))
-    return float(z[0, -1]) / springs.contacts.radius
 
 
 def course_along(
