@@ -1,6 +1,5 @@
 """What holds for every test."""
 
-import fcntl
 import os
 import signal
 
@@ -9,6 +8,11 @@ import pytest
 
 from cycloid_mj.base.memory import look_rarely
 from cycloid_mj.reducer import Reducer
+
+try:
+    import fcntl
+except ImportError:  # Windows: each worker compiles for itself
+    fcntl = None
 
 look_rarely()
 
@@ -35,7 +39,8 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     first = int(worker.removeprefix("gw")) % len(parts)
     for part in (*parts[first:], *parts[:first]):
         with (tmp_path_factory.getbasetemp().parent / f"{part.__name__}.lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            if fcntl:
+                fcntl.flock(lock, fcntl.LOCK_EX)
             part()
 
 

@@ -1,12 +1,16 @@
 """What pyproject.toml and README.md promise about other packages."""
 
+import ast
 import importlib.metadata
+import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+import yaml
 
 from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.cli.app import main
@@ -35,6 +39,70 @@ def test_the_licence_of_gmsh_is_told_and_only_extras_import_it():
     assert "GPL-2.0-or-later" in (ROOT / "pyproject.toml").read_text()
     script = "import sys, cycloid_mj.cli.app, cycloid_mj.dynamics.run, cycloid_mj.report; print('gmsh' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "False\n"
+
+
+def imports(path: Path) -> tuple[set[str], set[str]]:
+    """Return the packages that a module imports when it is loaded, and all that it imports."""
+
+    def named(nodes: Iterable[ast.AST]) -> set[str]:
+        names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+        names += [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+        return {name.partition(".")[0] for name in names}
+
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return named(tree.body), named(list(ast.walk(tree)))
+
+
+def test_what_is_imported_is_required_or_of_an_extra() -> None:
+    """What the base does not install is imported where it is used, but by the page, which is an extra of its own."""
+    packages = importlib.metadata.packages_distributions()
+    required, *_ = offered = [
+        {re.match(r"[\w-]+", one)[0].lower() for one in needs}
+        for needs in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
+    ]
+    required |= {"markupsafe", "pydantic-core", "llvmlite"}  # of jinja2, pydantic and numba
+    own = sys.stdlib_module_names | {"cycloid_mj", ""}
+    for path in sorted((ROOT / "cycloid_mj").rglob("*.py")):
+        if path.parent.name != "app":
+            for found, allowed in zip(imports(path), (required, set().union(*offered)), strict=True):
+                of = {
+                    name: {one.lower().replace("_", "-") for one in packages.get(name, [name])} for name in found - own
+                }
+                assert [name for name, distributions in of.items() if not distributions & allowed] == [], path
+
+
+@pytest.mark.parametrize(
+    ("module", "words", "told"),
+    [
+        (
+            "ezdxf",
+            ("export", "pin", "--format", "dxf"),
+            r"DXF needs ezdxf .*pip install 'cycloid-mj\[dxf\]', or export",
+        ),
+        (
+            "cma",
+            ("optimize", "pin", "--vary", "gear.face_width_mm=8:12", "--minimize", "mass_kg", "--quick"),
+            r"optimize needs cma .*pip install 'cycloid-mj\[optimize\]', or try points with `cycloid-mj sweep`",
+        ),
+    ],
+)
+def test_without_its_extra_a_command_says_what_to_install(module, words, told, monkeypatch, tmp_path, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, module, None)
+    assert main([*words]) == 1
+    assert re.fullmatch(rf"error: {told}.*", capsys.readouterr().err.splitlines()[-1])
+
+
+def test_the_workflow_runs_the_second_command_on_three_systems() -> None:
+    text = (ROOT / ".github" / "workflows" / "check.yml").read_text(encoding="utf-8")
+    job = yaml.safe_load(text)["jobs"]["check"]
+    matrix = job["strategy"]["matrix"]
+    assert {name.partition("-")[0] for name in matrix["system"]} == {"ubuntu", "macos", "windows"}
+    versions = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if ":: 3." in line]
+    assert matrix["python"] == versions
+    (command,) = [step["run"] for step in job["steps"] if step.get("if") == "runner.os != 'Windows'"]
+    assert command in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert "not run there yet" in " ".join(text.split())
 
 
 def test_every_paper_is_shipped_and_found():

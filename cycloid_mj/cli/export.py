@@ -26,8 +26,8 @@ FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "step"],
     Parameter(
         name="--format",
-        help="stl, obj: meshes; dxf: outlines with one spline a lobe; step: solids (needs the extra cad: pip install "
-        "'cycloid-mj[cad]'). All in mm. Default: stl.",
+        help="stl, obj: meshes; dxf: outlines with one spline a lobe (extra dxf); step: solids (extra "
+        "cad: pip install 'cycloid-mj[cad]'). All in mm. Default: stl.",
     ),
 ]
 OutFlag = Annotated[

@@ -109,7 +109,7 @@ def optimize(
 ) -> int:
     """Find the best design within ranges, or a front of two aims.
 
-    Real numbers are searched by CMA-ES, from several starts; whole numbers and words
+    Real numbers are searched by CMA-ES (extra optimize), from several starts; whole numbers and words
     are tried one by one, the better half of the combinations going on. A point must
     pass the checks of `design check` and keep the limits: what refused how many is
     told. The hole of an output pin follows pin and eccentricity, and the torque of

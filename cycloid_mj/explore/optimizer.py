@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, DesignError, RunError
+from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.checks import require_sound
@@ -19,7 +20,7 @@ from cycloid_mj.explore.optimum import Checked, Optimum
 from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, evaluated, problem
 from cycloid_mj.explore.row import PointResult
-from cycloid_mj.explore.search import Point, searched
+from cycloid_mj.explore.search import NEED, Point, searched
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.explore.verify import verified
 from cycloid_mj.reducer import Reducer
@@ -126,6 +127,8 @@ def explored(
     task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None, engine: Engine, progress: Progress
 ) -> Optimum:
     """Search; whatever ends it, the history in the folder is of all points that were evaluated."""
+    if task.ranges:
+        extra("cma", *NEED)
     with _kept(task, evaluations, starts, seed, out) as rows:
         work = _Work(task, rows, engine, progress, evaluations)
         try:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.digits import significant
+from cycloid_mj.base.extras import extra
 from cycloid_mj.base.types import Array
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
@@ -32,6 +33,9 @@ COMPETING = 0.5
 
 MOST_REPEATS = 5
 """Searches about the best point, after the last one has come to its end: as long as they better it."""
+
+NEED = "optimize", "optimize", "try points with `cycloid-mj sweep`"
+"""Who needs the package ``cma``, of which extra, and what else can be done."""
 
 WORST = 1e20
 """Score of points that break something, times their violation; no figure is so large."""
@@ -74,8 +78,7 @@ class EvolutionSearch:
 
 
 def _strategy(start: Array, width: float, generator: np.random.Generator) -> Any:
-    import cma
-
+    cma = extra("cma", *NEED)
     idle = np.full(max(0, LEAST_DIMENSIONS - start.size), 0.5)
     options = {
         "bounds": [0.0, 1.0],

@@ -1,6 +1,5 @@
 """Frames to a GIF or an MP4 file."""
 
-import importlib
 from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
@@ -10,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.extras import extra
 from cycloid_mj.base.whole import whole_file
 
 Frame = npt.NDArray[np.uint8]
@@ -64,7 +64,7 @@ def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    ffmpeg = _ffmpeg()
+    ffmpeg = extra("imageio_ffmpeg", "MP4", "video", "write a .gif")
     stream = iter(frames)
     first = next(stream)
     height, width = first.shape[:2]
@@ -91,12 +91,3 @@ def _require_frames(ffmpeg: Any, path: Path, frames: int) -> None:
         written = 0
     if written != frames:
         raise OSError(f"ffmpeg could write {written} of {frames} frames")
-
-
-def _ffmpeg() -> Any:
-    try:
-        return importlib.import_module("imageio_ffmpeg")
-    except ImportError as problem:
-        raise CycloidError(
-            f"MP4 needs imageio-ffmpeg ({problem}): pip install 'cycloid-mj[video]', or write a .gif"
-        ) from problem

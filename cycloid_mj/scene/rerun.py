@@ -3,12 +3,11 @@
 import importlib
 import os
 from collections.abc import Mapping
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.extras import extra
 from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
@@ -45,7 +44,7 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     LogError
         A column of the parts' motion is missing.
     """
-    rr = _rerun()
+    rr = extra("rerun", "a recording", "rerun")
     place, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
     name = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with whole_file(path) as beside:
@@ -60,13 +59,6 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
                 recording.send_columns(f"{SIGNALS}{topic}/{column}", indexes=[time], columns=values)
         recording.flush()
         recording.disconnect()
-
-
-def _rerun() -> ModuleType:
-    try:
-        return importlib.import_module("rerun")
-    except ImportError as problem:
-        raise CycloidError(f"Rerun is not installed ({problem}): pip install 'cycloid-mj[rerun]'") from problem
 
 
 def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapping[str, Array]) -> None:

@@ -287,11 +287,11 @@ def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
     give_back()  # a factor needs its memory in one piece
     try:
-        rslab = importlib.import_module("rslab")
-    except (ImportError, OSError):
+        ldlt = importlib.import_module("rslab").ldlt
+    except (ImportError, OSError, AttributeError):  # it is young: a later release may have other names
         return _superlu(lower, part)
     try:
-        solver = rslab.ldlt(lower, threads=1, ordering="metis")
+        solver = ldlt(lower, threads=1, ordering="metis")
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))

@@ -3,7 +3,6 @@
 import importlib.util
 import logging
 import pickle
-import resource
 import sys
 from pathlib import Path
 
@@ -11,6 +10,8 @@ import pytest
 from own_process import RUN, ran
 
 from cycloid_mj.base import compile_cache
+
+resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 CODE = """
 from numba import types

@@ -1,7 +1,6 @@
 """Every file of results is written whole or not at all: on a full disk, and when the program is stopped meanwhile."""
 
 import math
-import resource
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
@@ -21,6 +20,8 @@ from cycloid_mj.cli.flags import Delivery
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf.folder import write_folder
 from cycloid_mj.log import LogWriter
+
+resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 DESIGN = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"])
 

@@ -1,13 +1,10 @@
 """Help pages and groups of commands without a command: right on terminals of any width, and without one."""
 
-import fcntl
 import os
-import pty
 import re
 import struct
 import subprocess
 import sys
-import termios
 from collections.abc import Iterator
 from inspect import BoundArguments
 from itertools import pairwise
@@ -84,6 +81,7 @@ def test_a_command_stands_where_the_list_says(name: str) -> None:
 
 
 def test_help_in_a_very_wide_terminal_is_as_wide_as_reads_well():
+    fcntl, pty, termios = map(pytest.importorskip, ("fcntl", "pty", "termios"))
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 200, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}

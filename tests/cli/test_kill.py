@@ -2,7 +2,6 @@
 
 import os
 import random
-import resource
 import signal
 import subprocess
 import sys
@@ -17,6 +16,8 @@ import pytest
 import cycloid_mj
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.log import read
+
+resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 SHORT = ("--ramp-s", "0", "--hold-s", "0.055", "--timestep-us", "10", "--set", 'ring.pins="fixed"', "--load-nm", "36")
 COMMANDS = {

@@ -1,6 +1,5 @@
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -22,6 +21,8 @@ from mcap.writer import CompressionType, Writer
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.log import ColumnGroup, LogWriter, read
+
+resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 GROUPS = {
     "/reducer": [("crank_angle", "rad"), ("gear_torque", "N m"), ("transmission_error", "rad")],

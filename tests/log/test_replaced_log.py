@@ -243,7 +243,7 @@ def test_commands_at_once_get_folders_of_their_own(here):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [number for number in STOPPING if number != signal.SIGINT])
 def test_stopped_run_says_by_what(here, at_the_end, number):
     before = {number: signal.getsignal(number) for number in STOPPING}
     signal.signal(number, signal.SIG_DFL)  # a test run under nohup ignores one

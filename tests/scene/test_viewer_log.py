@@ -481,7 +481,7 @@ def test_rerun_is_asked_for_clearly_where_it_is_missing(small, tmp_path, monkeyp
     from cycloid_mj.scene.rerun import write_rerun
 
     monkeypatch.setitem(sys.modules, "rerun", None)
-    with pytest.raises(CycloidError, match=r"Rerun is not installed .*pip install 'cycloid-mj\[rerun\]'"):
+    with pytest.raises(CycloidError, match=r"a recording needs rerun .*pip install 'cycloid-mj\[rerun\]'"):
         write_rerun(small, Reducer(DESIGNS["nonpin"]), tmp_path / "x.rrd")
     assert list(tmp_path.iterdir()) == []
 

@@ -1,9 +1,11 @@
 """Finite elements held against closed forms, orders of convergence, equilibrium and a second solver."""
 
 import importlib
+import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -379,6 +381,13 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[2] = force[0] + force[1]
     moved = part_case(Reducer(PIN), grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
+
+
+def test_without_the_fast_solver_or_with_one_of_other_names_superlu_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+    lower, loads = sparse.csc_matrix([[4.0, 0.0], [1.0, 3.0]]), np.array([1.0, 2.0])
+    for module in (None, SimpleNamespace()):
+        monkeypatch.setitem(sys.modules, "rslab", module)
+        np.testing.assert_allclose(elastic._factor(lower, "shaft")(loads), [1.0 / 11.0, 7.0 / 11.0], rtol=1e-12)
 
 
 @pytest.mark.slow

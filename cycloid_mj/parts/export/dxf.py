@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.section import PartSection
@@ -15,9 +16,8 @@ _FORMAT = "R2000"
 
 def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
     """Encode the sections of a part as DXF, each on a layer of its name, [mm]; equal sections give equal bytes."""
-    import ezdxf
-
-    with _fixed_metadata():
+    ezdxf = extra("ezdxf", "DXF", "dxf", "export stl, obj or step")
+    with _fixed_metadata(ezdxf):
         document = ezdxf.new(_FORMAT, setup=False)
         document.units = ezdxf.units.MM
         space = document.modelspace()
@@ -51,10 +51,8 @@ def _point(point: tuple[float, float]) -> tuple[float, float]:
 
 
 @contextmanager
-def _fixed_metadata() -> Iterator[None]:
+def _fixed_metadata(ezdxf: Any) -> Iterator[None]:
     """Keep time stamps and random identifiers out of the file."""
-    import ezdxf
-
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:
