@@ -47,6 +47,8 @@ InertiaFlag = Annotated[
 
 STEM = "reducer"
 FILES = ("joint.xml", "scene.xml", "bam.json")
+LOSSY = ("lossy_joint.xml", "lossy_scene.xml")
+"""Written at the levels that have springs."""
 
 EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
@@ -83,7 +85,8 @@ def reduce(
     joint against the full model and which time steps it bears: those at which an
     impact, the output swung across its play by the rated load, is right within 5 %.
     What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
-    any model.
+    any model. lossy_joint.xml and lossy_scene.xml are the same joint with a loss that grows
+    with the load in MuJoCo alone, without that step.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.robot.against import against
@@ -95,7 +98,7 @@ def reduce(
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
     design = chosen.sound()
-    place = claimed(delivery, STEM, FILES, OUT, paged=True)
+    place = claimed(delivery, STEM, (*FILES, *LOSSY), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
     inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
     comparison, steps = against(Reducer(design), reduced), study(reduced)
@@ -105,18 +108,33 @@ def reduce(
         design.name,
         [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in comparison.missed)],
     )
-    return deliver(_outcome(reduced, comparison, steps, asked), place, delivery)
+    lossy = reduced.level != "rigid"
+    slow = asked if asked.integrator == "discrete" or not lossy else scene(reduced, inertia, step, ("discrete",))
+    return deliver(_outcome(reduced, comparison, steps, asked, slow if lossy else None), place, delivery)
 
 
-def _outcome(reduced: "ReducedJoint", comparison: "Against", steps: "tuple[Tried, ...]", asked: "Tried") -> Outcome:
+def _outcome(
+    reduced: "ReducedJoint",
+    comparison: "Against",
+    steps: "tuple[Tried, ...]",
+    asked: "Tried",
+    slow: "Tried | None",
+) -> Outcome:
     from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.base.result import plain, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import bam
+    from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml, lossy_table
     from cycloid_mj.robot.mjcf import joint_xml, scene_xml
     from cycloid_mj.robot.study import recommended, recommended_table, table
 
     bammed, quantities = bam(reduced), reduced.quantities
+    lossy, efficiencies = {}, []
+    if slow:
+        lossy = dict(
+            zip(LOSSY, (lossy_joint_xml(reduced), lossy_scene_xml(reduced, slow.inertia, slow.timestep)), strict=True)
+        )
+        efficiencies = lossy_efficiencies(reduced)
     texts = (
         joint_xml(reduced),
         scene_xml(reduced, asked.inertia, asked.timestep, asked.integrator),
@@ -133,18 +151,20 @@ def _outcome(reduced: "ReducedJoint", comparison: "Against", steps: "tuple[Tried
         tables=[
             quantity_table(f"reduce: {reduced.name}, level {reduced.level}", quantities.values()),
             comparison.table(),
+            *([lossy_table(efficiencies)] if efficiencies else []),
             recommended_table(steps),
             table(steps),
         ],
         notes=[f"{one.name}: {one.note}" for one in quantities.values() if one.note],
         frame=quantity_frame(quantities),
-        files={name: text.encode() for name, text in zip(FILES, texts, strict=True)},
+        files={name: text.encode() for name, text in (*zip(FILES, texts, strict=True), *lossy.items())},
         page=partial(joint_page, reduced, comparison, steps, asked, bammed),
         result=plain(
             {
                 **reduced.as_json(),
                 "scene": asked.as_json(),
                 "comparison": comparison.as_json(),
+                "stock_efficiency": [one._asdict() for one in efficiencies],
                 "te_holds_to_rpm": comparison.highest_speed_rpm,
                 "recommended": recommended(steps),
                 "steps": [one.as_json() for one in steps],

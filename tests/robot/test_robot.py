@@ -26,6 +26,7 @@ from cycloid_mj.robot import LEVELS, ReducedJoint, measured
 from cycloid_mj.robot.against import BOUNDS, POINTS, against
 from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.impact import impact, peak_of
+from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.study import ACCURATE, STEPS, longest, scene, study, tried, vibration
 from cycloid_mj.robot.trial import bench
@@ -446,6 +447,31 @@ def test_an_arm_moves_as_one_with_that_inertia(few: ReducedJoint) -> None:
         turned.append(data.joint("shoulder").qpos[0])
     assert abs(turned[0]) > 0.1
     assert turned[0] == pytest.approx(turned[1], rel=0.02)
+
+
+@pytest.mark.parametrize("driving", [True, False])
+def test_the_lossy_joint_loses_as_much_in_mujoco_alone(few: ReducedJoint, driving: bool) -> None:
+    """Within 2 points of the full model at half and all of the rated torque, with the crank or the output driving."""
+    found = [one for one in lossy_efficiencies(few) if one.driving == driving]
+    assert [one.share for one in found] == [0.1, 0.5, 1.0]
+    for one in found[1:]:
+        assert one.percent == pytest.approx(one.full_model_percent, abs=2.0)
+        assert one.full_model_percent < 98.0
+
+
+@pytest.mark.parametrize(("share", "moves"), [(0.5, False), (2.0, True)])
+def test_the_shoe_holds_up_to_its_friction(few: ReducedJoint, share: float, moves: bool) -> None:
+    """The rated load is balanced but for a share of what the shoe can hold: at rest, or off within a second."""
+    files = {"lossy_joint.xml": lossy_joint_xml(few).encode()}
+    model = mujoco.MjModel.from_xml_string(lossy_scene_xml(few, few.reflected_inertia, 1e-3), files)
+    data, place = mujoco.MjData(model), next(few.places(model))
+    data.qfrc_applied[place.output_speed] = few.rated_torque
+    data.qpos[place.output_angle] = few.stops[1] + few.wind_up(few.rated_torque)
+    lost = [few.friction.torque(few.rated_torque, few.rated_speed, way) for way in (True, False)]
+    data.ctrl[0] = few.coefficient * few.rated_torque + share * 0.5 * sum(lost)
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+    assert (abs(data.qpos[place.crank_angle]) > 0.1) == moves
 
 
 def test_attached_and_included_are_one_model(few: ReducedJoint) -> None:
