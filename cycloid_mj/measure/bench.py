@@ -29,8 +29,6 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.law import IMPRATIO, creep_speed, pair_stiffness
 from cycloid_mj.statics.working import working_force
 
-"""One minute of arc [rad]."""
-
 LONGEST_STEP = 10e-6
 """Step [s] at which bodies that weigh no less than the gear follow a slow torque as they do at any shorter one."""
 

@@ -59,8 +59,8 @@ def test_braked_and_crank_held_runs_agree(torque):
 @pytest.mark.slow
 def test_both_name_their_condition(torque, efficiency, folder):
     told = json.loads((folder / "torque-nonpin.json").read_text(encoding="utf-8"))
-    assert told["condition"] == "1.048 N m on the crank, 1640 rpm"
-    assert efficiency.condition == f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm"
+    assert told["condition"] == "1.048 N m on the crank, 1640 rpm, by the planar solver"
+    assert efficiency.condition == f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm, by the planar solver"
 
 
 def test_mean_input_torque_is_the_one_given(torque):
@@ -86,7 +86,7 @@ def test_balance_misses_a_loss_that_is_left_out(efficiency):
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_friction_nothing_is_lost(kind):
     design = steady_design(Reducer(override(KINDS[kind], rig.without_friction())))
-    held = forward(design, 36.68, design.design.drive.speed, PERIODS)
+    held = forward(design, 36.68, design.design.drive.speed, PERIODS, "planar")
     assert held.powers.efficiency == pytest.approx(1.0, abs=5e-4)
     # some of the ringing's energy is still in the mesh when the braked run begins to count
     assert rated_test(design, 13).powers.efficiency == pytest.approx(1.0, abs=2e-3)
