@@ -178,6 +178,7 @@ class Findings:
     complete: bool
     note: str
     condition: Condition
+    solver: str
     timestep_for: str | None
     warnings: tuple[str, ...]
 

@@ -96,6 +96,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         complete=run.complete,
         note=run.note,
         condition=condition(motion.reducer),
+        solver=provenance.get("solver", "mujoco"),  # what a log names that has no entry of it
         warnings=tuple(warnings(motion, judged, contacts)),
     )
 

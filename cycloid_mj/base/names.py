@@ -27,6 +27,9 @@ KINDS = {
 }
 """What a mating pair is named by, before its number -> its kind."""
 
+SOLVERS = {"planar": "by the planar solver", "mujoco": "by MuJoCo"}
+"""Solver -> words for the condition of what it ran."""
+
 SHAFT, GEAR, OUTPUT, HOUSING, PIN = "shaft", "gear", "output", "housing", "pin"
 """Bodies, and the parts that they are."""
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import warn
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import claimed, deliver
@@ -54,7 +55,8 @@ def outcome_of(findings: "Findings") -> Outcome:
     from cycloid_mj.base.frame import framed
 
     window, parts = findings.window, groups(findings)
-    span = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} crank turns)"
+    phase = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
+    span = f"{phase} ({window.crank_turns:.1f} crank turns), {SOLVERS[findings.solver]}"
     headings = [(f"[{f'{part.name} {part.detail}'.strip()}]", "", "", "", "") for part in parts]
     rows = [row for heading, part in zip(headings, parts, strict=True) for row in (heading, *part.rows)]
     notes = [f"log: {findings.log}"]

@@ -1,6 +1,6 @@
 """Several runs at once, each into a log of its own, with one progress for all of them.
 
-Threads are enough: MuJoCo lets go of Python's lock while it steps.
+Threads are enough: steps let go of Python's lock.
 """
 
 import threading

@@ -23,6 +23,7 @@ from cycloid_mj.cli.flags import (
     PointFlag,
     SetFlag,
     SeveralFlag,
+    StudySolverFlag,
     Values,
     designed,
     point,
@@ -38,6 +39,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
     from cycloid_mj.comparison import Comparison, Trial, Variation, Varied
+    from cycloid_mj.dynamics.run import Solver
 
     Runs = dict[Design, Path]
     Measured = dict[Design, tuple[Series, Trial]]
@@ -73,6 +75,7 @@ class CompareOptions:
     """How designs are run, and what becomes of the comparison."""
 
     set_: SetFlag = ()
+    solver: StudySolverFlag = "planar"
     load_nm: Annotated[
         float | None,
         LOAD.flag(
@@ -81,7 +84,13 @@ class CompareOptions:
             "ratio (36.68 in the presets).",
         ),
     ] = None
-    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step; the first design's holds for all")] = None
+    timestep_us: Annotated[
+        float | None,
+        TIMESTEP.flag(
+            "Time step; the first design's holds for all",
+            ". Default: what each run takes; by the planar solver 5 or less for all.",
+        ),
+    ] = None
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None
     ramp_s: Annotated[
         float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
@@ -230,6 +239,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     load: it tells the effect of the design from that of the clearance.
     """
     from cycloid_mj.comparison import comparable, conditions, under, with_play_of
+    from cycloid_mj.dynamics.planar.timestep import LONGEST_FOR_ACCELERATIONS, chosen
 
     require_distinct(designs)
     shared = conditions(Reducer(first))
@@ -240,18 +250,22 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
         compared.append(with_play_of(Reducer(nonpin), Reducer(under(Reducer(pin), shared, rated))))
     by_load = [[under(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
     cases = [case for each in by_load for case in (each if options.hold_given else _held_for_turns(each))]
+    if options.solver == "planar" and not first.settings.timestep:
+        step = min(LONGEST_FOR_ACCELERATIONS, *(chosen(Reducer(case)).seconds for case in cases))
+        cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
     comparable(cases)
     return cases
 
 
 @dataclass(frozen=True)
 class RunPlan:
-    """The runs of a comparison: its cases, the starts of each, how all are varied, and the log's name of every run."""
+    """The runs of a comparison: its cases, the starts of each, how all are varied, each run's log, and what solves."""
 
     starts: "Mapping[Design, Sequence[Design]]"
     variations: "Sequence[Variation]"
     assumptions: "Sequence[Variation]"
     names: Mapping[Design, str]
+    solver: "Solver"
 
 
 def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
@@ -269,8 +283,8 @@ def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
             for place, start in enumerate(starts[design]):
                 names.setdefault(variation.of(Reducer(start)), f"{_log_name(start, place)}-{words}")
     for design in names:
-        require_possible(design)
-    return RunPlan(starts, variations, assumptions, names)
+        require_possible(design, options.solver)
+    return RunPlan(starts, variations, assumptions, names, options.solver)
 
 
 def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
@@ -290,7 +304,7 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
     cases = list(plan.starts)
     paths = map(Path, place.paths(f"{name}.mcap" for name in plan.names.values()))
     logs = dict(zip(plan.names, paths, strict=True))
-    run_all(logs, wanted.force, wanted.quiet)
+    run_all(logs, wanted.force, wanted.quiet, plan.solver)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measured(log, q)

@@ -19,6 +19,7 @@ from cycloid_mj.cli.flags import (
     ClusterDelivery,
     FollowFlag,
     PresetOptions,
+    StudySolverFlag,
     out_flag,
     whole,
     within,
@@ -105,6 +106,7 @@ def optimize(
     starts: StartsFlag = 3,
     seed: SeedFlag = 0,
     quick: QuickFlag = False,
+    solver: StudySolverFlag = "planar",
     delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Find the best design within ranges, or a front of two aims.
@@ -137,7 +139,7 @@ def optimize(
         if optimum.best is None:
             raise DesignError(f"{optimum.hopeless} (all points are in {into})")
         write_whole({into / BEST: _best(optimum)})
-        optimum = optimum if quick else checked(optimum)
+        optimum = optimum if quick else checked(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the points so far are in {into}: the same command goes on from there"

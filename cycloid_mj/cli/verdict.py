@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cycloid_mj.base.errors import warn
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.base.result import Quantity, Table, load_words
 from cycloid_mj.cli.delivery import Destination
@@ -54,7 +55,7 @@ def outcome_of(comparison: "Comparison", pictures: Mapping[str, Picture], place:
     statics = {name: values_json(computed) for name, computed in by_statics.items()}
     return Outcome(
         title=f"compare: {SIDE_BY_SIDE.join(comparison.designs)}",
-        condition=f"runs under {load_words(comparison.loads[-1])}",
+        condition=f"runs under {load_words(comparison.loads[-1])}, {SOLVERS[comparison.solver]}",
         headline=_headline(loaded, by_statics),
         tables=[*comparison.tables, catalogue_table(by_statics)],
         notes=list(_notes(comparison)),

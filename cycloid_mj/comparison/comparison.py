@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table, load_words, plain
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
@@ -31,6 +32,8 @@ class Comparison:
         What differs between the designs: key -> the value of each.
     trials
         The runs, load by load, each in the order of the designs; at no load with their independent starts.
+    solver
+        What took the steps of all.
     rankings
         The paper's findings on vibration, judged; empty unless a pin and a nonpin design are compared.
     sweep
@@ -43,6 +46,7 @@ class Comparison:
     conditions: dict[str, Any]
     differences: dict[str, tuple[Any, ...]]
     trials: tuple[Trial, ...]
+    solver: str
     rankings: tuple[Ranking, ...]
     sweep: tuple[Varied, ...] = ()
     sensitivity: tuple[Sensitivity, ...] = ()
@@ -78,6 +82,7 @@ class Comparison:
         """Convert the comparison to dicts, lists, numbers, text and None only."""
         content = {
             "designs": self.designs,
+            "solver": self.solver,
             "conditions": self.conditions,
             "differences": self.differences,
             "runs": [_run(trial) for trial in self.trials],
@@ -112,7 +117,8 @@ def compare(
     Raises
     ------
     UsageError
-        Fewer than two designs; two of one name; a design that lacks a load; or runs under different conditions.
+        Fewer than two designs; two of one name; a design that lacks a load; or runs under different conditions or by
+        different solvers.
     DesignError
         A design has massless pins.
     """
@@ -124,6 +130,7 @@ def compare(
         conditions=conditions(Reducer(ordered[-1].design)),
         differences=differences(list(designs.values())),
         trials=ordered,
+        solver=_same_solver(ordered),
         rankings=tuple(rankings(ordered, figures)),
         sweep=tuple(sweep),
         sensitivity=tuple(sensitivity),
@@ -167,6 +174,15 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
         first = next(each for each in cases if each.load.torque == case.load.torque)
         _require_alike(Reducer(first), Reducer(case), ())
         _require_alike(Reducer(cases[0]), Reducer(case), (HOLD,))
+
+
+def _same_solver(trials: Sequence[Trial]) -> str:
+    """Return the solver of all runs; raise UsageError where there are two."""
+    by = {trial.measures.findings.solver: trial for trial in trials}
+    if len(by) > 1:
+        runs = " and ".join(f"{trial.name} {SOLVERS[solver]}" for solver, trial in by.items())
+        raise UsageError(f"the runs differ in their solver: {runs}; run them by the same")
+    return next(iter(by))
 
 
 def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.frame import Cell
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
 from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
@@ -15,7 +16,6 @@ from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
-from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import own_load
 

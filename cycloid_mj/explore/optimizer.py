@@ -14,6 +14,7 @@ from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Design, dump
+from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.optimum import Checked, Optimum
@@ -63,6 +64,7 @@ def optimize(
     strict: bool = False,
     follow: str | Sequence[str] = (),
     verify: bool = True,
+    solver: Solver = "planar",
     out: str | Path | None = None,
     engine: Engine = PROCESSES,
     progress: Progress = silent,
@@ -91,6 +93,8 @@ def optimize(
         one of them.
     verify
         Whether the best is run in full dynamics, and within its tolerances where it has some.
+    solver
+        What takes the steps of that run.
     out
         Folder of the history, to which every point is added as it comes, and of the best design.
     engine
@@ -113,7 +117,7 @@ def optimize(
     if optimum.best is None:
         raise DesignError(optimum.hopeless)
     if verify:
-        optimum = checked(optimum)
+        optimum = checked(optimum, solver)
     if out is not None:
         write_whole({Path(out) / BEST: dump(optimum.design()).encode()})
     return optimum
@@ -141,7 +145,7 @@ def explored(
     return optimum
 
 
-def checked(optimum: Optimum, progress: Progress = silent) -> Optimum:
+def checked(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
     """Check the best design of an optimisation: full statics, dynamics, and tolerances where it has some."""
     best = optimum.design()
     ranges = tolerance(best, SAMPLES, optimum.seed, progress=progress) if tolerances(Reducer(best)) else None
@@ -149,7 +153,7 @@ def checked(optimum: Optimum, progress: Progress = silent) -> Optimum:
         optimum.task,
         optimum.rows,
         optimum.seed,
-        Checked(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verified(Reducer(best)), ranges),
+        Checked(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verified(Reducer(best), solver), ranges),
     )
 
 

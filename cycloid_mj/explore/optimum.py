@@ -9,6 +9,7 @@ from typing import Any
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design, declared
@@ -270,7 +271,8 @@ def _checked_tables(checked: Checked) -> list[Table]:
         header = ("quantity", "start", "best", "change", "unit")
         tables.append(Table(f"statics: {checked.sheet.condition}", header, rows))
     if checked.dynamics.dynamics:
-        tables.append(Table("the best design in full dynamics", VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
+        title = f"the best design in full dynamics {SOLVERS[checked.dynamics.solver]}"
+        tables.append(Table(title, VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
     return [*tables, *(checked.tolerances.tables()[:2] if checked.tolerances else ())]
 
 

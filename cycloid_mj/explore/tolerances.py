@@ -11,6 +11,7 @@ import numpy as np
 from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.frame import Frame, Tabular
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
@@ -38,7 +39,6 @@ from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
-from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples, alike
 

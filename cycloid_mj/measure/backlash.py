@@ -13,6 +13,7 @@ import numpy as np
 
 from cycloid_mj.analysis.transmission import output_error
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array
@@ -21,7 +22,6 @@ from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, play
-from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean

@@ -31,10 +31,6 @@ def drag_assumption(reducer: Reducer) -> str:
     return f"seals and lubricant: {', '.join(drags)}"
 
 
-SOLVERS = {"planar": "by the planar solver", "mujoco": "by MuJoCo"}
-"""Solver -> words for the condition of what it ran."""
-
-
 def halved(reducer: Reducer, solver: Solver) -> Reducer:
     """Halve the time step that a solver takes of a design."""
     return reducer.but(settings={"timestep": 0.5 * STEPS[solver].chosen(reducer).seconds})

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.result import Curve, Quantity, Table, keyed
 from cycloid_mj.base.units import RPM
@@ -14,7 +15,7 @@ from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import SOLVERS, drag_assumption
+from cycloid_mj.measure.conditions import drag_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.types import Array
@@ -16,7 +17,7 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.measure.conditions import SOLVERS, halved
+from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed

@@ -1,11 +1,11 @@
 """Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
 
 from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent

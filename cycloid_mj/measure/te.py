@@ -9,12 +9,13 @@ from itertools import product
 
 import numpy as np
 
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import keyed
 from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, SOLVERS, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.pool import Progress, each, silent

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
@@ -18,7 +19,7 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import SOLVERS, drag_assumption, halved
+from cycloid_mj.measure.conditions import drag_assumption, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.run import Solver, model_for
-from cycloid_mj.measure.conditions import DRAG, SOLVERS, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight

@@ -17,6 +17,7 @@ from cycloid_mj.cli.flags import designed
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
+from cycloid_mj.dynamics.planar.timestep import LONGEST_FOR_ACCELERATIONS
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.log import read
@@ -73,7 +74,7 @@ def planned(monkeypatch):
     """Let nothing run; give the designs that would have been run."""
     designs = []
 
-    def run_all(jobs, force, quiet):
+    def run_all(jobs, force, quiet, solver, shown=True):
         designs.extend(jobs)
         raise RunError("nothing is run here")
 
@@ -229,6 +230,15 @@ def test_default_hold_is_whole_turns_after_settling(here, planned):
         settling(Reducer(design)) + TURNS * turn, abs=1.5 / design.settings.log_rate
     )
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
+
+
+def test_planar_runs_have_the_step_that_accelerations_take_unless_it_is_given(here, planned):
+    steps = []
+    for more in ((), ("--timestep-us", "2"), ("--solver", "mujoco")):
+        planned.clear()
+        assert told("compare", "pin", "nonpin", "--quiet", "--quick", *more)[0] == 1
+        steps.append({design.settings.timestep for design in planned})
+    assert steps == [{LONGEST_FOR_ACCELERATIONS}, {2e-6}, {0.0}]
 
 
 @pytest.mark.slow

@@ -407,6 +407,10 @@ def test_idle_runs_may_be_shorter_but_all_of_one_load_alike():
         compare([*pair(0.0), first, with_hold(second, longer)])
 
 
+def by_planar(trial: Trial) -> Trial:
+    return replace(trial, measures=replace(trial.measures, findings=replace(trial.measures.findings, solver="planar")))
+
+
 def with_hold(trial: Trial, hold: float) -> Trial:
     return replace(trial, design=override(trial.design, [f"drive.hold_s={hold!r}"]))
 
@@ -485,6 +489,7 @@ def test_every_pin_design_is_ranked_against_every_nonpin_design():
         (lambda: [*pair(0.0), pair(20.0)[0]], "nonpin at 20 N m is missing"),
         (lambda: [pair()[0], trial_of("nonpin", "settings.timestep_us=4.0")], "settings.timestep_us"),
         (lambda: [pair()[0], trial_of("nonpin", "load.rise_s=0.004")], "load.rise_s"),
+        (lambda: [pair()[0], by_planar(pair()[1])], "pin by MuJoCo and nonpin by the planar solver"),
         (lambda: [*pair(), trial_of("pin", "load.torque_nm=5.0", "gear.face_width_mm=9.0")], "two designs are called"),
     ],
 )

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from designs import cases
 
+from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.course import rising
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.measure import MEASURES, bench
 from cycloid_mj.measure.braked import with_slope
-from cycloid_mj.measure.conditions import SOLVERS
 from cycloid_mj.reducer import Reducer
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])

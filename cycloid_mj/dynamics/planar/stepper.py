@@ -126,7 +126,7 @@ def _compiled() -> Any:
     """Compile the steps up to the last of some samples, or load them; for lobes and for pins each apart."""
     sources = digest(gap, impact, memory, near, ring, teeth, touch, touching, solving, describing)
 
-    @compiling.njit(cache=cacheable(), error_model="numpy")
+    @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(
         system: System,
         lobes: Array | None,
