@@ -38,7 +38,8 @@ def rejected(*argv: str) -> tuple[int, str]:
     """Exit code and message of a mistake, which must be one line."""
     code, out, err = told(*argv)
     assert out == ""
-    messages = [line for line in err.splitlines() if "at a time" not in line and not line.startswith("warning: ")]
+    told_before = ("preparing the model", "warning: ")
+    messages = [line for line in err.splitlines() if "at a time" not in line and not line.startswith(told_before)]
     assert len(messages) == 1, err
     assert messages[0].startswith("error: ")
     return code, messages[0]
