@@ -89,6 +89,11 @@ _EXACTLY, _DAMPED, _LEAST = 2, 0.1, 1e-4
 """The path from which the foot point of every tooth is looked for; stiffness that damps Newton's steps until all
 friction is borne, as a share of the cam's for the share of the load that is left over; the least step of a path."""
 
+_MOST_POINTS, _CORRECTIONS, _WIDEST, _CORNER, _REMOTE = 5000, 8, 3.0, 1e-8, 10.0
+"""Of a path that is followed by its length: most points that are tried; most Newton steps to each, and how far it may
+be, over the length of the step; the length, in plays, below which there is a corner; and how many plays, and an
+eccentricity, it may lead to: farther on friction jams."""
+
 _RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
 
@@ -230,6 +235,26 @@ class _System(NamedTuple):
     assembled: Integers
 
 
+class _Path(NamedTuple):
+    """The path of `_open` and arrays to follow it: its points are the u departures over a `unit` [m], and the way [1].
+
+    `point`, `beyond` the next one, `ahead` the direction, of length 1, and `before`; `step`, what is `left` over and
+    `end`, all (u + 1,); `room` (n,) [m] and `rate` (u,) [N] at a point; the `matrix` (u + 1, u + 1) of its equations.
+    """
+
+    unit: float
+    room: Array
+    point: Array
+    beyond: Array
+    ahead: Array
+    before: Array
+    step: Array
+    left: Array
+    end: Array
+    rate: Array
+    matrix: Array
+
+
 class _Pose(NamedTuple):
     """Departures of a disc in x and y, by its turn and by the output's [m], and both turns, phi and psi [rad]."""
 
@@ -320,7 +345,8 @@ def _search(
     Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
     finds from a `start`. From there friction is brought on and the springs are hardened, in steps that are halved until
     Newton's method, with friction and springs at once, gets to the end of each. Where that path has an end, as where
-    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then.
+    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then. Where all
+    of these end, the path of `_open` is followed by its length.
 
     For `keep` see `_newton`.
     """
@@ -359,7 +385,251 @@ def _search(
         first, last = min(further, 1.0), max(further - 1.0, 0.0)
         friction, hardened = (last, first) if hardens_first else (first, last)
         soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
+    if borne < 1.0:
+        _copy(start, here)
+        opened, carried = _open(springs, k, load, here, most, system)
+        left, borne = min(left, opened), max(borne, carried)
     return Left(left / scale, borne if rubbed else 1.0, 0)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _open(
+    springs: KernelSprings, k: int, load: Array, here: Array, most: float, system: _System
+) -> tuple[float, float]:
+    """Solve for the departures `here` (u,) [m] along the path on which friction comes on and then the play opens.
+
+    Without play and friction parts are held by springs that only push, whose energy has one least value, and Newton's
+    method finds it downhill. From this only beginning the path cannot come back there: it leads to the whole friction
+    and play, or its forces grow without end, where friction jams the parts. It is followed by its length, by Newton's
+    method across it, since it turns back where parts snap over; where a contact opens or closes it has a corner, beyond
+    which it goes on in the direction that leaves the sign of its determinant (Allgower and Georg, Numerical
+    Continuation Methods, 1990, chapters 2 and 12).
+
+    Returns
+    -------
+    What is left over of the load [N]; and the greatest share of friction that was borne [1].
+    """
+    number, rubbed = here.size, springs.rubbing.shape[0] > 0
+    path = _path(springs, number)
+    point, beyond, allowed, borne = path.point, path.beyond, FOLLOWED / BALANCED * most, 0.0
+    _newton(_opened(springs, 0.0, path.room), k, load, here, 1.0, 0.0, _YES, most, 0.0, _NO, _YES, system)
+    for j in range(number):
+        point[j] = here[j] / path.unit
+    point[number] = 0.0 if rubbed else 1.0
+    path.ahead[number] = path.end[number] = 1.0
+    left, length = _along(springs, k, load, point, path, system), 0.5
+    sign = _direct(springs, k, load, point, 1.0, path, system)
+    for j in range(number + 1):
+        path.ahead[j] *= sign
+    farthest = _REMOTE + springs.trochoid[1] / path.unit
+    for _ in range(_MOST_POINTS if left <= allowed else 0):
+        if not _step_on(springs, k, load, length, sign, allowed, path, system):
+            length *= 0.5
+            if length > _CORNER:
+                continue
+            length = _corner(springs, k, load, sign, allowed, path, system)
+            if length == 0.0:
+                break
+        if beyond[number] >= 2.0:
+            share = (2.0 - point[number]) / (beyond[number] - point[number])
+            for j in range(number):
+                here[j] = (point[j] + share * (beyond[j] - point[j])) * path.unit
+            left = _newton(springs, k, load, here, 1.0, 1.0, _YES, most, 0.0, _NO, _NO, system)
+            if left <= most:
+                return left, 1.0
+            _copy(path.before, path.ahead)
+            length *= 0.5
+            continue
+        _copy(beyond, point)
+        borne = max(borne, min(point[number], 1.0))
+        if _largest(point) > farthest:
+            break
+        length *= 2.0
+    return math.inf, borne
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _path(springs: KernelSprings, number: int) -> _Path:
+    return _Path(
+        _play(springs),
+        np.zeros(springs.disc.size),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number + 1),
+        np.zeros(number),
+        np.zeros((number + 1, number + 1)),
+    )
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _opened(springs: KernelSprings, share: float, room: Array) -> KernelSprings:
+    """Return springs with a share of their play; its contacts' is written into `room` (n,) [m]."""
+    for i in range(room.size):
+        room[i] = share * springs.room[i]
+    return KernelSprings(
+        springs.radius,
+        springs.disc,
+        springs.turning,
+        room,
+        springs.distance,
+        springs.slope,
+        springs.shift,
+        springs.shift_slope,
+        springs.bend,
+        springs.twist,
+        springs.phase,
+        springs.trochoid,
+        springs.stiffness,
+        springs.cam_place,
+        springs.cam_clearance * (share if springs.cam_clearance > 0.0 else 1.0),
+        springs.cam_stiffness,
+        springs.rubbing,
+        springs.cam_rubbing,
+        springs.bending,
+        springs.pins,
+    )
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: _System) -> float:
+    """Put together what is left of the load at a point of the path of `_open`, and how it falls with the point; [N]."""
+    number, matrix, residual, here = load.size, path.matrix, system.residual, system.back
+    for j in range(number):
+        here[j] = point[j] * path.unit
+    way, rubbed = point[number], springs.rubbing.shape[0] > 0
+    friction = min(way, 1.0) if rubbed else 0.0
+    opened = _opened(springs, max(way - 1.0, 0.0), path.room)
+    if way < 1.0:
+        _assemble(opened, k, load, here, 1.0, friction + 1.0, _YES, system)
+        _copy(residual, path.rate)
+        _assemble(opened, k, load, here, 1.0, friction, _YES, system)
+        for j in range(number):
+            path.rate[j] -= residual[j]
+    else:
+        _assemble(opened, k, load, here, 1.0, friction, _YES, system)
+        _give(springs, opened, k, here, friction, path.rate, system)
+    for j in range(number):
+        path.left[j] = residual[j]
+        for m in range(number):
+            matrix[j, m] = system.tangent[j, m] * path.unit
+        matrix[j, j] += FLOATING * springs.cam_stiffness * path.unit
+        matrix[j, number] = -path.rate[j]
+    return _largest(residual)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _give(
+    springs: KernelSprings, opened: KernelSprings, k: int, here: Array, friction: float, rate: Array, system: _System
+) -> None:
+    """Compute how the springs' forces change as their play opens [N], shape (u,), at departures (u,) [m]."""
+    _clear(rate)
+    number, rubbed = here.size, springs.rubbing.shape[0] > 0
+    for i in range(springs.disc.size):
+        if system.pressed[i] == 0.0:
+            continue
+        for a in range(4):
+            to = 3 * springs.disc[i] + a if a < 3 else number - 1
+            rubs = friction * springs.rubbing[k, i, to] if rubbed else 0.0
+            rate[to] -= system.row[i, _RATE] * springs.room[i] * (system.row[i, a] + rubs)
+    for disc in range(springs.cam_place.shape[1]):
+        cam = _cam(opened, k, disc, here)
+        if cam.both > 0.0 and springs.cam_clearance > 0.0:
+            falls = springs.cam_stiffness * springs.cam_clearance
+            rate[3 * disc] += falls * cam.u
+            rate[3 * disc + 1] += falls * cam.v
+            rate[3 * disc + 2] -= friction * springs.cam_rubbing * falls if rubbed else 0.0
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _direct(
+    springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: _System
+) -> float:
+    """Turn the path's direction to that at a `point`, whose determinant has a `sign`; give the sign it had before."""
+    last = load.size
+    _along(springs, k, load, point, path, system)
+    _copy(path.ahead, path.matrix[last])
+    found = _solve(path.matrix, path.end, path.step, 0.0)
+    size = 0.0
+    for j in range(last + 1):
+        size += path.step[j] * path.step[j]
+    size = math.sqrt(size)
+    if found != 0.0 and size < math.inf:
+        for j in range(last + 1):
+            path.ahead[j] = path.step[j] * (found * sign / size)
+    return found
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _step_on(
+    springs: KernelSprings,
+    k: int,
+    load: Array,
+    length: float,
+    sign: float,
+    allowed: float,
+    path: _Path,
+    system: _System,
+) -> bool:
+    """Find the path's point a `length` ahead and its direction there; tell whether it goes on that way, as it must."""
+    _copy(path.ahead, path.before)
+    if not _across(springs, k, load, length, allowed, path, system):
+        return False
+    found, onward = _direct(springs, k, load, path.beyond, sign, path, system), 0.0
+    for j in range(load.size + 1):
+        onward += path.ahead[j] * (path.beyond[j] - path.point[j])
+    if found == 0.0 or not onward > 0.0:
+        _copy(path.before, path.ahead)
+        return False
+    return True
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _across(
+    springs: KernelSprings, k: int, load: Array, length: float, allowed: float, path: _Path, system: _System
+) -> bool:
+    """Look for the path's point a `length` ahead by Newton's method across its direction; tell whether it is found."""
+    last, point, beyond, ahead, left = load.size, path.point, path.beyond, path.ahead, path.left
+    for j in range(last + 1):
+        beyond[j] = point[j] + length * ahead[j]
+    for _ in range(_CORRECTIONS):
+        found = _along(springs, k, load, beyond, path, system)
+        if found <= allowed:
+            return True
+        _copy(ahead, path.matrix[last])
+        left[last] = length
+        for j in range(last + 1):
+            left[last] -= ahead[j] * (beyond[j] - point[j])
+        if _solve(path.matrix, left, path.step, 0.0) == 0.0:
+            return False
+        gone = 0.0
+        for j in range(last + 1):
+            beyond[j] += path.step[j]
+            gone += (beyond[j] - point[j]) ** 2
+        if not gone < (_WIDEST * length) ** 2:
+            return False
+    return False
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _corner(
+    springs: KernelSprings, k: int, load: Array, sign: float, allowed: float, path: _Path, system: _System
+) -> float:
+    """Find a point of the path beyond a corner, where it may turn back; give how far it is [1], 0 if there is none."""
+    last = load.size
+    until = path.ahead.copy()
+    for power in range(-7, -2):
+        for j in range(last + 1):
+            path.beyond[j] = path.point[j] + 10.0**power * until[j]
+        if _direct(springs, k, load, path.beyond, sign, path, system) != 0.0:
+            for shorter in range(2, 7):
+                if _step_on(springs, k, load, 10.0**-shorter, sign, allowed, path, system):
+                    return 10.0**-shorter
+        _copy(until, path.ahead)
+    return 0.0
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -424,7 +694,7 @@ def _newton(
             energy = found
             if downhill:
                 _roll_off(system.tangent, residual, step, _SOFT * hard)
-            elif not _solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard):
+            elif _solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard) == 0.0:
                 break
             share, falls = min(1.0, longest / max(_largest(step), 1e-300)), 0.0
             for j in range(number):
@@ -789,7 +1059,7 @@ def _assemble(
             force = -stiffness * found.width
             pressed[i] = force
             energy -= 0.5 * force * found.width
-            if rough:
+            if rough or exact:
                 row[i, 0], row[i, 1], row[i, 2], row[i, 3] = found.ahead
                 row[i, _RATE] = stiffness
             # The normal's turning stiffens a concave contact and softens a convex one; so do the turns of the parts.
@@ -886,9 +1156,12 @@ def _bend(springs: KernelSprings, k: int, z: Array, soft: float, friction: float
             i = first + d * springs.pins + pin
             if not carries[d]:
                 continue
-            force = pressed[d]
+            force, system.row[i, _RATE] = pressed[d], 0.0
+            for e in range(discs):
+                system.row[i, _RATE] += stiff[d, e]  # as the plays of all discs on a pin open alike
             turning, alone = -force * rate[d], -force / springs.radius
             for a in range(4):
+                system.row[i, a] = ahead[d, a]
                 row = 3 * d + a if a < 3 else o
                 rubs = friction * springs.rubbing[k, i, row] if rough else 0.0
                 system.residual[row] += force * (ahead[d, a] + rubs)
@@ -995,12 +1268,12 @@ def _largest(values: Array) -> float:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _solve(matrix: Array, right: Array, out: Array, floating: float) -> bool:
-    """Solve a system by Gauss's elimination with pivots, in place; tell whether it has a solution.
+def _solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
+    """Solve a system by Gauss's elimination with pivots, in place; give the sign of its determinant, 0 if unsolvable.
 
     What only floats is held by a stiffness beside.
     """
-    number = right.size
+    number, sign = right.size, 1.0
     for j in range(number):
         matrix[j, j] += floating
         out[j] = right[j]
@@ -1010,11 +1283,13 @@ def _solve(matrix: Array, right: Array, out: Array, floating: float) -> bool:
             if abs(matrix[i, j]) > abs(matrix[pivot, j]):
                 pivot = i
         if pivot != j:
+            sign = -sign
             out[j], out[pivot] = out[pivot], out[j]
             for m in range(j, number):
                 matrix[j, m], matrix[pivot, m] = matrix[pivot, m], matrix[j, m]
         if not abs(matrix[j, j]) > 0.0:
-            return False
+            return 0.0
+        sign = sign if matrix[j, j] > 0.0 else -sign
         share = 1.0 / matrix[j, j]
         for i in range(j + 1, number):
             factor = matrix[i, j] * share
@@ -1028,7 +1303,7 @@ def _solve(matrix: Array, right: Array, out: Array, floating: float) -> bool:
         for m in range(j + 1, number):
             value -= matrix[j, m] * out[m]
         out[j] = value / matrix[j, j]
-    return True
+    return sign
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

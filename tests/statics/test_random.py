@@ -1,0 +1,66 @@
+"""Random drives balance under every load, and a jam is told where ideal teeth would jam."""
+
+import numpy as np
+import pytest
+from coulomb import left_over
+from random_drives import random_drives
+
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, springs_of
+
+SHARES = (0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 1.5)
+WAYS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
+"""Signs of the crank's speed and of the torque on the output: forward, reversed and back-driven."""
+
+
+def require_all_balanced(design: Design, crank: float) -> None:
+    """Hold every balance to its equilibrium on exact normals."""
+    for way, sign in WAYS:
+        reducer = Reducer(design.but(drive={"speed": way * design.drive.speed}))
+        springs = springs_of(reducer, [crank])
+        for share in SHARES:
+            torque = sign * share * design.rated_torque
+            load = springs.load(reducer.share * torque)[0]
+            case = f"{design.name}, crank {way:+g}, load {sign * share:+g}"
+            found = loads(reducer, springs, torque)
+            if design.output.turns_ring:
+                load[-1] = 0.0  # the carrier's torque follows from the losses
+            forces = np.concatenate([found.teeth[0], found.output[0]])
+            left = left_over(reducer, springs, found.departures[0], forces, load)
+            if design.output.turns_ring:
+                left[-1] = 0.0
+            most = max(forces.max(), np.linalg.norm(found.cam[0], axis=-1).max(), np.abs(load).max())
+            assert np.abs(left).max() < 0.02 * most, case
+
+
+@pytest.mark.parametrize(("count", "seed"), [(12, 1)])
+def test_every_random_drive_balances(count: int, seed: int) -> None:
+    for design, crank in zip(
+        random_drives(count, seed), np.random.default_rng(seed).uniform(0.0, 6.28, count), strict=True
+    ):
+        require_all_balanced(design, float(crank))
+
+
+def test_a_jam_is_told_where_friction_takes_all_that_ideal_teeth_give() -> None:
+    """Under ideal sharing normal forces rise by 1/(1 - mu a), a the loss of the mesh alone, to infinity."""
+    design = override(PRESETS["pin"], ["ring.pins=fixed"])
+    cranks = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    gear = Reducer(design).tooth_profile
+    B = profile.pin_angles(gear) + cranks[:, np.newaxis]
+    reach = profile.pitch_distance(gear, B) - gear.pin_radius
+    arm = reach + gear.eccentricity * gear.lobes * np.cos(B - profile.conjugate_alpha(gear, B))
+    forces = ideal_load_sharing(gear, design.rated_torque, cranks).forces
+    most = design.rated_torque / np.sum(forces * arm, axis=1)
+    for crank, limit in zip(cranks, most, strict=True):
+        for share, jams in ((0.7, False), (1.4, True)):
+            reducer = Reducer(override(design, [f"friction.pin_gear={share * limit}"]))
+            springs = springs_of(reducer, [crank])
+            if jams:
+                with pytest.raises(RunError, match="too large for the crank to turn"):
+                    loads(reducer, springs, design.rated_torque)
+            else:
+                assert np.isfinite(loads(reducer, springs, design.rated_torque).teeth).all()
