@@ -1,7 +1,8 @@
 """Contact forces and where they act: from the columns of a run to arrows on the parts."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from cycloid_mj.base.names import (
     FORCE_X,
     FORCE_Y,
     HOUSING,
+    KINDS,
     MOMENT,
     OUTPUT,
     SHAFT,
@@ -72,12 +74,12 @@ class ContactForces:
     point: Array
     force: Array
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """Compute the size of each force [N], shape (n, k)."""
         return np.linalg.norm(self.force, axis=2)
 
-    @property
+    @cached_property
     def discs(self) -> tuple[int, ...]:
         """Compute the index of the disc of each pair; 0 where there is none."""
         return tuple(disc_of(name) for name in self.names)
@@ -95,8 +97,10 @@ class ContactForces:
         return ContactForces(names, selected, self.point[:, rows], self.force[:, rows])
 
 
-def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
-    """Return the force and its place in every mating pair that has columns.
+def contact_forces(
+    reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None, kinds: Container[str] = KINDS.values()
+) -> ContactForces:
+    """Return the force and its place in every mating pair of some kinds that has columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
     it. It fixes the line of action; the place on it is where a frictionless contact of the inner part would be, moved
@@ -110,33 +114,31 @@ def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawin
         Name -> values, shape (n,), in SI units.
     drawn
         If given, the points are where this drawing of the same samples has the parts.
+    kinds
+        Kinds of pairs.
 
     Raises
     ------
     LogError
         A column of the parts' motion is missing.
     """
-    acting = _pairs(columns)
-    names, kinds = tuple(acting), tuple(acting.values())
-    count = columns["crank_angle"].size
-    point, force = np.empty((count, len(names), 2)), np.empty((count, len(names), 2))
+    acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
     true = _measured(reducer, place)
     shown = true if drawn is None else _drawn(reducer, drawn)
-    for row, (name, kind) in enumerate(acting.items()):
-        number, disc = number_of(name), disc_of(name)
-        wrench = usable(np.stack([columns[column(name, part)] for part in WRENCH], axis=1))
-        origin = (place[pin(number)] if kind in _ON_PINS else place[discs[disc]])[:, :2]
-        along = _direction(wrench[:, :2])
-        aside = _aside(wrench, along, true.surface(kind, number, disc, along) - origin)
-        force[:, row] = wrench[:, :2]
-        point[:, row] = shown.surface(kind, number, disc, along) + aside
-    return ContactForces(names, kinds, point, force)
+    parts = [columns[column(name, part)] for name in acting for part in WRENCH]
+    count = columns["crank_angle"].size
+    wrench = usable(np.reshape(parts, (len(acting), len(WRENCH), count)).transpose(2, 0, 1))
+    felt = [pin(number_of(name)) if kind in _ON_PINS else discs[disc_of(name)] for name, kind in acting.items()]
+    origin = np.reshape([place[part][:, :2] for part in felt], (len(acting), count, 2)).transpose(1, 0, 2)
+    along = _direction(wrench[..., :2])
+    aside = _aside(wrench, along, true.surface(acting, along) - origin)
+    return ContactForces(tuple(acting), tuple(acting.values()), shown.surface(acting, along) + aside, wrench[..., :2])
 
 
 def on_gear(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
     """Return the forces that viewers show; see `contact_forces`."""
-    return contact_forces(reducer, columns).of(*FORCE_COLOURS)
+    return contact_forces(reducer, columns, kinds=FORCE_COLOURS)
 
 
 def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
@@ -193,18 +195,24 @@ class _Inner:
     output_pins: Array
     radii: Radii
 
-    def surface(self, kind: str, number: int, disc: int, along: Array) -> Array:
-        """Compute where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
+    def surface(self, acting: Mapping[str, str], along: Array) -> Array:
+        """Compute where frictionless contacts (n, k, 2) [m] would be: on the inner part, towards the part pushed.
 
-        `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed, a
-        sleeve is pushed from within.
+        `acting` maps the k pairs to their kinds, `along` are the directions of their forces (n, k, 2); a pin in its
+        socket is itself what is pushed, a sleeve is pushed from within.
         """
-        if kind == "cam":
-            return self.cams[:, disc] + self.radii.cam * along
-        if kind == "output":
-            return self.output_pins[:, number - 1] + self.radii.output_pin * along
-        reach = {"pin_socket": -self.radii.pin, "pin_sleeve": self.radii.sleeve_bore}.get(kind, self.radii.pin)
-        return self.ring[:, number - 1] + reach * along
+        reach = {
+            "cam": self.radii.cam,
+            "output": self.radii.output_pin,
+            "pin_socket": -self.radii.pin,
+            "pin_sleeve": self.radii.sleeve_bore,
+        }
+        surface = np.empty_like(along)
+        for row, (name, kind) in enumerate(acting.items()):
+            middles = {"cam": self.cams, "output": self.output_pins}.get(kind, self.ring)
+            middle = middles[:, disc_of(name) if kind == "cam" else number_of(name) - 1]
+            surface[:, row] = middle + reach.get(kind, self.radii.pin) * along[:, row]
+        return surface
 
 
 def _measured(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
@@ -226,18 +234,18 @@ def cams(reducer: Reducer, shaft: Array) -> Array:
 
 
 def _direction(force: Array) -> Array:
-    """Compute unit vectors (n, 2); zero where there is no force."""
-    size = np.linalg.norm(force, axis=1, keepdims=True)
+    """Compute unit vectors (..., 2); zero where there is no force."""
+    size = np.linalg.norm(force, axis=-1, keepdims=True)
     return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
 
 
 def _aside(wrench: Array, along: Array, arm: Array) -> Array:
-    """Compute the shift (n, 2) [m] that brings the point at `arm` from the wrench's origin onto its line of action.
+    """Compute the shift (..., 2) [m] that brings the point at `arm` from a wrench's origin onto its line of action.
 
     It is not longer than `LONGEST_SHIFT`: the moment of a force near zero, or of two contacts, says nothing of a place.
     """
-    size = np.linalg.norm(wrench[:, :2], axis=1)
-    lever = np.divide(wrench[:, 2], size, out=np.zeros_like(size), where=size > 0)
-    surplus = arm[:, 0] * along[:, 1] - arm[:, 1] * along[:, 0] - lever
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    return np.clip(surplus, -LONGEST_SHIFT, LONGEST_SHIFT)[:, np.newaxis] * across
+    size = np.linalg.norm(wrench[..., :2], axis=-1)
+    lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
+    surplus = arm[..., 0] * along[..., 1] - arm[..., 1] * along[..., 0] - lever
+    across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
+    return np.clip(surplus, -LONGEST_SHIFT, LONGEST_SHIFT)[..., np.newaxis] * across

@@ -10,7 +10,7 @@ scales of their own, [N/m] in the entities' metadata.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,7 +22,7 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
@@ -65,6 +65,10 @@ def frame_rate(reducer: Reducer) -> float:
     by_angle = FRAMES_A_TURN * abs(design.drive.speed) / (2.0 * math.pi)
     at_most = MOST_FRAMES / (design.drive.ramp + design.drive.hold)
     return min(max(design.settings.scene_rate, min(by_angle, at_most)), HIGHEST_RATE)
+
+
+_Arrows = tuple[str, list[list[float]]]
+"""A kind of pairs, and of each of its arrows x, y and z of the tail [m], angle [rad] and length [m]."""
 
 
 @dataclass(frozen=True)
@@ -135,26 +139,34 @@ class Scene:
             A column of the parts' motion is missing.
         """
         place = poses(self.reducer, columns)
-        acting = on_gear(self.reducer, columns)
-        for row, now in enumerate(time.tolist()):
-            if all(np.isfinite(pose[row]).all() for pose in place.values()):
+        parts, by_time = list(place), np.stack(list(place.values()), axis=1)
+        finite: Mask = np.isfinite(by_time).all(axis=(1, 2))
+        arrows = self._arrows(on_gear(self.reducer, columns))
+        for now, sound, at, shown in zip(time.tolist(), finite, by_time.tolist(), arrows, strict=True):
+            if sound:
                 stamp = _nanoseconds(now)
-                yield FRAMES, stamp, _transforms(stamp, {part: pose[row].tolist() for part, pose in place.items()})
-                yield FORCES, stamp, self._arrows(stamp, acting, row)
+                yield FRAMES, stamp, _transforms(stamp, zip(parts, at, strict=True))
+                yield FORCES, stamp, self._update(stamp, shown)
 
-    def _arrows(self, stamp: int, acting: ContactForces, row: int) -> bytes:
+    def _arrows(self, acting: ContactForces) -> Iterator[list[_Arrows]]:
+        """Yield the arrows of each time, those of a kind together."""
+        scale = np.array([self._scales[kind] for kind in acting.kinds])
+        tail = acting.point - acting.force * scale[:, np.newaxis]
+        angle = np.arctan2(acting.force[..., 1], acting.force[..., 0])
+        height = np.broadcast_to([self._heights[disc] for disc in acting.discs], angle.shape)
+        arrows = np.stack([tail[..., 0], tail[..., 1], height, angle, acting.size * scale], axis=-1)
+        rows = {kind: [row for row, this in enumerate(acting.kinds) if this == kind] for kind in acting.kinds}
+        for now in arrows:
+            yield [(kind, now[of_kind][now[of_kind, -1] > 0.0].tolist()) for kind, of_kind in rows.items()]
+
+    def _update(self, stamp: int, shown: list[_Arrows]) -> bytes:
         update = SceneUpdate()
-        point, force, size = acting.point[row], acting.force[row], acting.size[row]
-        for kind in dict.fromkeys(acting.kinds):
+        for kind, arrows in shown:
             entity = update.entities.add(frame_id=ROOT, id=kind)
             entity.timestamp.FromNanoseconds(stamp)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
-            for pair in np.flatnonzero([this == kind for this in acting.kinds] & (size > 0.0)):
-                length = float(size[pair]) * self._scales[kind]
-                tail = point[pair] - force[pair] * self._scales[kind]
-                angle = float(np.arctan2(force[pair, 1], force[pair, 0]))
-                at = (float(tail[0]), float(tail[1]), self._heights[acting.discs[pair]])
-                self._add_arrow(entity.arrows.add(), at, angle, length, FORCE_COLOURS[kind])
+            for x, y, z, angle, length in arrows:
+                self._add_arrow(entity.arrows.add(), (x, y, z), angle, length, FORCE_COLOURS[kind])
         return bytes(update.SerializeToString(deterministic=True))
 
     def _add_arrow(
@@ -179,9 +191,9 @@ class Scene:
         return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
 
 
-def _transforms(stamp: int, place: Mapping[str, list[float]]) -> bytes:
+def _transforms(stamp: int, place: Iterable[tuple[str, list[float]]]) -> bytes:
     message = FrameTransforms()
-    for part, (x, y, angle) in place.items():
+    for part, (x, y, angle) in place:
         transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
         transform.timestamp.FromNanoseconds(stamp)
         _place(transform.translation, transform.rotation, (x, y, 0.0), angle)
