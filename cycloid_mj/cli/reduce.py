@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from inspect import getsource
 from json import dumps
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -47,7 +48,7 @@ InertiaFlag = Annotated[
 
 STEM = "reducer"
 FILES = ("joint.xml", "scene.xml", "bam.json")
-LOSSY = ("lossy_joint.xml", "lossy_scene.xml")
+BESIDE = ("lossy_joint.xml", "lossy_scene.xml", "joint.py")
 """Written at the levels that have springs."""
 
 EXAMPLES = """Examples:
@@ -86,7 +87,7 @@ def reduce(
     impact, the output swung across its play by the rated load, is right within 5 %.
     What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
     any model. lossy_joint.xml and lossy_scene.xml are the same joint with a loss that grows
-    with the load in MuJoCo alone, without that step.
+    with the load in MuJoCo alone, without that step; joint.py is that step by numpy alone.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.robot.against import against
@@ -98,7 +99,7 @@ def reduce(
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
     design = chosen.sound()
-    place = claimed(delivery, STEM, (*FILES, *LOSSY), OUT, paged=True)
+    place = claimed(delivery, STEM, (*FILES, *BESIDE), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
     inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
     comparison, steps = against(Reducer(design), reduced), study(reduced)
@@ -123,6 +124,7 @@ def _outcome(
     from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.base.result import plain, quantity_table
     from cycloid_mj.report.joint import joint_page
+    from cycloid_mj.robot import standalone
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml, lossy_table
     from cycloid_mj.robot.mjcf import joint_xml, scene_xml
@@ -131,9 +133,8 @@ def _outcome(
     bammed, quantities = bam(reduced), reduced.quantities
     lossy, efficiencies = {}, []
     if slow:
-        lossy = dict(
-            zip(LOSSY, (lossy_joint_xml(reduced), lossy_scene_xml(reduced, slow.inertia, slow.timestep)), strict=True)
-        )
+        scene = lossy_scene_xml(reduced, slow.inertia, slow.timestep)
+        lossy = dict(zip(BESIDE, (lossy_joint_xml(reduced), scene, getsource(standalone)), strict=True))
         efficiencies = lossy_efficiencies(reduced)
     texts = (
         joint_xml(reduced),

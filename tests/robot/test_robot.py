@@ -22,7 +22,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import play
 from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.robot import LEVELS, ReducedJoint, measured
+from cycloid_mj.robot import LEVELS, ReducedJoint, measured, standalone
 from cycloid_mj.robot.against import BOUNDS, POINTS, against
 from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.impact import impact, peak_of
@@ -472,6 +472,59 @@ def test_the_shoe_holds_up_to_its_friction(few: ReducedJoint, share: float, move
     for _ in range(1000):
         mujoco.mj_step(model, data)
     assert (abs(data.qpos[place.crank_angle]) > 0.1) == moves
+
+
+STANDALONE = """
+import sys, json
+sys.modules["cycloid_mj"] = None
+sys.path.insert(0, sys.argv[1])
+import joint, mujoco, numpy as np
+one = joint.Joint()
+model = mujoco.MjModel.from_xml_path(sys.argv[1] + "/scene.xml")
+data, found = mujoco.MjData(model), []
+for angle, length, speed, torque in json.loads(sys.argv[2]):
+    data.qpos[:], data.qvel[:] = 0.0, 0.0
+    crank, output = model.joint("output_rotor"), model.joint("output")
+    data.qpos[crank.qposadr[0]], data.qvel[crank.dofadr[0]] = angle, speed
+    data.qpos[output.qposadr[0]] = length - one.coefficient * angle
+    data.qfrc_applied[crank.dofadr[0]] = torque
+    one.step(model, data)
+    found.append([*model.tendon_lengthspring.ravel(), *model.tendon_damping, *model.dof_frictionloss])
+print(json.dumps({"found": found, "timestep": one.timestep}))
+"""
+
+
+def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) -> None:
+    """In a process where cycloid_mj cannot be imported it writes what `ReducedJoint.step` does in any state."""
+    draw = np.random.default_rng(0).uniform
+    reach = few.backlash + 2.0 * few.wind_up(few.rated_torque)
+    states = [
+        (
+            draw(0.0, 40.0),
+            few.middle + draw(-reach, reach),
+            draw(-2.0, 2.0) * few.rated_speed * (i % 3),
+            draw(-1.0, 1.0),
+        )
+        for i in range(60)
+    ]
+    content = few.as_json() | {"scene": {"timestep_s": 1e-3, "integrator": "discrete"}}
+    (tmp_path / "reducer.json").write_text(json.dumps(content))
+    (tmp_path / "joint.py").write_text(Path(standalone.__file__).read_text())
+    (tmp_path / "joint.xml").write_text(joint_xml(few))
+    (tmp_path / "scene.xml").write_text(scene_xml(few, 0.1, 1e-3))
+    words = [sys.executable, "-c", STANDALONE, str(tmp_path), json.dumps(states)]
+    run = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert run.returncode == 0, run.stderr
+    told = json.loads(run.stdout)
+    assert told["timestep"] == 1e-3
+    on = bench(few, 0.1, 1e-3)
+    for (angle, length, speed, torque), found in zip(states, told["found"], strict=True):
+        on.data.qpos[on.place.crank_angle], on.data.qvel[on.place.crank_speed] = angle, speed
+        on.data.qpos[on.place.output_angle] = length - few.coefficient * angle
+        on.data.qfrc_applied[on.place.crank_speed] = torque
+        few.step(on.model, on.data)
+        ours = [*on.model.tendon_lengthspring.ravel(), *on.model.tendon_damping, *on.model.dof_frictionloss]
+        assert found == pytest.approx(ours, rel=1e-9, abs=1e-15)
 
 
 def test_attached_and_included_are_one_model(few: ReducedJoint) -> None:

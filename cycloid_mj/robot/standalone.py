@@ -1,0 +1,119 @@
+"""The joint of `reducer.json` by numpy alone: friction under the load and transmission error, before each MuJoCo step.
+
+`cycloid-mj reduce` writes this file as joint.py beside joint.xml; it needs no package but numpy:
+
+    model = mujoco.MjModel.from_xml_path("joint/scene.xml")
+    joint = joint.Joint("joint/reducer.json")
+    joint.step(model, data)  # before each mujoco.mj_step(model, data)
+
+For MJX, `terms` is a pure function of arrays: give it ``xp=jax.numpy``, and put what it returns into the model.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+AT_REST = 1e-3
+"""Speed of the crank [rad/s] below which what pulls on it tells which way it is about to turn."""
+
+
+BESIDE = Path(__file__).with_name("reducer.json")
+"""Where the values are unless another file is named."""
+
+
+class Terms(NamedTuple):
+    """What a model gets: dead bands of the springs [rad], shape (springs, 2), damping [N m s/rad], friction [N m]."""
+
+    springlength: Any
+    damping: Any
+    frictionloss: Any
+
+
+class Joint:
+    """A reduced joint.
+
+    Attributes
+    ----------
+    values
+        Those of `joint` in reducer.json, in SI.
+    timestep, integrator
+        The scene's: the longest step at which the peak of an impact across the play is right within 5 % [s].
+    """
+
+    def __init__(self, path: str | Path = BESIDE) -> None:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        self.values = content["joint"]
+        self.timestep = content["scene"]["timestep_s"]
+        self.integrator = content["scene"]["integrator"]
+
+    @property
+    def coefficient(self) -> float:
+        """Of the crank's angle in L, the output's turn less the ideal one; that of the output's is 1."""
+        return -self.values["way"] / self.values["ratio"]
+
+    def step(self, model: Any, data: Any, joint: str = "output") -> None:
+        """Write friction and error into a model (``MjModel``, ``MjData``) for its joint of this name."""
+        output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
+        springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
+        tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
+        terms = self.terms(
+            data.qpos[int(output.qposadr[0])],
+            data.qpos[int(crank.qposadr[0])],
+            data.qvel[dof],
+            data.qfrc_actuator[dof] + data.qfrc_applied[dof],
+        )
+        model.tendon_lengthspring[tendons] = terms.springlength
+        model.tendon_damping[tendons[0]] = terms.damping
+        model.dof_frictionloss[dof] = terms.frictionloss
+
+    def terms(self, output: Any, crank: Any, speed: Any, driven_by: Any, xp: Any = np) -> Terms:
+        """Compute the terms at angles of output and crank [rad], its speed [rad/s] and other torque on it [N m].
+
+        No branch depends on an argument: with ``xp=jax.numpy`` it can be compiled and mapped.
+        """
+        values, ripple = self.values, self.values["ripple"]
+        length = output + self.coefficient * crank
+        starts = xp.array([spring["start"] for spring in values["springs"]])
+        stiffness = xp.array([spring["stiffness"] for spring in values["springs"]])
+        rated = values["rated_torque"]
+        # shares of the rated torque at which errors or springs bend, and the wind-up there
+        torques = (stiffness * xp.maximum(starts[:, None] - starts, 0.0)).sum(axis=1)
+        bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated]))
+        # beyond the last start the last slope goes on
+        far = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
+        wound = xp.where(bends * rated > torques[-1], far, xp.interp(bends * rated, torques, starts))
+        turned = xp.array(ripple["orders"]) * crank
+        low_stop, high_stop = values["stops"]
+        stops = []
+        for side, sign, stop in (("low", -1.0, low_stop), ("high", 1.0, high_stop)):
+            cos, sin = (xp.array(ripple[f"{side}_{part}"]) for part in ("cos", "sin"))
+            error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(turned) + sin @ xp.sin(turned))
+            reached = wound + sign * (error + stop)
+            # where the error falls faster than the springs wind up, the larger of the torques that fit
+            later = xp.arange(len(reached))[:, None] <= xp.arange(len(reached))
+            rising = xp.where(later, reached, xp.inf).min(axis=1)
+            share = xp.interp(sign * length, rising, bends)
+            stops.append(stop + xp.interp(share, bends, error))
+        low, high = stops
+        beyond = xp.maximum(length - high, low - length)
+        size = (stiffness * xp.maximum(beyond - starts, 0.0)).sum()
+        torque = xp.where(length > high, -size, size)
+        pulled = self.coefficient * torque
+        turning = xp.where(xp.abs(speed) > AT_REST, speed, pulled + driven_by)
+        driving, driven = (self._friction(key, size, speed, xp) for key in ("driving", "driven"))
+        return Terms(
+            xp.stack([low - starts, high + starts], axis=1),
+            xp.where(size > 0.0, values["damping"], 0.0),
+            xp.where(pulled * turning < 0.0, driving, driven),
+        )
+
+    def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
+        """Compute the torque of friction on the crank [N m] by the map: straight lines, the last of which goes on."""
+        friction = self.values["friction"]
+        torques, rows = xp.array(friction["torques"]), xp.array(friction[key])
+        place = xp.clip(xp.searchsorted(torques, torque) - 1, 0, len(friction["torques"]) - 2)
+        share = (torque - torques[place]) / (torques[place + 1] - torques[place])
+        lost = rows[:, place] + share * (rows[:, place + 1] - rows[:, place])
+        return xp.interp(xp.abs(speed), xp.array(friction["speeds"]), lost)
