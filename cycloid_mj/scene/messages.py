@@ -22,7 +22,7 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
@@ -140,10 +140,10 @@ class Scene:
         """
         place = poses(self.reducer, columns)
         parts, by_time = list(place), np.stack(list(place.values()), axis=1)
-        finite: Mask = np.isfinite(by_time).all(axis=(1, 2))
+        sums: list[float] = by_time.sum(axis=(1, 2)).tolist()
         arrows = self._arrows(on_gear(self.reducer, columns))
-        for now, sound, at, shown in zip(time.tolist(), finite, by_time.tolist(), arrows, strict=True):
-            if sound:
+        for now, whole, at, shown in zip(time.tolist(), sums, by_time.tolist(), arrows, strict=True):
+            if math.isfinite(whole):
                 stamp = _nanoseconds(now)
                 yield FRAMES, stamp, _transforms(stamp, zip(parts, at, strict=True))
                 yield FORCES, stamp, self._update(stamp, shown)
