@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings, analyze
     from cycloid_mj.base.record import Run
     from cycloid_mj.base.result import Curve, Quantity, Table
-    from cycloid_mj.bench import calibrate
+    from cycloid_mj.bench import calibrate, read_loop
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
@@ -24,8 +24,13 @@ if TYPE_CHECKING:
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.explore import optimize, sweep, tolerance
     from cycloid_mj.life import rate
+    from cycloid_mj.life.datasheet import datasheet_of as datasheet
     from cycloid_mj.log import read as read_log
+    from cycloid_mj.parts.export import export
+    from cycloid_mj.report import report
     from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
+    from cycloid_mj.sizing import new
+    from cycloid_mj.statics import main as statics
 
 __all__ = [
     "PRESETS",
@@ -42,13 +47,19 @@ __all__ = [
     "build",
     "calibrate",
     "check",
+    "datasheet",
+    "export",
     "load",
     "measure",
+    "new",
     "optimize",
     "rate",
     "read_log",
+    "read_loop",
     "reduce",
+    "report",
     "simulate",
+    "statics",
     "stress",
     "sweep",
     "tolerance",
@@ -57,11 +68,11 @@ __all__ = [
 __version__ = "0.1.0"
 
 _ORIGINS = {
-    "PRESETS": "design",
     "Check": "checks",
     "Curve": "base.result",
     "Design": "design",
     "Findings": "analysis",
+    "PRESETS": "design",
     "Quantity": "base.result",
     "ReducedJoint": "robot",
     "Run": "base.record",
@@ -71,13 +82,19 @@ _ORIGINS = {
     "build": "dynamics.mjcf",
     "calibrate": "bench",
     "check": "checks",
+    "datasheet": "life.datasheet:datasheet_of",
+    "export": "parts.export",
     "load": "design:resolve",
     "measure": "",
+    "new": "sizing",
     "optimize": "explore",
     "rate": "life",
     "read_log": "log:read",
+    "read_loop": "bench",
     "reduce": "robot",
+    "report": "",
     "simulate": "dynamics.run",
+    "statics": "",
     "stress": "",
     "sweep": "explore",
     "tolerance": "explore",
@@ -99,5 +116,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """List the public names, for completion."""
-    return sorted([*globals(), *__all__])
+    """List the public names alone, for completion."""
+    return sorted(__all__)

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import cycloid_mj
+from cycloid_mj.base.presented import CallableRoom
 from cycloid_mj.cli.app import application
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import file_key, section_of, source_of, unit_of
@@ -33,7 +34,23 @@ result, all of it with `--all`; `--out` names the folder of its files, `--html` 
 
 PYTHON = """# Reference: Python
 
-`import cycloid_mj as cm` gives these names; each is imported when first used. Numbers are in SI units and radians.
+```python
+import cycloid_mj as cm
+
+design = cm.load("pin", {"clearance.cam_um": 2.0})  # a preset or a file, with changes in the words of its file
+sheet = cm.statics(design)  # backlash, stiffness, errors, loads, capacity, losses
+print(sheet)
+print(f"{sheet.quantities['backlash'].value:.2f} arcmin of play")
+run = cm.simulate(cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.01, "load.torque_nm": 36.0}))
+findings = cm.analyze(run)
+print(findings)
+print(f"{findings.contact_summary.peak_force_n:.0f} N at the hardest contact")
+page = cm.report({"run": run})  # one HTML page, as text
+```
+
+`import cycloid_mj as cm` gives the names below; each is imported when first used, and `dir(cm)` lists them alone.
+Numbers are in SI units and radians, but where a name ends in its unit. Tables, sheets and findings print as one line;
+in a notebook they show as a table, and `.to_frame()` gives a `DataFrame` of pandas, or of polars.
 """
 
 
@@ -110,8 +127,10 @@ def python() -> str:
 def _directives() -> Iterator[str]:
     for name in cycloid_mj.__all__:
         value = getattr(cycloid_mj, name)
-        kind = "module" if inspect.ismodule(value) else "class" if inspect.isclass(value) else "function"
+        is_room = inspect.ismodule(value) and not isinstance(value, CallableRoom)
+        kind = "module" if is_room else "class" if inspect.isclass(value) else "function"
         if not (inspect.ismodule(value) or callable(value)):
             continue
         members = "   :members:\n   :exclude-members: model_config\n" if kind == "class" else ""
-        yield f"\n## `{name}`\n\n```{{eval-rst}}\n.. auto{kind}:: cycloid_mj.{name}\n{members}```\n"
+        place = f"{name}.main" if isinstance(value, CallableRoom) else name
+        yield f"\n## `{name}`\n\n```{{eval-rst}}\n.. auto{kind}:: cycloid_mj.{place}\n{members}```\n"

@@ -15,10 +15,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.bench import read_loop
 
 here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
-loop = read_loop(here.parent / "tests" / "data" / "bench" / "stiffness_loop.csv")
+loop = cm.read_loop(here.parent / "tests" / "data" / "bench" / "stiffness_loop.csv")
 keys = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
 found = cm.calibrate(cm.load("printed"), [loop], keys=keys)
 for key, one in found.estimates.items():

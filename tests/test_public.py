@@ -1,18 +1,23 @@
 """The public face: what `import cycloid_mj` offers, lazily, under names that are true."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import cycloid_mj as cm
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.frame import Frame
 
 
 def test_every_public_name_is_there() -> None:
     assert all(getattr(cm, name) is not None for name in cm.__all__)
     assert len(set(cm.__all__)) == len(cm.__all__)
-    assert set(cm.__all__) <= set(dir(cm))
+    assert dir(cm) == sorted(cm.__all__), "the public names alone"
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -29,7 +34,20 @@ def test_the_import_alone_loads_nothing_heavy() -> None:
 def test_functions_stay_functions_after_every_module_is_imported() -> None:
     """A submodule of the same name would hide them."""
     code = "import cycloid_mj as cm, cycloid_mj.cli.app; assert all(callable(getattr(cm, n)) for n in names)"
-    names = ["analyze", "build", "check", "load", "rate", "read_log", "simulate", "tolerance"]
+    names = [
+        "analyze",
+        "build",
+        "check",
+        "datasheet",
+        "export",
+        "load",
+        "new",
+        "rate",
+        "read_log",
+        "read_loop",
+        "report",
+    ]
+    names += ["simulate", "statics", "tolerance"]
     subprocess.run([sys.executable, "-c", f"names = {names}; {code}"], check=True)
 
 
@@ -41,3 +59,62 @@ def test_a_design_to_findings(tmp_path: Path) -> None:
     fast = cm.load("nonpin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
     run = cm.simulate(fast)
     assert cm.analyze(run, settle=0.001).power.load_torque_nm == pytest.approx(5.0, rel=0.01)
+
+
+def test_the_python_page_begins_with_lines_that_work(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    docs = Path(__file__).parents[1] / "docs" / "reference.py"
+    code = re.search(r"^PYTHON = .*?```python\n(.*?)```", docs.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)[1]
+    names: dict[str, object] = {}
+    exec(compile(code, "reference", "exec"), names)
+    sheet, play, findings, force = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r"<Sheet: pin, 36.68 N m, 1640 rpm, .*; backlash \S+ arcmin, .*>", sheet)
+    assert re.fullmatch(r"<Findings: pin, 36 N m, 1640 rpm; efficiency 8\d.\d\d %, .*>", findings)
+    assert play.endswith(" arcmin of play")
+    assert 500.0 < float(force.removesuffix(" N at the hardest contact")) < 3000.0
+    assert names["page"].startswith("<!doctype html>")
+    rows = dict(zip(*names["findings"].frame.columns.values(), strict=True))
+    assert rows["power.load_torque_nm"] == pytest.approx(36.0)
+
+
+def test_a_design_is_given_by_its_name_too() -> None:
+    by_name, by_design = cm.statics("printed", load_nm=2.0), cm.statics(cm.load("printed"), 2.0)
+    assert by_name == by_design
+    assert by_name.condition.startswith("2 N m")
+    with pytest.raises(UsageError, match="nosuch"):
+        cm.statics("nosuch")
+
+
+@pytest.mark.slow
+def test_drives_from_what_is_asked_and_the_data_sheet_of_one() -> None:
+    answer = cm.new(15, 60.0, 2.0, process="printed", life_h=100.0)
+    assert str(answer).startswith("<Answer: 15:1, 60 mm, 2 N m; ")
+    assert len(answer.frame["title"]) == len(answer.drives)
+    sheet = cm.datasheet("printed")
+    assert f"rated torque {sheet.value('rated_torque'):.4g} N m" in str(sheet)
+
+
+TABLE = Frame({"name": np.array(["<b>", "c"], dtype=object), "value": np.array([1.5, np.nan])})
+
+
+def test_a_table_shows_in_a_line_and_as_html_with_its_text_escaped() -> None:
+    assert repr(TABLE) == "<Frame: 2 rows of name, value>"
+    page = TABLE._repr_html_()
+    assert "<td>&lt;b&gt;</td><td>1.5</td>" in page
+    assert "<td>c</td><td></td>" in page
+    long = Frame({"value": np.arange(100.0)})
+    assert "<p>40 rows more</p>" in long._repr_html_()
+
+
+@pytest.mark.parametrize("package", ["pandas", "polars"])
+def test_a_data_frame_is_of_the_package_that_is_there(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cycloid_mj.base.presented.find_spec", lambda name: name == package or None)
+    monkeypatch.setitem(sys.modules, package, SimpleNamespace(DataFrame=lambda columns: (package, columns)))
+    made, columns = TABLE.to_frame()
+    assert made == package
+    assert columns["name"] == ["<b>", "c"]
+
+
+def test_without_either_a_data_frame_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cycloid_mj.base.presented.find_spec", lambda name: None)
+    with pytest.raises(CycloidError, match="pip install pandas"):
+        TABLE.to_frame()

@@ -1,8 +1,11 @@
 """The findings of a run: few numbers, each with its unit in its name, and their operating condition."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Condition, plain
 from cycloid_mj.reducer import Reducer
 
@@ -140,8 +143,8 @@ class Window:
     phase: Phase
 
 
-@dataclass(frozen=True)
-class Findings:
+@dataclass(frozen=True, repr=False)
+class Findings(Presented):
     """What a run says. None stands where a quantity does not exist or the run does not have it.
 
     All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
@@ -183,6 +186,18 @@ class Findings:
     warnings: tuple[str, ...]
 
     @property
+    def frame(self) -> Frame:
+        """Every number of `as_json`, a row each, under its keys joined by dots."""
+        return framed([{"key": key, "value": value} for key, value in _numbers(self.as_json())], ("key", "value"), {})
+
+    @property
+    def line(self) -> str:
+        """Design, condition, efficiency and transmission error."""
+        efficiency = "" if self.efficiency is None else f"efficiency {100 * self.efficiency:.2f} %, "
+        error = self.transmission_error.peak_to_peak_arcsec
+        return f"{self.design}, {self.condition_words}; {efficiency}transmission error {error:.3g} arcsec"
+
+    @property
     def condition_words(self) -> str:
         """The condition, and whether the run came that far."""
         return str(self.condition) + ("" if self.window.phase == "hold" else " (not reached: in the ramp)")
@@ -190,3 +205,12 @@ class Findings:
     def as_json(self) -> dict[str, Any]:
         """Convert the findings to dicts, lists, numbers, text and None only."""
         return dict(plain(vars(self)))
+
+
+def _numbers(of: Any, path: str = "") -> Iterator[tuple[str, float]]:
+    """Yield the numbers within dicts and lists, each with its keys and places joined by dots."""
+    if isinstance(of, dict | list):
+        for key, inner in of.items() if isinstance(of, dict) else enumerate(of):
+            yield from _numbers(inner, f"{path}.{key}".removeprefix("."))
+    elif isinstance(of, int | float) and not isinstance(of, bool):
+        yield path, float(of)

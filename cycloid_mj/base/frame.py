@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.whole import whole_file
 
@@ -30,7 +31,7 @@ Cell = float | int | str | bool
 Column = npt.NDArray[Any]
 
 
-class Tabular:
+class Tabular(Presented):
     """What has a `frame`: it is a table for whoever takes one."""
 
     @property
@@ -53,7 +54,7 @@ class Tabular:
         return self.frame.columns[name]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame(Tabular):
     """Columns of one length.
 

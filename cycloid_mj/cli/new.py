@@ -1,6 +1,5 @@
 """``cycloid-mj design new``: a design file from a preset, or drives from what is asked of them."""
 
-import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -124,23 +123,22 @@ def new(
         raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
     if ratio is not None and ratio_range:
         raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} both tell the ratio: leave one of them out")
-    from cycloid_mj.base.units import RPM
     from cycloid_mj.sizing.answer import answered, best_ratio
-    from cycloid_mj.sizing.requirement import Requirement
+    from cycloid_mj.sizing.requirement import required
 
     low, high = _range(ratio_range) if ratio_range else (ratio or 0, ratio or 0)
-    wanted = Requirement(
+    wanted = required(
         ratio=low,
-        diameter=1e-3 * diameter_mm,
-        torque=torque_nm,
-        life=life_h,
-        speed=speed_rpm * RPM,
+        diameter_mm=diameter_mm,
+        torque_nm=torque_nm,
+        life_h=life_h,
+        speed_rpm=speed_rpm,
         process=process,
         discs=_discs(discs),
-        length=math.inf if length_mm is None else 1e-3 * length_mm,
-        backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
+        length_mm=length_mm,
+        backlash_arcmin=backlash_arcmin,
         material=material,
-        clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
+        clearance_um=clearance_um,
     )
     answer = answered(best_ratio(wanted, low, high) if high > low else wanted)
     if answer.drives:

@@ -3,7 +3,7 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import declared, dump, load, loads, override, resolve, value_of
+from cycloid_mj.design.file import Named, declared, dump, load, loads, override, resolve, value_of
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -53,6 +53,7 @@ __all__ = [
     "Load",
     "Material",
     "Modification",
+    "Named",
     "Output",
     "Ring",
     "Service",

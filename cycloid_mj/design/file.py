@@ -26,8 +26,14 @@ LONGEST_LIST = 10_000
 """More parts than any kind of part may have."""
 
 
-def resolve(name_or_file: str | Path, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
+Named = Design | str | Path
+"""A design, or the name of a preset or a file that has one."""
+
+
+def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
     """Load the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
+
+    A design is returned as it is, but for the changes.
 
     Raises
     ------
@@ -36,8 +42,8 @@ def resolve(name_or_file: str | Path, changes: Sequence[str] | Mapping[str, Any]
     DesignError
         The file cannot be read or is not a valid design.
     """
-    design = PRESETS.get(str(name_or_file))
-    return override(design or load(Path(name_or_file)), changes)
+    design = named if isinstance(named, Design) else PRESETS.get(str(named)) or load(Path(named))
+    return override(design, changes)
 
 
 def load(path: Path) -> Design:

@@ -39,7 +39,7 @@ class Checked:
         return (*sheets, *lost, *([self.tolerances.words] if self.tolerances else []))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Optimum(Tabular):
     """What came of an optimisation, or of a part of it.
 

@@ -38,7 +38,7 @@ PROCESSES = Engine()
 """All cores of this machine."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Tabular):
     """What came of a sweep, or of a part of it.
 

@@ -64,7 +64,7 @@ class Distribution:
     unit: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Tolerances(Tabular):
     """What came of the samples of one design.
 

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.frame import Frame, quantity_frame
 from cycloid_mj.base.names import PIN, SHAFT
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
-from cycloid_mj.design import PARTS, Design
+from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import quantities, values_json
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem
@@ -28,8 +30,8 @@ TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the rated speed and torque at which curves have their points."""
 
 
-@dataclass(frozen=True)
-class Datasheet:
+@dataclass(frozen=True, repr=False)
+class Datasheet(Presented):
     """The data sheet of one design.
 
     Attributes
@@ -57,6 +59,17 @@ class Datasheet:
     notes: tuple[str, ...]
     figures: Mapping[str, Quantity]
     weakest: RatedItem
+
+    @property
+    def frame(self) -> Frame:
+        """The quantities, a row each."""
+        return quantity_frame({one.key: one for group in self.groups.values() for one in group})
+
+    @property
+    def line(self) -> str:
+        """Design, rated torque, life, and what decides them."""
+        torque = self.value("rated_torque")
+        return f"{self.design.name}, rated torque {torque:.4g} N m for {self.life:g} h by {self.weakest.name}"
 
     def value(self, key: str) -> float:
         """Return the value of a quantity."""
@@ -274,3 +287,25 @@ def _materials(reducer: Reducer) -> str:
         f"{kind.replace('_', ' ')} {1e6 * getattr(design.clearance, kind):.4g}" for kind in design.pair_kinds
     )
     return f"Materials: {materials}. Clearances [um]: {clearances}."
+
+
+def datasheet_of(design: Named, life_h: float = 0.0) -> Datasheet:
+    """Compute the data sheet of a design; from Python as ``cm.datasheet(design)``.
+
+    Parameters
+    ----------
+    design
+        A sound design, or the name of a preset or a file.
+    life_h
+        Hours that the rated torque is for; by default the design's own.
+
+    Raises
+    ------
+    UsageError
+        There is no such design.
+    DesignError
+        The design cannot be read, its crank stands still, or nothing bears even the least torque for so long.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    return datasheet(Reducer(resolve(design)), life_h)

@@ -4,17 +4,19 @@ The page's numbers come from ``analysis`` and the runs; its figures are drawn by
 carries (``page.js`` and its neighbours), so that they can be zoomed and share one cursor.
 """
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy.typing as npt
 
 from cycloid_mj.base.errors import UsageError, warn
+from cycloid_mj.base.presented import CallableRoom
 from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, review
 
-__all__ = ["MOST_RUNS", "report", "review_page"]
+__all__ = ["MOST_RUNS", "main", "report", "review_page"]
 
 MOST_RUNS = len(PALETTE)
 """Runs that can be told apart in one figure."""
@@ -55,3 +57,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
     for item in reviewed:
         warn(item.name, item.findings.warnings)
     return page(reviewed)
+
+
+main = report
+sys.modules[__name__].__class__ = CallableRoom

@@ -7,6 +7,8 @@ from time import process_time
 
 from cycloid_mj.base.digits import significant
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.figures import figure
@@ -74,8 +76,8 @@ class Way:
     asked: Requirement
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer(Presented):
     """Drives, the first of which is to be taken; or the `most` torque [N m], what it is limited by, and ways out."""
 
     asked: Requirement
@@ -83,6 +85,19 @@ class Answer:
     most: float = 0.0
     limit: str = ""
     ways: tuple[Way, ...] = ()
+
+    @property
+    def frame(self) -> Frame:
+        """The drives, a row each: title and figures."""
+        figures = self.drives[0].figures if self.drives else {}
+        return framed([{"title": one.title, **one.figures} for one in self.drives], ("title", *figures), {})
+
+    @property
+    def line(self) -> str:
+        """What was asked for, and the drives, or what goes."""
+        asked = f"{self.asked.ratio}:1, {1e3 * self.asked.diameter:g} mm, {self.asked.torque:g} N m"
+        drives = ", ".join(f"{one.title} {one.figures['mass_kg']:.3g} kg" for one in self.drives)
+        return f"{asked}; {drives or self.refusal}"
 
     @property
     def refusal(self) -> str:

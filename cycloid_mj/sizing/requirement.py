@@ -17,6 +17,36 @@ MOST_RATIOS = 7
 """Of a range of ratios: so many are tried, evenly spaced."""
 
 
+def required(
+    *,
+    ratio: int,
+    diameter_mm: float,
+    torque_nm: float,
+    life_h: float = 6000.0,
+    speed_rpm: float = 1500.0,
+    process: Process = "steel",
+    discs: int = 1,
+    length_mm: float | None = None,
+    backlash_arcmin: float | None = None,
+    material: str = "",
+    clearance_um: float | None = None,
+) -> "Requirement":
+    """Return a requirement in the units of the command line; see `Requirement`."""
+    return Requirement(
+        ratio=ratio,
+        diameter=1e-3 * diameter_mm,
+        torque=torque_nm,
+        life=life_h,
+        speed=speed_rpm * RPM,
+        process=process,
+        discs=discs,
+        length=math.inf if length_mm is None else 1e-3 * length_mm,
+        backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
+        material=material,
+        clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
+    )
+
+
 @dataclass(frozen=True)
 class Requirement:
     """What a drive is to do, in SI but for the life.

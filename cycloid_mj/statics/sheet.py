@@ -8,8 +8,10 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.frame import Frame, quantity_frame
 from cycloid_mj.base.level import peak_to_peak, rms_about_mean
 from cycloid_mj.base.powers import Powers
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
@@ -93,11 +95,14 @@ KNOWN_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
 They are those of pin and nonpin in ``tests/data/measured.json``, rounded up; a test holds this table against them.
 """
 
+FIRST = ("backlash", "stiffness_ideal", "efficiency", "capacity")
+"""Keys of the figures that tell of a sheet in a line."""
+
 COMPARED = "the dynamic runs of the presets pin and nonpin at 36.68 N m and 1640 rpm"
 
 
-@dataclass(frozen=True)
-class Sheet:
+@dataclass(frozen=True, repr=False)
+class Sheet(Presented):
     """The static figures of one design.
 
     Attributes
@@ -119,6 +124,19 @@ class Sheet:
     load_source: LoadSource
     quantities: dict[str, Quantity]
     assumptions: tuple[str, ...]
+
+    @property
+    def frame(self) -> Frame:
+        """The quantities, a row each."""
+        return quantity_frame(self.quantities)
+
+    @property
+    def line(self) -> str:
+        """Design, condition, and what one looks for first."""
+        first = [self.quantities[key] for key in FIRST if key in self.quantities]
+        return f"{self.design}, {self.condition}; " + ", ".join(
+            f"{one.key} {one.value:.4g} {one.unit if one.unit != '1' else ''}".strip() for one in first
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""

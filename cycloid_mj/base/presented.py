@@ -1,0 +1,62 @@
+"""How results show in a notebook: one line as text, a table as HTML, and a data frame of pandas or polars."""
+
+from html import escape
+from importlib import import_module
+from importlib.util import find_spec
+from itertools import islice
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from cycloid_mj.base.errors import CycloidError
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.frame import Frame
+
+MOST_ROWS = 60
+"""Of a table in a notebook."""
+
+
+class Presented:
+    """A result that says in a line what it is, and has its figures as a frame."""
+
+    @property
+    def frame(self) -> "Frame":
+        """Its figures, a row each."""
+        raise NotImplementedError
+
+    @property
+    def line(self) -> str:
+        """What it is, and its first figures."""
+        return f"{self.frame.rows} rows of {', '.join(islice(self.frame.columns, 6))}"
+
+    def to_frame(self) -> Any:
+        """Return the figures as a ``DataFrame`` of pandas, else of polars; raise CycloidError where neither is."""
+        package = next((name for name in ("pandas", "polars") if find_spec(name)), None)
+        if package is None:
+            raise CycloidError("a data frame needs pandas or polars: pip install pandas, or take .frame.columns")
+        return import_module(package).DataFrame({name: one.tolist() for name, one in self.frame.columns.items()})
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.line}>"
+
+    def _repr_html_(self) -> str:
+        columns = self.frame.columns
+        head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+        rows = islice(zip(*(one.tolist() for one in columns.values()), strict=True), MOST_ROWS)
+        body = "".join(f"<tr>{''.join(f'<td>{escape(_cell(cell))}</td>' for cell in row)}</tr>" for row in rows)
+        more = f"<p>{self.frame.rows - MOST_ROWS} rows more</p>" if self.frame.rows > MOST_ROWS else ""
+        return f"<p>{escape(self.line)}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+
+
+class CallableRoom(ModuleType):
+    """A room that is called, too: `cycloid_mj.statics` has the parts of the balance, and computes a sheet."""
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Do what the room is for: its function `main`."""
+        return self.main(*arguments, **named)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.6g}"
+    return str(value)
