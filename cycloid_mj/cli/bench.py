@@ -151,6 +151,8 @@ def calibrate(
             raise RunError(
                 f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {place.folder}"
             ) from stop
+    if not delivery.quiet:
+        tell("calibrate: trying the design by its checks, statics and reduce")
     return deliver(_calibrated(calibration, place, _unusable(calibration)), place, delivery)
 
 
