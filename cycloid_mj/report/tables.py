@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from cycloid_mj.analysis import GROUPS, FigureRow, groups
+from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
 from cycloid_mj.checks import check
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
 from cycloid_mj.report.reviewed import Reviewed
@@ -67,6 +67,12 @@ def losses(reviewed: Sequence[Reviewed]) -> TextTable:
             pair = loss.pair.replace("_", "-")
             rows.append((pair, item.name, f"{loss.friction_w:.4g}", f"{loss.normal_w:.4g}", share))
     return TextTable([("mating pair", "run", "friction [W]", "damping [W]", "share of the input [%]")], rows)
+
+
+def returns(reviewed: Sequence[Reviewed]) -> str:
+    """Explain a negative loss by damping, where a run has one."""
+    negative = any(loss.normal_w < 0.0 for item in reviewed for loss in item.findings.losses)
+    return f"{RETURNED[:1].upper()}{RETURNED[1:]}." if negative else ""
 
 
 def provenance(item: Reviewed) -> TextTable:

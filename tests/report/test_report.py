@@ -21,6 +21,7 @@ from cycloid_mj.report import MOST_RUNS, report
 from cycloid_mj.report.data import MOST_VALUES, curves
 from cycloid_mj.report.encode import decimated
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
+from cycloid_mj.report.page import page as page_of
 from cycloid_mj.report.reviewed import review
 from cycloid_mj.report.tables import warnings
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, fitting_magnification, gaps
@@ -116,6 +117,15 @@ def test_every_section_and_figure_has_its_place(text, both):
     assert expected | {"mechanism-1"} <= Page(both).ids()
     used = set(re.findall(r"getElementById\(\"([\w-]+)\"\)", both)) | {"play", "frame", "pace", "magnify", "forces"}
     assert used <= Page(both).ids()
+
+
+def test_a_loss_that_comes_back_is_explained_below_its_table(pin):
+    (item,) = review({"a.mcap": pin})
+    (first, *others) = item.findings.losses
+    for power, explained in ((-1e-3, True), (1e-3, False)):
+        losses = (replace(first, normal_w=power), *(replace(one, normal_w=0.0) for one in others))
+        text = page_of([replace(item, findings=replace(item.findings, losses=losses))])
+        assert ("is elastic energy that comes back" in text) == explained
 
 
 def test_table_is_that_of_the_analysis(pin, nonpin, both):
