@@ -178,7 +178,7 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     return Outcome(
         title=f"{optimum.task.reducer.design.name} optimised",
         headline=dict(islice(numbers.items(), MOST_FIGURES)),
-        summary=[optimum.words, f"the best: {best}"],
+        summary=[optimum.words, *optimum.ran_into, f"the best: {best}"],
         tables=tables(optimum),
         notes=optimum.notes,
         pictures={picture: partial(drawn, tradeoff_figure(optimum))},

@@ -21,6 +21,12 @@ from cycloid_mj.explore.verify import Verified, table_rows
 from cycloid_mj.figures import figure
 from cycloid_mj.statics.sheet import Sheet
 
+AT_END = 0.01
+"""Share of a range, or of a limit's bound, within which a point lies at it."""
+
+TINY = 1e-12
+"""Bound below which a limit counts as one of 0."""
+
 
 @dataclass(frozen=True, eq=False)
 class Checked:
@@ -205,12 +211,26 @@ class Optimum(Tabular):
         """What a reader should know, a sentence each."""
         followed = [f"{key} follows: {how}" for key, how in self.task.follows.items()]
         warned = [f"the best design: {one}" for one in check(self.design()) if not one.passed]
-        bounds = [
-            f"{one.key} is at the {'lower' if value == one.low else 'upper'} end of its range: more may lie beyond"
-            for one in self.task.ranges
-            if (value := float(self.values(self.best or 0)[one.key])) in (one.low, one.high)
+        return (*followed, *warned, *(self.checked.notes if self.checked else ()))
+
+    @property
+    def ran_into(self) -> tuple[str, ...]:
+        """The ends of ranges, and the limits, that the best point lies at, a sentence each."""
+        if self.best is None:
+            return ()
+        values, figures = self.values(self.best), self.best_figures
+        ends = []
+        for one in self.task.ranges:
+            share = (float(values[one.key]) - one.low) / (one.high - one.low)
+            if min(share, 1.0 - share) < AT_END:
+                end, bound = ("lower", one.low) if share < 0.5 else ("upper", one.high)
+                ends.append(f"{one.key} ran into the {end} end of its range, {bound:g}: more may lie beyond")
+        limits = [
+            f"{one.key} ran into its limit, {one}: it is {figures[one.key]:.5g}"
+            for one in self.task.limits
+            if abs(figures[one.key] - one.bound) < AT_END * max(abs(one.bound), TINY)
         ]
-        return (*followed, *bounds, *warned, *(self.checked.notes if self.checked else ()))
+        return (*ends, *limits)
 
     def _checked_json(self, checked: Checked) -> dict[str, Any]:
         dynamics = checked.dynamics

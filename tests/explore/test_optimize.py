@@ -101,6 +101,17 @@ def test_whole_numbers_are_tried_one_by_one_and_holes_follow() -> None:
     assert set(found.task.follows) == {"output.hole_radius_mm", "drive.torque_nm"}
 
 
+def test_the_end_of_a_range_and_the_limit_that_it_ran_into_are_told() -> None:
+    """A wider face makes a heavier gear: the least mass is at the lower end, or where a limit holds it."""
+    vary = {"gear.face_width_mm": "8:12"}
+    free = optimize(PIN, vary, "mass_kg", evaluations=60, verify=False, engine=HERE)
+    assert free.ran_into == ("gear.face_width_mm ran into the lower end of its range, 8: more may lie beyond",)
+    bound = float(np.mean([free.best_figures["mass_kg"], free.start_figures["mass_kg"]]))
+    held = optimize(PIN, vary, "mass_kg", [], [f"mass_kg>={bound}"], evaluations=60, verify=False, engine=HERE)
+    (told,) = held.ran_into
+    assert told.startswith(f"mass_kg ran into its limit, mass_kg>={bound:g}: it is ")
+
+
 def test_values_alone_are_all_tried() -> None:
     found = optimize(PIN, {"output.pins": "6:9"}, "mass_kg", verify=False, engine=HERE)
     masses = {row.values["output.pins"]: row.values["mass_kg"] for row in found.rows}
