@@ -107,7 +107,18 @@ def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.
 
 @pytest.mark.slow
 def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
-    words = ["measure", "loads", "--design", "nonpin", "--quick", "--no-log", "--out", str(tmp_path)]
+    words = [
+        "measure",
+        "loads",
+        "--solver",
+        "mujoco",
+        "--design",
+        "nonpin",
+        "--quick",
+        "--no-log",
+        "--out",
+        str(tmp_path),
+    ]
     found, shown = command(capsys, *words, "--set", "stiffness.cam_n_m=1e12", "--set", "settings.timestep_us=10")
     told = [text for text in found["warnings"] if text.startswith("nonpin: cam: a stiffness of 1e+12 N/m is too")]
     assert len(told) == 2, "one for the step of the runs, one for the half step of their check"
