@@ -45,6 +45,9 @@ MaterialFlag = Annotated[
     str, Parameter(help="Material of gear and housing, by its name in the library. Default: the process's.")
 ]
 ClearanceFlag = Annotated[float | None, Parameter(help="Clearance of each pair of parts [um]. Default: the process's.")]
+FitFlag = Annotated[
+    str, Parameter(metavar="H7/g6", help="Or the fit of each pair at its own size (ISO 286-1): its mean clearance.")
+]
 ProcessFlag = Annotated[
     Literal["steel", "printed", "milled"],
     Parameter(help="How a new drive is made: materials, clearances, how the pins are held."),
@@ -82,6 +85,7 @@ def new(
     process: ProcessFlag = "steel",
     material: MaterialFlag = "",
     clearance_um: ClearanceFlag = None,
+    fit: FitFlag = "",
     discs: DiscsFlag = "",
     set_: SetFlag = (),
     json: JsonFlag = False,
@@ -139,6 +143,7 @@ def new(
         backlash_arcmin=backlash_arcmin,
         material=material,
         clearance_um=clearance_um,
+        fit=fit,
     )
     answer = answered(best_ratio(wanted, low, high) if high > low else wanted)
     if answer.drives:
@@ -208,7 +213,10 @@ def _flags(way: "Way", asked: "Requirement") -> list[str]:
         "diameter": ("--diameter-mm", 1e3 * way.asked.diameter),
         "speed": ("--speed-rpm", way.asked.speed / RPM),
         "clearance": ("--clearance-um", 1e6 * way.asked.clearance),
+        "fit": ("--fit", way.asked.fit),
+        "backlash": ("--backlash-arcmin", way.asked.backlash),
         "discs": ("--discs", way.asked.discs),
+        "process": ("--process", way.asked.process),
         "material": ("--material", way.asked.material),
     }
     changed = [flags[key] for key in flags if getattr(way.asked, key) != getattr(asked, key)]

@@ -108,6 +108,8 @@ class Rating:
         What stands behind all of them, a sentence each.
     cam_give
         What the cam carries over the give of its bearing, where that was asked for.
+    work
+        The most that a point of the duty took, see `Loading`.
     """
 
     design: str
@@ -116,6 +118,7 @@ class Rating:
     items: Mapping[str, RatedItem]
     assumptions: tuple[str, ...]
     cam_give: CamGive | None = None
+    work: float = 0.0
 
     @property
     def weakest(self) -> RatedItem:

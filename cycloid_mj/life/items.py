@@ -58,7 +58,8 @@ def rate(
     ordered = sorted(items, key=lambda item: item.margin(life))
     spread = cam_give(reducer, duty) if give else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    return Rating(reducer.design.name, duty.words, life, {item.key: item for item in ordered}, assumptions, spread)
+    by_key, work = {item.key: item for item in ordered}, max(one.work for one in loadings)
+    return Rating(reducer.design.name, duty.words, life, by_key, assumptions, spread, work)
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:

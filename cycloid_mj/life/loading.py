@@ -15,10 +15,11 @@ from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
+from cycloid_mj.statics.springs import POSES as ALL_ROUND
 from cycloid_mj.statics.springs import turn_evenly
 
 POSES = 181
-"""Crank angles of a loading."""
+"""Crank angles of a loading; its powers need no more than the usual ones."""
 
 UNWOUND = 0.01
 """Torque that takes up the play, as a share of the load: the wind-up is counted from there."""
@@ -62,6 +63,8 @@ class Loading:
         On the crank [N m].
     wind_up
         Turn of the gear by the load, without the play [rad].
+    work
+        Of the balances at the load, see `Loads`.
     """
 
     point: DutyPoint
@@ -76,6 +79,7 @@ class Loading:
     losses: dict[str, float]
     crank_torque: float
     wind_up: float
+    work: float
 
 
 def relative_speed(reducer: Reducer, speed: float) -> float:
@@ -102,7 +106,8 @@ def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
     crank = design.lobes * turn_evenly(reducer, poses)
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     try:
-        contact_loads, power = loads(at, springs, torque), powers(at, abs(point.torque))
+        contact_loads = loads(at, springs, torque)
+        power = powers(at, abs(point.torque), turn_evenly(reducer, min(poses, ALL_ROUND)))
         unwound = loads(at, springs, UNWOUND * torque)
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
@@ -124,6 +129,7 @@ def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
         crank_torque=power.crank / abs(speed),
         wind_up=abs(float((contact_loads.departures - unwound.departures)[:, 2].mean()))
         / (design.output.pin_circle_radius * (1.0 - UNWOUND)),
+        work=contact_loads.work,
     )
 
 

@@ -33,12 +33,13 @@ def rated_torque(
     counts: Callable[[str], bool] | None = None,
     guess: float = 0.0,
     poses: int = POSES,
+    exact: float = EXACT,
 ) -> tuple[float, RatedItem]:
     """Compute the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
     `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
     a `guess` [N m], by default the drive's torque, goes on where the weakest item's law leads, and ends a hundred times
-    above and a thousand times below that. Fewer `poses` are quicker and less exact, as of `rate`.
+    above and a thousand times below that. Fewer `poses` are quicker and less exact, as of `rate`; `exact` is relative.
 
     Raises
     ------
@@ -51,13 +52,13 @@ def rated_torque(
     weakest: RatedItem | None = None
     while high > LOWEST * design.rated_torque:
         bears, item = _torque_borne(reducer, at, speed, life, decides, poses)
-        if abs(bears / at - 1.0) <= EXACT and item:
+        if abs(bears / at - 1.0) <= exact and item:
             return bears, item
         if bears >= at and item:
             low, weakest = at, item
         else:
             high = at
-        if weakest and (high < low * (1.0 + EXACT) or low > HIGHEST * design.rated_torque):
+        if weakest and (high < low * (1.0 + exact) or low > HIGHEST * design.rated_torque):
             return low, weakest
         at = bears if low < bears < high else _between(low, high)
     raise DesignError(

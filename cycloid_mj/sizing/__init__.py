@@ -20,8 +20,8 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
     torque_nm
         On the output, for all of the life [N m]; twice as much is held once.
     others
-        `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`, as the
-        flags of ``cycloid-mj design new``.
+        `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
+        `fit`, as the flags of ``cycloid-mj design new``.
 
     Raises
     ------

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from time import process_time
 
 from cycloid_mj.base.digits import significant
 from cycloid_mj.base.errors import DesignError, UsageError
@@ -15,12 +14,12 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.climb import GUESS, Step, climbed
+from cycloid_mj.sizing.climb import GUESS, Budget, Step, climbed
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import MOST_RATIOS, Requirement
-from cycloid_mj.sizing.trial import FEW, RESERVE, TorqueTrial, holds, settled, tried
+from cycloid_mj.sizing.trial import ENOUGH, RESERVE, TorqueTrial, holds, settled, tried
 
 SURELY = 0.97
 """Of what the best proportions bear by the laws of their items: what is told as the most, if it is found to hold."""
@@ -42,13 +41,20 @@ GROWTH, LEAST_STEP, TRIES = 2.3, 1.04, 5
 FAR = 1.5
 """How much larger where no torque at all is held."""
 
-PROMISES = 0.75
-"""Of the torque: what a change must leave the best proportions bearing, so that it is looked at closely."""
+PROMISES, LOOKED_AHEAD = 0.75, 3.0
+"""Of the torque: what a change must leave the best proportions bearing, so that it is looked at closely; and how many
+times what they bore before is looked at."""
 
-NO_BALANCE = "with these clearances its teeth hold no load at all"
+SLOWER = (0.5, 0.25, 0.1)
+"""Of the speed: what is tried with another process or a larger diameter."""
 
-MOST_WAYS, LONGEST = 3, 4.0
-"""Ways out beside a larger diameter, and the seconds of processor time within which they are looked for."""
+NO_BALANCE = "its teeth snap over within their clearances of {0:g} um under any load"
+
+MOST_WAYS, LOOKED_FOR = 3, 40.0
+"""Ways out beside a larger diameter, and the budget within which all are looked for."""
+
+TOLD = 1e-2
+"""Relative accuracy of the rated torque in a shortlist."""
 
 SLOWEST = 30.0 * RPM
 LARGEST = 3.0
@@ -128,7 +134,7 @@ def answered(asked: Requirement) -> Answer:
             f"{1e6 * asked.usual_clearance:g} um ({asked.process}): take a larger diameter, or a smaller ratio"
         )
     most, held = _most(asked, path[-1])
-    limit = held.weakest.name if held.weakest else NO_BALANCE
+    limit = held.weakest.name if held.weakest else NO_BALANCE.format(1e6 * asked.usual_clearance)
     return Answer(asked, (), most, limit, tuple(_ways(asked, path[-1], most)))
 
 
@@ -139,10 +145,12 @@ def _too_loose(asked: Requirement, drives: tuple[SizedDrive, ...]) -> Answer:
     if asked.tightened and asked.usual_clearance > finest:
         return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
     limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
-    needed = asked.but(clearance=TIGHTER * share * asked.usual_clearance)
+    needed = asked.but(clearance=TIGHTER * share * asked.usual_clearance, fit="")
     ways = [Way(f"clearances of {1e6 * needed.clearance:.2g} um", needed)] if needed.clearance >= finest else []
     larger = asked.but(diameter=_rounded_size(asked.diameter / (TIGHTER * share)))
     ways += [Way(f"{1e3 * larger.diameter:g} mm", larger)] if larger.diameter <= LARGEST else []
+    looser = asked.but(backlash=math.ceil(100.0 * least) / 100.0)
+    ways.append(Way(f"a backlash of {looser.backlash:g} arcmin", looser))
     return Answer(asked, (), 0.0, limit, tuple(way for way in ways if answered(way.asked).drives))
 
 
@@ -160,7 +168,7 @@ def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:
     ratios = sorted({round(low + (high - low) * place / max(count - 1, 1)) for place in range(count)})
 
     def bears(ratio: int) -> float:
-        step = next(climbed(asked.but(ratio=ratio)), None)
+        step = next(climbed(asked.but(ratio=ratio), Budget()), None)
         return step[1].bears if step else 0.0
 
     return asked.but(ratio=max(ratios, key=bears))
@@ -174,16 +182,16 @@ def _searched(asked: Requirement) -> tuple[Requirement, Step | None, list[Step]]
     tighter = _tightened(asked)
     for discs in [asked.discs] if asked.discs else [1, 2]:
         last = tighter.but(discs=discs)
-        found, path = _held(last)
+        found, path = _held(last, Budget())
         if found:
             return last, found, path
     return last, None, path
 
 
-def _held(asked: Requirement) -> tuple[Step | None, list[Step]]:
+def _held(asked: Requirement, budget: Budget) -> tuple[Step | None, list[Step]]:
     """Return the first proportions on the way up that hold the torque at all crank angles, and the way to them."""
     path: list[Step] = []
-    for of, trial in climbed(asked):
+    for of, trial in climbed(asked, budget):
         path.append((of, trial))
         if trial.bears >= asked.torque and (found := _holding(asked, of, asked.torque)):
             return (of, found), path
@@ -197,9 +205,9 @@ def _holding(asked: Requirement, of: Proportions, torque: float) -> TorqueTrial 
 
 def _tightened(asked: Requirement) -> Requirement:
     """Lower the clearances as far as the backlash asks for and the process can."""
-    if asked.backlash == math.inf or asked.clearance:
+    if asked.backlash == math.inf or asked.clearance or asked.fit:
         return asked
-    step = next(climbed(asked.but(discs=asked.discs or 1)), None)
+    step = next(climbed(asked.but(discs=asked.discs or 1), Budget()), None)
     if not step:
         return asked
     share = asked.backlash / figure("backlash_arcmin").value(step[1].reducer)
@@ -230,16 +238,16 @@ def _floored(value: float) -> float:
 
 def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
     """Yield changes with which the torque is held, each found to work as it would be asked for."""
-    began = process_time()
-    if larger := _larger(asked, most):
+    budget = Budget(LOOKED_FOR)
+    if larger := _larger(asked, most, budget):
         yield larger
     found = 0
     for way in _conceivable(asked, top, most):
-        if found < MOST_WAYS and process_time() - began < LONGEST and _works(way.asked, top[0]):
+        if found < MOST_WAYS and _works(way.asked, top, budget):
             found += 1
             yield way
     if not larger and not found:
-        yield from _together(asked, most)
+        yield from _together(asked)
 
 
 def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
@@ -249,42 +257,67 @@ def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
         slower = math.floor(0.9 * share * asked.speed / RPM / 10.0) * 10.0 * RPM
         if slower >= SLOWEST:
             yield Way(f"{slower / RPM:.0f} rpm", asked.but(speed=slower))
-    if not asked.clearance and asked.usual_clearance > limits.finest:
+    if not (asked.clearance or asked.fit) and asked.usual_clearance > limits.finest:
         yield Way(f"a clearance of {1e6 * limits.finest:g} um", asked.but(clearance=limits.finest))
     for material in limits.others:
         if material != asked.made_of:
             yield Way(material, asked.but(material=material))
     if asked.discs in (0, 1):
         yield Way("two discs", asked.but(discs=2))
+    for words, changed in _processes(asked):
+        yield Way(words, changed)
 
 
-def _works(asked: Requirement, of: Proportions) -> bool:
+def _processes(asked: Requirement) -> Iterator[tuple[str, Requirement]]:
+    for process in PROCESSES[asked.process].stronger:
+        yield f"{process} in place of {asked.process}", asked.but(process=process, material="", clearance=0.0, fit="")
+
+
+def _works(asked: Requirement, top: Step, budget: Budget) -> bool:
     """Tell whether a changed requirement is held; a first look at the best proportions saves the search."""
-    reducer = shaped(asked, of, asked.torque)
-    if reducer and tried(reducer, asked.torque).bears < PROMISES * asked.torque:
+    torque = min(asked.torque, LOOKED_AHEAD * top[1].bears)
+    reducer = shaped(asked, top[0], torque)
+    if reducer and tried(reducer, torque).bears < PROMISES * torque:
         return False
-    return _held(asked)[0] is not None
+    return _held(asked, budget)[0] is not None
 
 
-def _larger(asked: Requirement, most: float) -> Way | None:
-    """Find a diameter with which the torque is held."""
-    larger, bears = asked, most
+def _larger(asked: Requirement, bears: float, budget: Budget) -> Way | None:
+    """Find a diameter with which the torque is held, from one with which less is [N m]."""
+    larger = asked
     for _ in range(TRIES):
         share = (asked.torque / bears) ** (1.0 / GROWTH) if bears else FAR
         larger = larger.but(diameter=_rounded_size(larger.diameter * max(share, LEAST_STEP)))
         if larger.diameter > LARGEST:
             return None
-        found, path = _held(larger)
+        found, path = _held(larger, budget)
         if found:
             return Way(f"{1e3 * larger.diameter:g} mm", larger)
-        bears = SURELY * path[-1][1].bears if path and path[-1][1].rating else 0.0
+        bears = _borne(path)
     return None
 
 
-def _together(asked: Requirement, most: float) -> Iterator[Way]:
-    """Yield a larger diameter together with a second disc, or else with half the speed, where none alone is enough."""
-    for words, changed in (("two discs", asked.but(discs=2)), ("half the speed", asked.but(speed=0.5 * asked.speed))):
-        if larger := _larger(changed, most):
+def _borne(path: list[Step]) -> float:
+    """Return what the last proportions on a way up are sure to bear [N m]."""
+    return SURELY * path[-1][1].bears if path and path[-1][1].rating else 0.0
+
+
+def _together(asked: Requirement) -> Iterator[Way]:
+    """Yield a larger diameter together with another process, two discs or slower cranks, where none alone is enough."""
+    budget, processes = Budget(LOOKED_FOR), list(_processes(asked))
+    changes = [*processes, ("two discs", asked.but(discs=2))]
+    also, strongest = processes[-1] if processes else ("", asked)
+    for share in SLOWER:
+        slower = strongest.but(speed=share * asked.speed)
+        changes.append((f"{also}{', ' if also else ''}{slower.speed / RPM:.0f} rpm", slower))
+    for words, changed in changes:
+        found, path = _held(changed, budget)
+        if found:
+            yield Way(words, changed)
+            return
+        heated = path and path[-1][1].weakest and path[-1][1].weakest.key == "temperature"
+        larger = None if heated else _larger(changed, _borne(path), budget)
+        if larger:
             yield Way(f"{words} and {larger.words}", larger.asked)
             return
 
@@ -360,7 +393,8 @@ def _drive(asked: Requirement, of: Proportions, trial: TorqueTrial, title: str, 
 def _figures(trial: TorqueTrial) -> Figures:
     reducer, rating = trial.reducer, trial.rating
     design = reducer.design
-    lasting, _ = rated_torque(reducer, design.drive.speed, design.service.life, guess=trial.bears, poses=FEW)
+    speed, life = design.drive.speed, design.service.life
+    lasting, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=ENOUGH, exact=TOLD)
     stops = [item.safety or 0.0 for item in rating.items.values() if item.key.startswith("peak_")] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
     return {
@@ -368,7 +402,7 @@ def _figures(trial: TorqueTrial) -> Figures:
         "outer_diameter_mm": 2e3 * design.housing.outer_radius,
         "length_mm": length(reducer),
         "mass_kg": figure("mass_kg").value(reducer),
-        "rated_torque_nm": max(min(lasting, momentary), trial.torque),
+        "rated_torque_nm": min(lasting, momentary),
         "momentary_torque_nm": momentary,
         "life_h": trial.life,
         "temperature_c": rating.items["temperature"].value if rating else math.nan,

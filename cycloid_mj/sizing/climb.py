@@ -1,6 +1,7 @@
 """The most that a size bears: proportions change where the weakest item asks for it, until no change helps."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import product
 
 from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
@@ -47,45 +48,75 @@ GAIN = 1.01
 GUESS = {"steel": 6e3, "milled": 3e3, "printed": 1e3}
 """Torque over the cube of the diameter [Pa] at which the search begins; far below what most bear, so statics hold."""
 
+FIRST_SHORT_WIDTHS = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36)
+"""With which the search begins, the usual one first."""
+
+CLIMB, USUAL_WORK = 40.0, 1.5e4
+"""Trials of a climb, and the work of a balance, times the teeth, that costs as much as all else in a trial."""
+
 Step = tuple[Proportions, TorqueTrial]
 
 
-def climbed(asked: Requirement) -> Iterator[Step]:
+@dataclass
+class Budget:
+    """What may still be solved, whatever the pace of the machine: one for each drive of few teeth, easily balanced."""
+
+    left: float = CLIMB
+
+    def spend(self, trial: TorqueTrial) -> None:
+        """Pay for a trial."""
+        self.left -= 1.0 + trial.work / USUAL_WORK
+
+
+def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
     """Yield proportions and what they bear, each better than the one before; nothing where none can be built.
 
     What is tried does not depend on the torque that is asked for, so that the most that goes is the same for all.
     """
-    best = _first(asked)
+    best = _first(asked, budget)
     tested: set[Proportions] = set()
     while best:
         yield best
         tested.add(best[0])
-        best = _better(asked, best, tested)
+        best = _better(asked, best, tested, budget)
 
 
-def _first(asked: Requirement) -> Step | None:
-    """Return the first proportions that can be built: as wide as may be, then as eccentric."""
+def _first(asked: Requirement, budget: Budget) -> Step | None:
+    """Return the first proportions that hold a load, or else can be built: as wide as may be, then as eccentric.
+
+    Where the play is a good part of the eccentricity, teeth of some heights alone hold one.
+    """
     usual = Proportions()
     widths = [width for width in reversed(LEVELS["width"]) if width <= usual.width]
-    short_widths = sorted(LEVELS["short_width"], key=lambda level: abs(level - usual.short_width))
     guess = GUESS[asked.process] * asked.diameter**3
-    for width, short_width in product(widths, short_widths):
+    built: Step | None = None
+    for width, short_width in product(widths, FIRST_SHORT_WIDTHS):
         of = usual.but(short_width=short_width, width=width)
+        if built and (width < built[0].width or budget.left <= 0.0):
+            break
         if reducer := shaped(asked, of, guess):
-            return of, settled(reducer, guess)
-    return None
+            trial = tried(reducer, guess)
+            budget.spend(trial)
+            if trial.rating:
+                return of, settled(reducer, guess)
+            built = built or (of, trial)
+    return built
 
 
-def _better(asked: Requirement, best: Step, tested: set[Proportions]) -> Step | None:
-    """Return the first change that raises the torque; nothing where none does."""
+def _better(asked: Requirement, best: Step, tested: set[Proportions], budget: Budget) -> Step | None:
+    """Return the first change that raises the torque; nothing where none does, or the budget is spent."""
     for of in _changed(best):
         if of in tested:
             continue
+        if budget.left <= 0.0:
+            return None
         tested.add(of)
         bears = best[1].bears
-        reducer = shaped(asked, of, bears)
-        trial = tried(reducer, bears) if reducer else None
-        if trial and trial.rating and trial.bears > GAIN * bears:
+        if not (reducer := shaped(asked, of, bears)):
+            continue
+        trial = tried(reducer, bears)
+        budget.spend(trial)
+        if trial.rating and trial.bears > GAIN * bears:
             return of, trial
     return None
 

@@ -17,6 +17,8 @@ class ProcessLimits:
         Usual clearance of each pair, and the least that it can hold [m].
     material, others
         Of gear and housing: the usual one, and those that may be taken instead.
+    stronger
+        Processes whose drives bear more.
     changes
         Changes of the preset ``pin``, by table.
     reasons
@@ -27,6 +29,7 @@ class ProcessLimits:
     finest: float
     material: str
     others: tuple[str, ...]
+    stronger: tuple[Process, ...]
     changes: Mapping[str, Mapping[str, object]]
     reasons: Mapping[str, str]
 
@@ -39,6 +42,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
         finest=2e-6,
         material="case-hardened 16MnCr5",
         others=("bearing steel",),
+        stronger=(),
         changes=_BOUGHT,
         reasons={
             "material.name": "turned, case-hardened and ground",
@@ -51,6 +55,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
         finest=1e-5,
         material="tempered steel",
         others=("nitrided 42CrMo4", "case-hardened 16MnCr5"),
+        stronger=("steel",),
         changes={**_BOUGHT, "ring": {"pins": "fixed"}},
         reasons={
             "material.name": "milled or wire-cut from the tempered bar",
@@ -63,6 +68,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
         finest=4e-5,
         material="PLA",
         others=("PETG", "PA-CF", "POM"),
+        stronger=("milled", "steel"),
         changes={
             **_BOUGHT,
             "output_material": {"name": "bearing steel"},

@@ -98,18 +98,14 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
 
 def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
     """Draw the proportions; nothing where the design's own bounds refuse them."""
-    limits, teeth, outer, clearance = (
-        PROCESSES[asked.process],
-        asked.ratio + 1,
-        asked.diameter / 2.0,
-        asked.usual_clearance,
-    )
+    limits, teeth, outer = PROCESSES[asked.process], asked.ratio + 1, asked.diameter / 2.0
     discs = asked.discs or 1
     room = of.pin * (math.sin(math.pi / teeth) - 0.005)
     circle = rounded((1.0 - of.wall) * outer / (1.0 + room))
     pin = rounded(min(room, THICKEST) * circle)
     eccentricity = rounded(of.short_width * circle / teeth)
-    root = circle - eccentricity - pin - clearance
+    at_pin = asked.clearance_at(2.0 * pin)
+    root = circle - eccentricity - pin - at_pin
     bore = rounded(of.bore * root)
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
     hole = of.hole * min(0.5 * band, middle * math.sin(math.pi / of.output_pins) - 0.005 * circle)
@@ -144,7 +140,9 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                     "mounting": "straddle",
                 },
                 housing={"outer_radius": outer},
-                clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output"), clearance),
+                clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
+                | {"cam": asked.clearance_at(2.0 * bore), "output": asked.clearance_at(2.0 * stud)},
+                tolerance=dict.fromkeys(("mesh", "seat", "cam", "output"), asked.fit),
                 drive={
                     "torque": torque / asked.ratio,
                     "speed": asked.speed,

@@ -43,4 +43,7 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
         reasons["material.name"] = "as asked for"
     if asked.clearance:
         reasons["clearance.pin_gear"] = "as asked for"
+    if asked.fit:
+        reasons["clearance.pin_gear"] = f"the mean of {asked.fit}, of the radius"
+        reasons["tolerance.mesh"] = "as asked for"
     yield from reasons.items()

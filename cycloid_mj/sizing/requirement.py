@@ -7,11 +7,15 @@ from typing import Any, Self
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
+from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import PROCESSES, Process
 
 LEAST_RATIO, MOST_RATIO = 3, 150
 MOST_DISCS = 4
+
+PIN_SIZE = 0.06
+"""Diameter of a ring pin over that of a drive, about: where one clearance stands for those of a fit."""
 
 MOST_RATIOS = 7
 """Of a range of ratios: so many are tried, evenly spaced."""
@@ -30,6 +34,7 @@ def required(
     backlash_arcmin: float | None = None,
     material: str = "",
     clearance_um: float | None = None,
+    fit: str = "",
 ) -> "Requirement":
     """Return a requirement in the units of the command line; see `Requirement`."""
     return Requirement(
@@ -44,6 +49,7 @@ def required(
         backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
         material=material,
         clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
+        fit=fit,
     )
 
 
@@ -75,6 +81,8 @@ class Requirement:
         Of gear and housing, by its name in the library; empty: the usual one of the process.
     clearance
         Of each pair of parts [m]; 0: the usual one of the process, or less where the backlash asks for it.
+    fit
+        Of each pair of parts instead, such as H7/g6, at its own size (ISO 286-1); empty: none.
     tightened
         Whether the clearance was lowered for the backlash's sake, and may be lowered more.
     """
@@ -90,6 +98,7 @@ class Requirement:
     backlash: float = math.inf
     material: str = ""
     clearance: float = 0.0
+    fit: str = ""
     tightened: bool = False
 
     def __post_init__(self) -> None:
@@ -112,6 +121,20 @@ class Requirement:
                 raise UsageError(f"the {what} is {value:g} {unit}; it must be more than 0")
         if self.material and self.material not in MATERIALS:
             raise UsageError(f"there is no material {self.material!r}; it is one of {', '.join(MATERIALS)}")
+        if self.fit:
+            self._check_fit()
+
+    def _check_fit(self) -> None:
+        if self.clearance:
+            raise UsageError(
+                f"a fit, {self.fit}, and a clearance of {1e6 * self.clearance:g} um: leave one of them out"
+            )
+        try:
+            tightest, _ = clearances(self.fit, self.diameter)
+        except ValueError as error:
+            raise UsageError(f"the fit is {self.fit!r}: {error}") from None
+        if tightest < 0.0:
+            raise UsageError(f"the fit {self.fit} jams: its parts move in each other; take one such as H7/g6")
 
     def _sizes(self) -> Iterator[tuple[str, float, str]]:
         yield "diameter", 1e3 * self.diameter, "mm"
@@ -135,5 +158,11 @@ class Requirement:
 
     @property
     def usual_clearance(self) -> float:
-        """Clearance that is asked for, or that of the process [m]."""
+        """Clearance that is asked for, or that of the process, or that of the fit at the size of a ring pin [m]."""
+        return self.clearance_at(PIN_SIZE * self.diameter)
+
+    def clearance_at(self, size: float) -> float:
+        """Compute the clearance of a pair [m], normal to its surfaces, at its diameter [m]: of a fit the mean."""
+        if self.fit:
+            return 0.25 * sum(clearances(self.fit, size))
         return self.clearance or PROCESSES[self.process].clearance

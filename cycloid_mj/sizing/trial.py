@@ -1,7 +1,7 @@
 """A drive under a torque: what it bears by the laws of its rating, and whether it holds what is asked of it."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.life.duty import steady
@@ -20,6 +20,9 @@ RESERVE = 1.01
 NOT_HELD = 0.3
 """Of a torque at which statics found no balance: where a smaller one is looked for."""
 
+MOST_WORK, UNKNOWN_WORK = 4e4, 5e3
+"""Of a balance that counts as held: one that takes more snaps over in its play, and is slow to rate; and of none."""
+
 NEAR = 0.08
 """Relative: how near to its torque a trial's bearing torque is to be, so that the laws between need not be exact."""
 
@@ -30,7 +33,9 @@ MOST_TRIALS = 5
 class TorqueTrial:
     """A drive at a torque [N m]: its rating, the torque that it bears by the law of its weakest item, and that item.
 
-    Where statics find no balance there is neither rating nor item.
+    Its work is that of a balance, times the teeth.
+
+    Where statics find no balance, or find it only with much work, there is neither rating nor item.
     """
 
     reducer: Reducer
@@ -38,6 +43,7 @@ class TorqueTrial:
     rating: Rating | None
     bears: float
     weakest: RatedItem | None
+    work: float
 
     @property
     def life(self) -> float:
@@ -55,19 +61,30 @@ def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
     try:
         rating = rate(at.design, steady(torque, drive.speed), life, poses=poses)
     except CycloidError:
-        return TorqueTrial(at, torque, None, NOT_HELD * torque, None)
+        return TorqueTrial(at, torque, None, NOT_HELD * torque, None, UNKNOWN_WORK)
+    work = rating.work * at.design.ring.teeth
+    if work > MOST_WORK:
+        return TorqueTrial(at, torque, None, NOT_HELD * torque, None, work)
     bears, weakest = weakest_torque(filter(decides, rating.items.values()), torque, life)
-    return TorqueTrial(at, torque, rating, bears, weakest)
+    return TorqueTrial(at, torque, rating, bears, weakest, work)
 
 
 def settled(reducer: Reducer, torque: float) -> TorqueTrial:
-    """Rate a drive near the torque that it bears, looking for that from a torque [N m] on."""
-    trial = tried(reducer, torque)
+    """Rate a drive near the torque that it bears, looking for that from a torque [N m] on.
+
+    Where it holds no torque near that, the trial is of the largest at which it was seen to hold one.
+    """
+    held = tried(reducer, torque)
+    at, high = held.bears, torque if not held.rating else math.inf
     for _ in range(MOST_TRIALS):
-        if trial.rating and abs(trial.bears / trial.torque - 1.0) < NEAR:
+        if held.rating and abs(min(held.bears, high) / held.torque - 1.0) < NEAR:
             break
-        trial = tried(reducer, trial.bears)
-    return trial
+        trial = tried(reducer, at)
+        if trial.rating:
+            held, at = trial, min(trial.bears, math.sqrt(trial.torque * high))
+        else:
+            high, at = at, math.sqrt(held.torque * at) if held.rating else trial.bears
+    return replace(held, bears=min(held.bears, high))
 
 
 def holds(reducer: Reducer, torque: float) -> TorqueTrial | None:
