@@ -50,7 +50,8 @@ PlateFlag = Annotated[
     Parameter(
         negative=(),
         help="Also write plate.stl, all parts that are made, side by side and flat on z = 0, for a printer; and "
-        "bom.csv, the bill of materials: item, count, size, material, made or bought.",
+        "bom.csv, the bill of materials: item, count, size, material, made or bought, designation and fit of what is "
+        "in stock.",
     ),
 ]
 OffsetFlag = Annotated[
@@ -69,7 +70,7 @@ CamFlag = Annotated[
         metavar="X",
         validator=within(SMALLEST_BORE_MM, LARGEST_BORE_MM),
         help="Bore of the cam's rolling bearing, by its catalogue [mm]; with --plate: cams are made as thick as that. "
-        "Default: as thick as its outside, 2 gear.bore_radius_mm.",
+        "Default: that of the bearing in stock with the outside 2 gear.bore_radius_mm; if none, as thick as that.",
     ),
 ]
 
@@ -101,24 +102,26 @@ def export(
     pins and the straight shaft of several discs are on it if they are of a
     plastic, and bought otherwise; output pins that are bought have bores to be
     pressed into. Bolt holes and seats of bearings in housing and output are
-    not drawn; cams are as thick as the outside of their bearing, unless its
-    bore is given.
+    not drawn; cams are as thick as the bore of their bearing, or where none in
+    stock has the gear's bore as its outside, and none is given, as that.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
-    count, size, material, made_or_bought).
+    count, size, material, made_or_bought, designation, fit).
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.parts.export import bill, bill_csv, stl_bytes, widened
+    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, stl_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
-    seat = (cam_bearing_bore_mm or 0.0) / 2.0 / MILLIMETRES
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     reducer = Reducer(design)
+    in_stock = cam_bearing(reducer)
+    bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
+    seat = round(bore / 2.0 / MILLIMETRES, 9)
     files_and_clearances = exported(design, format_, chord_error, offset)
     printed = laid_out(widened(reducer, offset), chord_error, seat) if plate else None
     items = bill(reducer, seat) if plate else ()
@@ -153,7 +156,7 @@ def export(
         size = " x ".join(f"{MILLIMETRES * length:.1f}" for length in printed.size)
         say(f"plate of {size} mm")
         say_table("parts on the plate", ("part", "count"), [(part, str(n)) for part, n in printed.counts.items()])
-        columns = ("item", "count", "size", "material", "made or bought")
-        lines = [tuple(str(value) for value in asdict(item).values()) for item in items]
-        say_table("bill of materials", columns, lines, words=(2, 3, 4))
+        columns = ("item", "count", "size", "material", "made or bought", "designation")
+        lines = [tuple(str(value) for value in asdict(item).values())[:-1] for item in items]
+        say_table("bill of materials", columns, lines, words=(2, 3, 4, 5))
     return 0

@@ -48,6 +48,9 @@ ClearanceFlag = Annotated[float | None, Parameter(help="Clearance of each pair o
 FitFlag = Annotated[
     str, Parameter(metavar="H7/g6", help="Or the fit of each pair at its own size (ISO 286-1): its mean clearance.")
 ]
+CustomFlag = Annotated[
+    bool, Parameter(negative=(), help="Take any size, not those of pins, bearings and screws in stock.")
+]
 ProcessFlag = Annotated[
     Literal["steel", "printed", "milled"],
     Parameter(help="How a new drive is made: materials, clearances, how the pins are held."),
@@ -86,6 +89,7 @@ def new(
     material: MaterialFlag = "",
     clearance_um: ClearanceFlag = None,
     fit: FitFlag = "",
+    custom: CustomFlag = False,
     discs: DiscsFlag = "",
     set_: SetFlag = (),
     json: JsonFlag = False,
@@ -144,6 +148,7 @@ def new(
         material=material,
         clearance_um=clearance_um,
         fit=fit,
+        custom=custom,
     )
     answer = answered(best_ratio(wanted, low, high) if high > low else wanted)
     if answer.drives:
@@ -220,7 +225,8 @@ def _flags(way: "Way", asked: "Requirement") -> list[str]:
         "material": ("--material", way.asked.material),
     }
     changed = [flags[key] for key in flags if getattr(way.asked, key) != getattr(asked, key)]
-    return [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+    words = [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+    return [*words, "--custom"] if way.asked.custom and not asked.custom else words
 
 
 def _range(text: str) -> tuple[int, int]:

@@ -21,7 +21,7 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
         On the output, for all of the life [N m]; twice as much is held once.
     others
         `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
-        `fit`, as the flags of ``cycloid-mj design new``.
+        `fit`, `custom`, as the flags of ``cycloid-mj design new``.
 
     Raises
     ------

@@ -50,6 +50,8 @@ SLOWER = (0.5, 0.25, 0.1)
 
 NO_BALANCE = "its teeth snap over within their clearances of {0:g} um under any load"
 
+NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bearings"
+
 MOST_WAYS, LOOKED_FOR = 3, 40.0
 """Ways out beside a larger diameter, and the budget within which all are looked for."""
 
@@ -128,6 +130,10 @@ def answered(asked: Requirement) -> Answer:
         exact = tuple(drive for drive in drives if drive.figures["backlash_arcmin"] <= asked.backlash)
         return Answer(asked, exact) if exact else _too_loose(asked, drives)
     if not path:
+        free = asked.but(custom=True)
+        if not asked.custom and next(climbed(free, Budget()), None):
+            ways = (_larger(asked, 0.0, Budget(LOOKED_FOR)), Way(FREE, free) if _held(free, Budget())[0] else None)
+            return Answer(asked, (), 0.0, NO_STOCK, tuple(way for way in ways if way))
         raise DesignError(
             f"no gear with a ratio of {asked.ratio} fits into {1e3 * asked.diameter:g} mm"
             f"{f' by {1e3 * asked.length:g} mm' if asked.length < math.inf else ''} with clearances of "
@@ -266,6 +272,8 @@ def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
         yield Way("two discs", asked.but(discs=2))
     for words, changed in _processes(asked):
         yield Way(words, changed)
+    if not asked.custom:
+        yield Way(FREE, asked.but(custom=True))
 
 
 def _processes(asked: Requirement) -> Iterator[tuple[str, Requirement]]:
@@ -332,25 +340,36 @@ def _shortlist(asked: Requirement, found: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
     lightest = _narrowed(asked, found)
     yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
-    rest = list(_wider(asked, lightest))
+    rest = list(_others(asked, lightest))
     for title, why, merit in (
         ("stiffest", "the stiffest of those tried", lambda one: _stiffness(one[1].reducer)),
         ("longest life", "its first part to wear out lasts the longest of those tried", lambda one: one[1].life),
     ):
-        for of, _ in sorted(rest, key=merit, reverse=True):
+        least = merit(lightest)
+        for of, _ in sorted((one for one in rest if merit(one) > least), key=merit, reverse=True):
             if sure := _holding(asked, of, asked.torque):
                 yield _drive(asked, of, sure, title, why)
                 rest = [one for one in rest if one[0] != of]
                 break
 
 
-def _wider(asked: Requirement, narrow: Step) -> Iterator[Step]:
-    """Yield wider drives of some proportions that hold the torque at a first look."""
-    wide = narrow[0].but(width=min(WIDER * narrow[0].width, LEVELS["width"][-1]))
-    for of in (wide, *(wide.but(**change) for change in _variations(wide))):
+def _others(asked: Requirement, lightest: Step) -> Iterator[Step]:
+    """Yield drives that hold the torque at a first look beside the lightest: wider, or with stiffer output pins."""
+    narrow = lightest[0]
+    wide = narrow.but(width=min(WIDER * narrow.width, LEVELS["width"][-1]))
+    variations = [wide, *_varied(wide, (("bore", 1), ("pin", -1))), *_varied(narrow, (("hole", 1), ("output_pins", 1)))]
+    for of in variations:
         trial = _looked_at(asked, of)
-        if trial and of != narrow[0]:
+        if trial and of != narrow:
             yield of, trial
+
+
+def _varied(of: Proportions, changes: tuple[tuple[str, int], ...]) -> Iterator[Proportions]:
+    for name, sense in changes:
+        levels = LEVELS[name]
+        at = levels.index(getattr(of, name)) + sense
+        if 0 <= at < len(levels):
+            yield of.but(**{name: levels[at]})
 
 
 def _looked_at(asked: Requirement, of: Proportions) -> TorqueTrial | None:
@@ -358,14 +377,6 @@ def _looked_at(asked: Requirement, of: Proportions) -> TorqueTrial | None:
     reducer = shaped(asked, of, asked.torque)
     trial = tried(reducer, asked.torque) if reducer else None
     return trial if trial and trial.rating and trial.bears >= RESERVE * asked.torque else None
-
-
-def _variations(of: Proportions) -> Iterator[dict[str, float]]:
-    for name, sense in (("bore", 1), ("pin", -1)):
-        levels = LEVELS[name]
-        at = levels.index(getattr(of, name)) + sense
-        if 0 <= at < len(levels):
-            yield {name: levels[at]}
 
 
 def _narrowed(asked: Requirement, found: Step) -> Step:

@@ -48,8 +48,8 @@ GAIN = 1.01
 GUESS = {"steel": 6e3, "milled": 3e3, "printed": 1e3}
 """Torque over the cube of the diameter [Pa] at which the search begins; far below what most bear, so statics hold."""
 
-FIRST_SHORT_WIDTHS = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36)
-"""With which the search begins, the usual one first."""
+FIRST_SHORT_WIDTHS, FIRST_BORES = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36), (0.42, 0.54)
+"""With which the search begins, the usual ones first."""
 
 CLIMB, USUAL_WORK = 40.0, 1.5e4
 """Trials of a climb, and the work of a balance, times the teeth, that costs as much as all else in a trial."""
@@ -90,9 +90,9 @@ def _first(asked: Requirement, budget: Budget) -> Step | None:
     widths = [width for width in reversed(LEVELS["width"]) if width <= usual.width]
     guess = GUESS[asked.process] * asked.diameter**3
     built: Step | None = None
-    for width, short_width in product(widths, FIRST_SHORT_WIDTHS):
-        of = usual.but(short_width=short_width, width=width)
-        if built and (width < built[0].width or budget.left <= 0.0):
+    for width, bore, short_width in product(widths, FIRST_BORES, FIRST_SHORT_WIDTHS):
+        of = usual.but(short_width=short_width, bore=bore, width=width)
+        if built and ((width, bore) != (built[0].width, built[0].bore) or budget.left <= 0.0):
             break
         if reducer := shaped(asked, of, guess):
             trial = tried(reducer, guess)

@@ -11,7 +11,9 @@ from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.life.figures import length
+from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing import bought
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -38,6 +40,9 @@ LEVELS: dict[str, tuple[float, ...]] = {
 
 GAP_SHARE = 0.04
 """Of a gap between discs in the outer radius: room for the spacer, and little for tilting couples."""
+
+DISC_SHARE = 0.15
+"""Of the thickness of an output disc in the outer radius."""
 
 OVERRATED = 1.1
 """Power of the motor over that which torque and speed ask for."""
@@ -96,22 +101,68 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
     return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
 
 
-def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
-    """Draw the proportions; nothing where the design's own bounds refuse them."""
-    limits, teeth, outer = PROCESSES[asked.process], asked.ratio + 1, asked.diameter / 2.0
-    discs = asked.discs or 1
-    room = of.pin * (math.sin(math.pi / teeth) - 0.005)
-    circle = rounded((1.0 - of.wall) * outer / (1.0 + room))
-    pin = rounded(min(room, THICKEST) * circle)
+@dataclass(frozen=True)
+class _Sizes:
+    """Sizes of a drive that stock decides, or that are free [m]; `width` and `core` are 0 where they follow a rule."""
+
+    pin: float
+    circle: float
+    bore: float
+    shaft: float
+    width: float
+    stud: float
+    core: float
+
+
+def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
+    """Size what may be bought; nothing where stock, or the room that there is, has none of that size."""
+    teeth, outer, discs = asked.ratio + 1, asked.diameter / 2.0, asked.discs or 1
+    room = math.sin(math.pi / teeth) - 0.005
+    circle = rounded((1.0 - of.wall) * outer / (1.0 + of.pin * room))
+    pin = rounded(min(of.pin * room, THICKEST) * circle)
+    if not asked.custom:
+        found = bought.ring_pin(pin, room * circle)
+        if not found:
+            return None
+        pin, circle = found, rounded((1.0 - of.wall) * outer - found)
     eccentricity = rounded(of.short_width * circle / teeth)
-    at_pin = asked.clearance_at(2.0 * pin)
-    root = circle - eccentricity - pin - at_pin
-    bore = rounded(of.bore * root)
+    root = circle - eccentricity - pin - asked.clearance_at(2.0 * pin)
+    bore, cam, width = rounded(of.bore * root), math.inf, 0.0
+    if not asked.custom:
+        bearing = bought.cam_bearing(bore, rounded(of.width * circle / discs))
+        if not bearing:
+            return None
+        bore, cam = bearing.bore_radius, bearing.cam_radius
+    shaft = rounded(min(of.shaft * bore, 0.85 * (min(bore, cam) - eccentricity)))
+    if not asked.custom:
+        found_shaft = bought.shaft_bearing(shaft, bar=discs > 1)
+        if not found_shaft:
+            return None
+        shaft, width = round(0.5 * found_shaft.bore, 9), found_shaft.width
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
     hole = of.hole * min(0.5 * band, middle * math.sin(math.pi / of.output_pins) - 0.005 * circle)
-    stud = rounded(hole - eccentricity)
+    stud, core = rounded(hole - eccentricity), 0.0
     if not min(root, stud) > SLIMMEST * hole > 0.0:
         return None
+    if not asked.custom:
+        length = of.width * circle + (discs - 1) * GAP_SHARE * outer + 2.0 * (DISC_SHARE * outer + AXIAL_GAP)
+        found_core = bought.core(stud, length)
+        if not found_core:
+            return None
+        core = found_core
+    return _Sizes(pin, circle, bore, shaft, width, stud, core)
+
+
+def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
+    """Draw the proportions; nothing where stock has no parts for them, or the design's own bounds refuse them."""
+    limits, teeth, outer = PROCESSES[asked.process], asked.ratio + 1, asked.diameter / 2.0
+    discs, sizes = asked.discs or 1, _sized(asked, of)
+    if sizes is None:
+        return None
+    circle, pin, bore, stud = sizes.circle, sizes.pin, sizes.bore, sizes.stud
+    eccentricity, at_pin = rounded(of.short_width * circle / teeth), asked.clearance_at(2.0 * pin)
+    middle = 0.5 * (bore + circle - eccentricity - pin - at_pin)
+    clamping = {} if asked.custom else bought.clamping(outer - circle - pin)
     try:
         return Reducer(
             PRESETS["pin"].but(
@@ -128,18 +179,20 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                 output={
                     "pins": of.output_pins,
                     "pin_radius": stud,
+                    "core_radius": sizes.core,
                     "pin_circle_radius": rounded(middle),
                     "hole_radius": stud + eccentricity,
-                    "disc_thickness": rounded(0.15 * outer),
+                    "disc_thickness": rounded(DISC_SHARE * outer),
                     "support": "both_ends",
                 },
                 shaft={
-                    "radius": rounded(min(of.shaft * bore, 0.85 * (bore - eccentricity))),
+                    "radius": sizes.shaft,
+                    "bearing_width": sizes.width,
                     "counterweight_radius": rounded(0.75 * (circle - pin)),
                     "length": rounded(0.3 * outer),
                     "mounting": "straddle",
                 },
-                housing={"outer_radius": outer},
+                housing={"outer_radius": outer, **clamping},
                 clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
                 | {"cam": asked.clearance_at(2.0 * bore), "output": asked.clearance_at(2.0 * stud)},
                 tolerance=dict.fromkeys(("mesh", "seat", "cam", "output"), asked.fit),
@@ -161,9 +214,9 @@ def _balanced(reducer: Reducer) -> Reducer:
     """Make the shaft as long as its bearing and the counterweight that balances the gear need."""
     shaft = reducer.design.shaft
     if reducer.design.gear.discs > 1:
-        return reducer.but(shaft={"length": rounded_up(2.0 * shaft.radius)})
+        return reducer.but(shaft={"length": rounded_up(max(2.0 * shaft.radius, 1.1 * shaft.bearing_width))})
     needed = MILLIMETRE.to_si(bearings(reducer).bound or 0.0)
-    return reducer.but(shaft={"length": rounded_up(needed + 1.5 * shaft.radius)})
+    return reducer.but(shaft={"length": rounded_up(needed + (0.5 if shaft.bearing_width else 1.5) * shaft.radius)})
 
 
 def rounded(length: float) -> float:

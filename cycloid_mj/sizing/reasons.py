@@ -16,10 +16,11 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     yield "structure", "as drives are built: output pins bend, carrier, shaft and housing twist"
     yield "ring.teeth", f"the ratio {design.lobes} plus one"
     yield "ring.pin_circle_radius", f"leaves a wall of {of.wall:.0%} of the outer radius"
-    yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours"
+    stock = "" if asked.custom else ", in stock"
+    yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours, about{stock}"
     yield "gear.eccentricity", f"K1 = c N / E = {of.short_width:g}: the largest with which nothing else is weaker"
     yield "gear.face_width", f"{of.width:.0%} of the pin circle for all discs{weakest}"
-    yield "gear.bore_radius", f"{of.bore:.0%} of the gear's root"
+    yield "gear.bore_radius", f"{of.bore:.0%} of the gear's root, about{stock and ', for a bearing in stock'}"
     if discs > 1:
         one_part = are_one_part(discs, design.output.pins, design.lobes)
         yield "gear.discs", "as asked for; they balance each other" if asked.discs else "one is too few"
@@ -31,7 +32,11 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     yield "output.pin_radius", f"its hole takes {of.hole:.0%} of the web, or of the room between neighbours"
     yield "output.hole_radius", "output pin + eccentricity"
     yield "output.support", "held at one end, the pins would bend away from the load"
-    yield "shaft.radius", f"{of.shaft:.0%} of the bore"
+    if stock:
+        yield "output.core_radius", "a dowel in stock under the roller"
+        yield "shaft.bearing_width", "of a bearing in stock"
+        yield "housing.support", "screws in stock, where the wall behind the teeth has room for them"
+    yield "shaft.radius", f"at most {of.shaft:.0%} of the bore, and room for its bearing within the cam{stock}"
     yield "shaft.length", "room for a bearing" + (", and for the counterweight" if discs == 1 else "")
     yield "shaft.mounting", "a bearing on either side of the discs"
     yield "housing.outer_radius", "as asked for"

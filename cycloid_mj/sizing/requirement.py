@@ -35,6 +35,7 @@ def required(
     material: str = "",
     clearance_um: float | None = None,
     fit: str = "",
+    custom: bool = False,
 ) -> "Requirement":
     """Return a requirement in the units of the command line; see `Requirement`."""
     return Requirement(
@@ -50,6 +51,7 @@ def required(
         material=material,
         clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
         fit=fit,
+        custom=custom,
     )
 
 
@@ -83,6 +85,8 @@ class Requirement:
         Of each pair of parts [m]; 0: the usual one of the process, or less where the backlash asks for it.
     fit
         Of each pair of parts instead, such as H7/g6, at its own size (ISO 286-1); empty: none.
+    custom
+        Whether sizes are free, and not those of pins and bearings in stock.
     tightened
         Whether the clearance was lowered for the backlash's sake, and may be lowered more.
     """
@@ -99,6 +103,7 @@ class Requirement:
     material: str = ""
     clearance: float = 0.0
     fit: str = ""
+    custom: bool = False
     tightened: bool = False
 
     def __post_init__(self) -> None:

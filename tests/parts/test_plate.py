@@ -162,10 +162,13 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
     """Of the preset printed: 5 mm under rollers of 9 mm, through two discs of 8 mm, two gaps of 1 mm and the gear."""
     design = DESIGNS["printed"]
     lines = {item.item: item for item in bill(Reducer(design))}
-    assert lines["output_pin"].size == "diameter 5 x length 43 mm"
+    assert lines["output_pin"].size == "diameter 5 x length 45 mm"  # the shortest in stock that is 43 mm long
+    assert lines["output_pin"].designation == "ISO 8734 - 5 x 45 - A"
+    assert lines["output_pin"].fit == "m6 in H7"
     assert lines["output_roller"].size == "outside diameter 9 x bore 5 x length 25 mm"
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
-    assert lines["shaft_bearing"].size.startswith("bore 12 x length ")
+    assert lines["shaft_bearing"].size == "outside diameter 24 x bore 12 x length 6 mm"
+    assert (lines["shaft_bearing"].designation, lines["shaft_bearing"].fit) == ("61901", "H7 outside, j6 on the shaft")
     for name in ("output", "output_2"):
         bores = printed_parts(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
         for bore, centre in zip(bores, output_centres(Reducer(design)), strict=True):
@@ -270,6 +273,6 @@ def test_the_command_without_a_plate_writes_parts_alone(tmp_path: Path, capsys: 
 def test_a_bill_is_csv_of_its_lines() -> None:
     items = bill(Reducer(DESIGNS["sleeved"]))
     rows = list(csv.reader(io.StringIO(bill_csv(items).decode())))
-    assert rows[0] == ["item", "count", "size", "material", "made_or_bought"]
+    assert rows[0] == ["item", "count", "size", "material", "made_or_bought", "designation", "fit"]
     assert len(rows) == 1 + len(items)
     assert all(len(one) == len(other) for one, other in pairwise(rows))

@@ -11,13 +11,14 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
-from cycloid_mj.design import load, loads
+from cycloid_mj.design import Design, load, loads, stock
 from cycloid_mj.design.file import dump
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.life.datasheet import datasheet, momentary_torque
 from cycloid_mj.life.figures import length
 from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.parts.export import bill
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered, best_ratio
 from cycloid_mj.sizing.proportions import Proportions, rounded, shaped
@@ -41,7 +42,7 @@ def require_held(drive: SizedDrive, asked: Requirement, told: float = 0.02) -> N
     assert rated >= asked.torque
     assert momentary >= 2.0 * asked.torque
     assert drive.figures["rated_torque_nm"] == pytest.approx(min(rated, momentary), rel=told)
-    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.02)
+    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.05)  # of fewer angles
 
 
 def require_kept(answer: Answer, ways: int = 9) -> None:
@@ -195,6 +196,55 @@ def test_a_fit_is_the_mean_clearance_of_each_pair_at_its_own_size() -> None:
         assert getattr(design.clearance, pair) == pytest.approx(0.25 * sum(clearances("H7/g6", 2.0 * radius)))
     assert design.clearance.cam > design.clearance.pin_gear
     assert design.tolerance.mesh == design.tolerance.cam == "H7/g6"
+
+
+def require_in_stock(design: Design) -> None:
+    """Fail unless each bought part of a design has a designation, and the sizes that stock has under it."""
+    lines = [line for line in bill(Reducer(design)) if line.made_or_bought == "bought"]
+    assert {"pin", "output_pin", "cam_bearing", "shaft_bearing"} <= {line.item for line in lines}
+    for line in lines:
+        assert line.designation, line
+    seats = {one.designation: one for one in stock.needle_bearings()}
+    by_item = {line.item: line for line in lines}
+    assert seats[by_item["cam_bearing"].designation].outside == pytest.approx(2.0 * design.gear.bore_radius)
+    assert seats[by_item["shaft_bearing"].designation].bore == pytest.approx(2.0 * design.shaft.radius)
+    assert 2.0 * design.ring.pin_radius in stock.pin_diameters()
+    assert 2.0 * design.output.core_radius in stock.dowel_diameters()
+
+
+def test_all_that_is_bought_is_in_stock(small: Answer) -> None:
+    for drive in small.drives:
+        require_in_stock(drive.design)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "asked",
+    [Requirement(15, 0.12, 3.5, process="printed"), Requirement(35, 0.16, 60.0, process="milled", discs=2)],
+    ids=str,
+)
+def test_all_that_is_bought_for_other_drives_is_in_stock(asked: Requirement) -> None:
+    drives = answered(asked).drives
+    assert drives
+    for drive in drives:
+        require_in_stock(drive.design)
+
+
+def test_custom_sizes_are_free() -> None:
+    proportions = Proportions(pin=0.57, bore=0.45)
+    free, bought = (shaped(SMALL.but(custom=custom), proportions, 4.0) for custom in (True, False))
+    assert free is not None
+    assert bought is not None
+    require_in_stock(bought.design)
+    assert 2.0 * free.design.ring.pin_radius not in stock.pin_diameters()
+    assert not stock.bearings_outside(2.0 * free.design.gear.bore_radius)
+
+
+def test_no_parts_in_stock_is_told_with_what_goes() -> None:
+    refused = answered(Requirement(7, 0.0325, 0.5))
+    assert "no pins and bearings in stock fit" in refused.refusal
+    assert any(way.asked.custom for way in refused.ways)
+    require_kept(refused, ways=1)
 
 
 def test_no_room_for_a_gear_is_said() -> None:

@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import gears
 from cycloid_mj.design import Design
 from cycloid_mj.parts import mass_properties, mesh, parts
-from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
@@ -39,6 +39,7 @@ __all__ = [
     "Spline",
     "bill",
     "bill_csv",
+    "cam_bearing",
     "dxf_bytes",
     "export",
     "obj_bytes",

@@ -10,6 +10,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches, parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.printing import (
@@ -32,16 +33,27 @@ MADE_OF = {
 }
 """Part -> the one whose material it has, where that is another."""
 
+PRESSED, FREE = "m6 in H7", "m6, free in its socket"
+"""Fits of dowels (m6, ISO 8734)."""
+
+NEEDLES, BALLS = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
+"""Fits of drawn cups and the shaft under their needles (ISO 3245), and of ball bearings whose shaft turns."""
+
 
 @dataclass(frozen=True)
 class BillLine:
-    """One line of the bill; the size says what it measures, in mm. Rolling bearings are of their maker's material."""
+    """One line of the bill; the size says what it measures, in mm. Rolling bearings are of their maker's material.
+
+    What is bought has a designation where it is in stock (``design.stock``), and the fit of its seat (ISO 286-1).
+    """
 
     item: str
     count: int
     size: str
     material: str
     made_or_bought: Literal["made", "bought"]
+    designation: str = ""
+    fit: str = ""
 
 
 def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
@@ -78,6 +90,21 @@ def _manufactured(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
 
 
 def _bought(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
+    yield from _pins(reducer)
+    yield from _rollers(reducer)
+    yield from _bearings(reducer, cam_seat)
+    design = reducer.design
+    if design.housing.support == "bolts":
+        size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
+        screw = stock.bolt_under(2.0 * design.bolt_radius)
+        yield BillLine("bolt", design.housing.bolts, size, "", "bought", screw.designation if screw else "")
+        if screw and is_printed(reducer, names.HOUSING) and (insert := stock.insert_of(screw.thread)):
+            size = f"hole {_mm(insert.hole)} x length {_mm(insert.length)} mm"
+            yield BillLine("insert", design.housing.bolts, size, "brass", "bought", insert.designation)
+
+
+def _pins(reducer: Reducer) -> Iterator[BillLine]:
+    """List ring pins, output pins and the shaft of several discs, which are round bars."""
     design = reducer.design
     ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
@@ -85,32 +112,82 @@ def _bought(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
         if ring.has_sleeves:
             sizes = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
             yield BillLine(names.SLEEVE, ring.teeth, _round(*sizes, length=gear.stack_width), material, "bought")
-            size = _round(("diameter", sleeve_core_radius(reducer)), length=gear.stack_width)
-            yield BillLine(PRESSED_PIN, ring.teeth, size, material, "bought")
+            core = sleeve_core_radius(reducer)
+            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESSED)
         else:
-            size = _round(("diameter", ring.pin_radius), length=gear.stack_width)
-            yield BillLine(names.PIN, ring.teeth, size, material, "bought")
+            fit = FREE if ring.has_sockets else PRESSED
+            yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, fit)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
-        size = _round(("diameter", output.root_radius), length=output_pin_length(reducer))
-        yield BillLine(OUTPUT_PIN, output.pins, size, _material(reducer, names.OUTPUT), "bought")
+        length = output_pin_length(reducer)
+        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESSED)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
-        (bar,) = parts(reducer)[names.SHAFT].prisms
-        size = _round(("diameter", shaft.radius), length=bar.height)
-        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought")
+        (drawn,) = parts(reducer)[names.SHAFT].prisms
+        size = _round(("diameter", shaft.radius), length=drawn.height)
+        bar = f"ground bar {_mm(2.0 * shaft.radius)} h6" if 2.0 * shaft.radius in stock.bar_diameters() else ""
+        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar)
+
+
+def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:
+    """Return the line of round pins: of those in stock, which may stand in line, or of their own size."""
+    found = stock.pins(2.0 * radius, reach)
+    if not found:
+        return BillLine(item, count, _round(("diameter", radius), length=reach), material, "bought")
+    pin, in_line = found
+    size = _round(("diameter", radius), length=pin.length)
+    return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
+
+
+def _rollers(reducer: Reducer) -> Iterator[BillLine]:
+    """List the rollers of the output pins: made where they turn on a core of their own, as none is in stock."""
+    output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
-        size = _round(*sizes, length=gear.face_width)
-        yield BillLine(names.ROLLER, output.pins * gear.discs, size, "", "bought")
+        size, count = _round(*sizes, length=gear.face_width), output.pins * gear.discs
+        if output.has_roller_parts:
+            yield BillLine(names.ROLLER, count, size, _material(reducer, names.OUTPUT), "made")
+        else:
+            yield BillLine(names.ROLLER, count, size, "", "bought")
+
+
+def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
+    """List the bearings of the cams and of the shaft."""
+    design = reducer.design
+    gear, shaft = design.gear, design.shaft
     if gear.bearing == "rolling":
-        bore = (("bore", cam_seat),) if cam_seat else ()
-        size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
-        yield BillLine("cam_bearing", gear.discs, size, "", "bought")
+        found = cam_bearing(reducer)
+        if found and cam_seat in (0.0, round(0.5 * found[0].bore, 9)):
+            bearing, count = found
+            size = _sizes_of(bearing)
+            yield BillLine("cam_bearing", gear.discs * count, size, "", "bought", bearing.designation, _fit_of(bearing))
+        else:
+            bore = (("bore", cam_seat),) if cam_seat else ()
+            size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
+            yield BillLine("cam_bearing", gear.discs, size, "", "bought")
     seats = bearing_seats(reducer, crank_stretches(reducer))
-    size = _round(("bore", shaft.radius), length=seats[0][1] - seats[0][0])
-    yield BillLine("shaft_bearing", len(seats), size, "", "bought")
-    if design.housing.support == "bolts":
-        size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
-        yield BillLine("bolt", design.housing.bolts, size, "", "bought")
+    width = seats[0][1] - seats[0][0]
+    if alike := stock.bearings_on(2.0 * shaft.radius, width):
+        size = _sizes_of(alike[0])
+        yield BillLine("shaft_bearing", len(seats), size, "", "bought", alike[0].designation, _fit_of(alike[0]))
+    else:
+        yield BillLine("shaft_bearing", len(seats), _round(("bore", shaft.radius), length=width), "", "bought")
+
+
+def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
+    """Choose the bearing in stock for each cam, and how many stand side by side; none if none fits gear and cam."""
+    design = reducer.design
+    gear = design.gear
+    least = gear.eccentricity + (design.shaft.radius if gear.discs > 1 else 0.0)
+    found = [one for one in stock.bearings_outside(2.0 * gear.bore_radius) if one.bore > 2.0 * least]
+    return stock.side_by_side(found, gear.face_width) if gear.bearing == "rolling" else None
+
+
+def _fit_of(bearing: stock.StockBearing) -> str:
+    return BALLS if bearing in stock.ball_bearings() else NEEDLES
+
+
+def _sizes_of(bearing: stock.StockBearing) -> str:
+    sizes = ("outside diameter", 0.5 * bearing.outside), ("bore", 0.5 * bearing.bore)
+    return _round(*sizes, length=bearing.width)
 
 
 def _material(reducer: Reducer, part: str) -> str:

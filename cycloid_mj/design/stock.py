@@ -1,0 +1,241 @@
+"""What can be bought: dowels, pin gauges, bearings, screws and inserts, with the sizes of their standards.
+
+Sizes in the tables are millimetres and kilonewtons, as printed there; what is handed out is in SI. Dimensions are those
+of the standard that is named; load ratings are of SKF, Rolling bearings (PUB BU/P1 17000 EN), 2018, deep groove ball
+bearings: other makers differ by some per cent.
+"""
+
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+MM, KN = 1e-3, 1e3
+
+ROUNDING = 1e-7
+"""Within which sizes are the same [m]."""
+
+_LENGTHS: tuple[int, ...] = (
+    *(3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 35, 40, 45, 50, 55, 60, 65, 70, 75),
+    *(80, 85, 90, 95, 100),
+)
+
+_DOWELS = {
+    1: (3, 10),
+    1.5: (4, 16),
+    2: (5, 20),
+    2.5: (6, 24),
+    3: (8, 30),
+    4: (10, 40),
+    5: (12, 50),
+    6: (14, 60),
+    8: (18, 80),
+    10: (22, 100),
+    12: (26, 100),
+    16: (40, 100),
+    20: (50, 100),
+}
+"""ISO 8734:1997, table 1, hardened, m6: diameter -> shortest and longest of `_LENGTHS`."""
+
+_GAUGES, _GAUGE_LENGTH, _GAUGE_STEP = (0.2, 1.0), 40, 0.01
+"""DIN 2269, hardened, +-2 um: least and largest diameter that is taken, length and step; ring pins below 1 mm."""
+
+_DRAWN_CUPS = """
+3 6.5 6   4 8 8   5 9 9   6 10 8   6 10 9   7 11 9   8 12 8   8 12 10   9 13 10   9 13 12   10 14 10   10 14 12
+10 14 15   12 16 10   12 18 12   13 19 12   14 20 12   14 20 16   15 21 12   15 21 16   16 22 12   16 22 16
+17 23 12   18 24 12   18 24 16   20 26 10   20 26 12   20 26 16   20 26 20   22 28 10   22 28 12   22 28 16
+22 28 20   25 32 12   25 32 16   25 32 20   28 35 16   28 35 20   30 37 12   30 37 16   30 37 20   35 42 12
+35 42 16   35 42 20   40 47 12   40 47 16   40 47 20   45 52 12   45 52 16   45 52 20   50 58 20   50 58 25
+55 63 20   60 68 12   60 68 20
+"""
+"""ISO 3245:2015, drawn cup needle roller bearings with open ends (HK): bore over the needles, outside, width."""
+
+_NEEDLE_BEARINGS = """
+00 14 22 13   01 16 24 13   02 20 28 13   03 22 30 13   04 25 37 17   05 30 42 17   06 35 47 17   07 42 55 20
+08 48 62 22   09 52 68 22   10 58 72 22   11 63 80 25   12 68 85 25   13 72 90 25   14 80 100 30   15 85 105 30
+16 90 110 30   17 100 120 35   18 105 125 35   19 110 130 35   20 115 140 40   22 125 150 40   24 135 165 45
+26 150 180 50   28 160 190 50
+"""
+"""ISO 1206:2018, machined needle roller bearings without inner ring (RNA 49): number, bore, outside, width."""
+
+_BALL_BEARINGS = """
+623 3 10 4 0.488 0.146     624 4 13 5 0.936 0.29     625 5 16 5 1.14 0.38       626 6 19 6 2.34 0.95
+607 7 19 6 2.34 0.95       608 8 22 7 3.45 1.37      627 7 22 7 3.45 1.37       629 9 26 8 4.75 1.96
+61900 10 22 6 2.7 1.27     61901 12 24 6 2.91 1.46   61902 15 28 7 4.36 2.24    61903 17 30 7 4.62 2.55
+61904 20 37 9 6.37 3.65    61905 25 42 9 7.02 4.3    61906 30 47 9 7.28 4.55    61907 35 55 10 9.56 6.8
+61908 40 62 12 13.8 10     61909 45 68 12 14 10.8    61910 50 72 12 14.6 11.8
+6000 10 26 8 4.75 1.96     6001 12 28 8 5.4 2.36     6002 15 32 9 5.85 2.85     6003 17 35 10 6.37 3.25
+6004 20 42 12 9.95 5       6005 25 47 12 11.9 6.55   6006 30 55 13 13.8 8.3     6007 35 62 14 16.8 10.2
+6008 40 68 15 17.8 11      6009 45 75 16 22.1 14.6   6010 50 80 16 22.9 16
+6200 10 30 9 5.4 2.36      6201 12 32 10 7.28 3.1    6202 15 35 11 8.06 3.75    6203 17 40 12 9.95 4.75
+6204 20 47 14 13.5 6.55    6205 25 52 15 14.8 7.8    6206 30 62 16 20.3 11.2    6207 35 72 17 27 15.3
+6208 40 80 18 32.5 19      6209 45 85 19 35.1 21.6   6210 50 90 20 37.1 23.2
+"""
+"""ISO 15:2017, deep groove ball bearings: number, bore, outside, width, dynamic and static load rating [kN]."""
+
+_BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, 20, 25, 30, 35, 40, 45, 50, 55, 60, 80)
+"""Diameters of shafts of hardened and ground steel, h6, by the metre (ISO 13012-1 has bushings for most of them)."""
+
+_BOLTS = """
+1.6 3 1.6   2 3.8 2   2.5 4.5 2.5   3 5.5 3   4 7 4   5 8.5 5   6 10 6   8 13 8   10 16 10   12 18 12   16 24 16
+"""
+"""ISO 4762:2004, hexagon socket head cap screws: thread, diameter and height of the head."""
+
+_INSERTS = """
+2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7
+"""
+"""Heat-set inserts for plastics (Ruthex RX-M, 2023): thread, hole, length."""
+
+
+@dataclass(frozen=True)
+class Dowel:
+    """A round pin: designation, diameter and length [m]."""
+
+    designation: str
+    diameter: float
+    length: float
+
+
+@dataclass(frozen=True)
+class StockBearing:
+    """A rolling bearing: designation, bore, outside and width [m], load ratings [N] (0: by its rollers, ISO 281)."""
+
+    designation: str
+    bore: float
+    outside: float
+    width: float
+    dynamic: float = 0.0
+    static: float = 0.0
+
+
+@dataclass(frozen=True)
+class Bolt:
+    """A socket head screw: designation, thread, diameter and height of its head [m]."""
+
+    designation: str
+    thread: float
+    head: float
+    head_height: float
+
+
+@dataclass(frozen=True)
+class Insert:
+    """A heat-set insert: designation, thread, hole and length [m]."""
+
+    designation: str
+    thread: float
+    hole: float
+    length: float
+
+
+@cache
+def pin_diameters() -> tuple[float, ...]:
+    """List the diameters of hardened pins [m], from the thinnest on."""
+    steps = range(round(_GAUGES[0] / _GAUGE_STEP), round(_GAUGES[1] / _GAUGE_STEP))
+    return tuple(round(size * MM, 9) for size in (*(step * _GAUGE_STEP for step in steps), *_DOWELS))
+
+
+def dowel_diameters() -> tuple[float, ...]:
+    """List the diameters of dowels [m], from the thinnest on."""
+    return tuple(round(size * MM, 9) for size in _DOWELS)
+
+
+def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
+    """Find the pin of a diameter [m] for a reach [m], and how many stand in line; nothing where none has that diameter.
+
+    The shortest that reaches so far: its end stands in the cover. Pin gauges are cut to length.
+    """
+    size, needed = round(diameter / MM, 6), reach / MM
+    if size in _DOWELS:
+        shortest, longest = _DOWELS[size]
+        count = max(-(-needed // longest), 1)
+        usual = [length for length in _LENGTHS if shortest <= length <= longest]
+        length = usual[min(bisect_left(usual, needed / count - 1e-6), len(usual) - 1)]
+        return Dowel(f"ISO 8734 - {size:g} x {length} - A", diameter, length * MM), int(count)
+    if _GAUGES[0] <= size < _GAUGES[1] and abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) < 1e-6:
+        return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGE_LENGTH}", diameter, _GAUGE_LENGTH * MM), 1
+    return None
+
+
+def bar_diameters() -> tuple[float, ...]:
+    """List the diameters of ground bars [m], from the thinnest on."""
+    return tuple(round(size * MM, 9) for size in _BARS)
+
+
+@cache
+def needle_bearings() -> tuple[StockBearing, ...]:
+    """List needle roller bearings without inner ring, the smallest first: drawn cups, and beyond them machined ones."""
+    cups = [
+        StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width)) for bore, out, width in _rows(_DRAWN_CUPS, 3)
+    ]
+    rings = [
+        StockBearing(f"RNA49{number:02g}", *_si(bore, out, width))
+        for number, bore, out, width in _rows(_NEEDLE_BEARINGS, 4)
+    ]
+    largest = max(cup.outside for cup in cups)
+    found = [*cups, *(ring for ring in rings if ring.outside > largest)]
+    return tuple(sorted(found, key=lambda one: (one.outside, one.bore, one.width)))
+
+
+@cache
+def ball_bearings() -> tuple[StockBearing, ...]:
+    """List deep groove ball bearings, the smallest first."""
+    found = [
+        StockBearing(f"{number:g}", *_si(bore, outside, width), dynamic * KN, static * KN)
+        for number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
+    ]
+    return tuple(sorted(found, key=lambda one: (one.bore, one.outside)))
+
+
+@cache
+def bolts() -> tuple[Bolt, ...]:
+    """List socket head screws, the thinnest first."""
+    return tuple(Bolt(f"ISO 4762 - M{size:g}", *_si(size, head, high)) for size, head, high in _rows(_BOLTS, 3))
+
+
+@cache
+def inserts() -> tuple[Insert, ...]:
+    """List heat-set inserts, the thinnest first."""
+    return tuple(Insert(f"M{size:g} x {high:g}", *_si(size, hole, high)) for size, hole, high in _rows(_INSERTS, 3))
+
+
+def side_by_side(found: Iterable[StockBearing], width: float) -> tuple[StockBearing, int] | None:
+    """Choose of bearings alike but for their width those that fill a width [m] best; none if none fits."""
+    fitting = [(one, int(width / one.width + 1e-6)) for one in found if one.width <= width * (1.0 + 1e-6)]
+    return max(fitting, key=lambda pair: (round(pair[1] * pair[0].width, 9), -pair[1]), default=None)
+
+
+def bearings_outside(outside: float) -> tuple[StockBearing, ...]:
+    """List the bearings with an outside diameter [m]: needle bearings, or where there are none ball bearings."""
+    return _alike(needle_bearings(), outside, "outside") or _alike(ball_bearings(), outside, "outside")
+
+
+def bearings_on(bore: float, width: float) -> tuple[StockBearing, ...]:
+    """List the bearings for a shaft that have a width [m]: needle bearings, then ball bearings."""
+    found = (*_alike(needle_bearings(), bore, "bore"), *_alike(ball_bearings(), bore, "bore"))
+    return _alike(found, width, "width")
+
+
+def _alike(found: Iterable[StockBearing], size: float, name: str) -> tuple[StockBearing, ...]:
+    return tuple(one for one in found if abs(getattr(one, name) - size) < ROUNDING)
+
+
+def bolt_under(head: float) -> Bolt | None:
+    """Find the thickest screw whose head is at most so thick [m]."""
+    return max((one for one in bolts() if one.head <= head * (1.0 + 1e-9)), key=lambda one: one.head, default=None)
+
+
+def insert_of(thread: float) -> Insert | None:
+    """Find the heat-set insert of a thread [m]."""
+    return next((one for one in inserts() if abs(one.thread - thread) < ROUNDING), None)
+
+
+def _si(first: float, second: float, third: float) -> tuple[float, float, float]:
+    return round(first * MM, 9), round(second * MM, 9), round(third * MM, 9)
+
+
+def _rows(table: str, columns: int) -> Iterator[tuple[float, ...]]:
+    numbers = list(map(float, table.split()))
+    for start, end in pairwise(range(0, len(numbers) + 1, columns)):
+        yield tuple(numbers[start:end])
