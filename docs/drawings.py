@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design, loads
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.geometry.modification import tooth_profile

@@ -26,7 +26,7 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.course import initial_state, ramp_and_hold

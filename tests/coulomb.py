@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Springs
 from cycloid_mj.validate.displaced import cam_ways, exact_contacts

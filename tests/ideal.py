@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, MOMENT, OUTPUT_PIN, PEAK_FORCE, all_numbered, column
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics.run import schedule
 from cycloid_mj.reducer import Reducer

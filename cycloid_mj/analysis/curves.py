@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cycloid_mj.analysis.series import Compared, PinPath, Series
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 
 MICROMETRE = "\N{MICRO SIGN}m"

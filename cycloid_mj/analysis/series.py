@@ -10,9 +10,9 @@ import numpy.typing as npt
 from cycloid_mj.analysis import window
 from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.base.record import LARGEST, Run
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design, loads
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.kinematics import CrankLaw

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.types import Array, Mask
 
 BAND = 0.4
 """Highest frequency that is given, as a share of the sampling rate."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import gear_angle, output_angle
 

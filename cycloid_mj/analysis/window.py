@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError, UsageError
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.dynamics.swing import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, gears
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.modification import tooth_profile

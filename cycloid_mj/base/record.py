@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
-from cycloid_mj.base.types import Array, Mask
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""

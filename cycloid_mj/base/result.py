@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cycloid_mj.base.types import Array
+    from cycloid_mj.base.array import Array
 
 
 def plain(value: Any) -> Any:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.base.types import Array
 
 
 class RowOutcome(StrEnum):

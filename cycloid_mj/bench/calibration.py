@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop

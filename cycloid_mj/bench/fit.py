@@ -17,9 +17,9 @@ from operator import itemgetter
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.level import rms
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter

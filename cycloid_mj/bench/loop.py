@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import as_input
-from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")

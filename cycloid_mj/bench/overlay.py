@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.statics.sliding import Held, course_along

@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.spread import COVERED, memory

@@ -13,8 +13,8 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, distances, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 
 COVERED = 0.95
 """What an interval covers."""

@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.base.types import Array
+    from cycloid_mj.base.array import Array
 
 EXAMPLES = """Examples:
   cycloid-mj profile --design pin --csv gear.csv --points 7000

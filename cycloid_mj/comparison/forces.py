@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.comparison.fluctuation import turns
 
 

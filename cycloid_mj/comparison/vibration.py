@@ -6,8 +6,8 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.spectrum import density
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import planar_speeds
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison.fluctuation import Level, level, turns
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.modification import tooth_profile

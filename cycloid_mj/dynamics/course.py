@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.mjcf import ReducerModel
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.kinematics import CrankLaw

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 
 JAMMED = 10.0

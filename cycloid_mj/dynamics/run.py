@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError, UsageError, warn
 from cycloid_mj.base.interrupt import give_way
 from cycloid_mj.base.names import (
@@ -36,7 +37,6 @@ from cycloid_mj.base.names import (
     planar_speeds,
 )
 from cycloid_mj.base.record import Deferred, Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step

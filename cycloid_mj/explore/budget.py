@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.explore.draw import WAVE, Batch
 from cycloid_mj.explore.zone import Zone
 

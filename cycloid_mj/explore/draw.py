@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone

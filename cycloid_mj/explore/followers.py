@@ -5,7 +5,7 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.explore.points import Value

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.explore.draw import Batch, departures, put, unchecked_design
 from cycloid_mj.explore.zone import Zone

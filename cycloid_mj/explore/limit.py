@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.figures import COMPUTED, Need, figure
 from cycloid_mj.reducer import Reducer
 

@@ -13,10 +13,9 @@ from typing import Any, Literal
 import numpy as np
 from pydantic.fields import FieldInfo
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import as_input
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import declared
 
 MOST_POINTS = 1_000_000

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.explore.sweeps import Sweep
 
 FEWEST = 3

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.extras import extra
-from cycloid_mj.base.types import Array
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
 from cycloid_mj.explore.row import PointResult

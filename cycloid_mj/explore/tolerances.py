@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES

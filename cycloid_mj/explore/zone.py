@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 from scipy.special import ndtri
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.design.fits import clearances, grade_width
 
 ZONE_SIGMAS = 6.0

@@ -5,9 +5,9 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.base.types import Array
 from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer, once

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.envelope import RingContacts
 from cycloid_mj.geometry.ideal_loads import hertz_line_contact

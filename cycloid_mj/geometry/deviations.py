@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
 
 _STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4, "disc_dr": 5, "cam_x": 6, "cam_y": 7}

@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ellipeinc
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc, unit
 

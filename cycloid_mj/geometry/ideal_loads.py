@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear
 

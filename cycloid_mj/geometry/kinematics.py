@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import CycloidGear
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.life import rolling
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.types import Array
 from cycloid_mj.life.bearings import bearing_load, cam_seat
 from cycloid_mj.life.duty import Duty
 from cycloid_mj.life.give import IDEAL, CamGive, Give

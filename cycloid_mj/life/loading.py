@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 EXPONENT = 10.0 / 3.0
 """p of the life of roller bearings, L = (C/P)^p millions of turns."""

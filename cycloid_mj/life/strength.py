@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import family
-from cycloid_mj.base.types import Array
 from cycloid_mj.checks.strength import Wall, walls
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.life.item import RatedItem

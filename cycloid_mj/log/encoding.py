@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorSet
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
-from cycloid_mj.base.types import Array
 
 Bytes = npt.NDArray[np.uint8]
 

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 Message = tuple[str, int, bytes]
 """Topic, time [ns] and content of a message."""

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from mcap.writer import Writer
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble, storable

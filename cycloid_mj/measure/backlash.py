@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.transmission import output_error
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
@@ -124,7 +124,7 @@ def backlash(
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
     jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
-    runs = each(lambda job: press(*job, solver), jobs, progress)
+    runs = each_in_threads(lambda job: press(*job, solver), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
     by_kind = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}

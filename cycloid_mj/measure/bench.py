@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.dynamics.course import Signal, locked_crank
 from cycloid_mj.dynamics.mjcf import ReducerModel, build

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.result import Curve, Quantity, Table, keyed
@@ -18,7 +19,6 @@ from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_effi
 from cycloid_mj.measure.conditions import drag_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods

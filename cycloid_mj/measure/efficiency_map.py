@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from cycloid_mj.base.engine import Progress, all_in_threads
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.massless import massless
@@ -13,7 +14,6 @@ from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halved
-from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, first_half, steady, whole_periods
@@ -127,7 +127,7 @@ def run_map(
     varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
-    points = run_all(tasks, progress)
+    points = all_in_threads(tasks, progress)
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),

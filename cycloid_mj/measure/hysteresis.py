@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis.transmission import gear_error, output_error
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics import course
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import closed_stiffness

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.run import Solver
@@ -19,7 +20,6 @@ from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
@@ -99,7 +99,9 @@ def loads(
     loaded = steady_design(reducer).but(load={"torque": torque})
     work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halved(loaded, solver), CHECKED)]
     whole = len(work) + 1
-    run, finer = each(lambda one: steady(one[0], SETTLED, one[1], solver), work, lambda done, _: progress(done, whole))
+    run, finer = each_in_threads(
+        lambda one: steady(one[0], SETTLED, one[1], solver), work, lambda done, _: progress(done, whole)
+    )
     contacts, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))

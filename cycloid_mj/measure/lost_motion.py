@@ -1,5 +1,6 @@
 """Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
 
+from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.design import Design
@@ -8,7 +9,6 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, windups
@@ -65,7 +65,7 @@ def lost_motion(
     # the longest first, so that no processor is left alone with one
     jobs = [(one, cranks[0], *check) for one in (reducer, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
     jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
-    loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:], solver), jobs, progress)
+    loops = each_in_threads(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:], solver), jobs, progress)
     checks, loops = loops[:4], loops[4:]
     measured = LostMotionLoops(
         reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)

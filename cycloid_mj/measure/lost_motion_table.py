@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.result import Curve, Quantity, keyed
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.hysteresis import HysteresisLoop

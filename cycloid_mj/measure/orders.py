@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.reducer import Reducer
 
 Place = Literal["gear", "stage"]

@@ -14,7 +14,7 @@ that balance a unit torque on the output. With one clearance alone this has a cl
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.gaps import gaps
 from cycloid_mj.reducer.limits import CAM_SIDES, stops

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring

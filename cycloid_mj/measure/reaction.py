@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import (
     MassProperties,

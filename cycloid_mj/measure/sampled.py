@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 TWO_SIDED = 0.683
 """Confidence of an error: that of one standard deviation."""

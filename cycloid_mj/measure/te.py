@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import keyed
 from cycloid_mj.base.units import ARCSECONDS, RPM
@@ -18,7 +19,6 @@ from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
-from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
@@ -113,7 +113,7 @@ def _traces(
     tasks = [
         (reducer, copied(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
     ]
-    traces = each(lambda task: trace(*task), tasks, progress)
+    traces = each_in_threads(lambda task: trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))
 
 

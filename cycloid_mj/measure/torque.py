@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
+from cycloid_mj.base.engine import Progress, all_in_threads, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
@@ -21,7 +22,6 @@ from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_assumption, halved
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
@@ -89,7 +89,7 @@ def torque(
     periods = whole_periods(steady, spread.PERIODS)
     tasks |= {end: partial(rated_test, massless(Reducer(end)), periods, solver) for one in assumed for end in one.ends}
     last = 1 + len(published)
-    tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
+    tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row = {row: rates["row", row.design] for row in rows}
@@ -152,7 +152,7 @@ def with_friction(
         return figures
     slope = abs(sensitivity.slope(rates))
     periods = whole_periods(reducer, sensitivity.PERIODS)
-    reached = each(lambda one: rate_test(reducer, one.friction, periods, solver), inside)
+    reached = each_in_threads(lambda one: rate_test(reducer, one.friction, periods, solver), inside)
     missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
     return [
         replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures

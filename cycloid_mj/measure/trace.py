@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.analysis.transmission import gear_error, output_error
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.course import Course, braking, load_torque, servo_target
 from cycloid_mj.dynamics.planar.model import PlanarModel

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
+from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
@@ -15,7 +16,6 @@ from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import copied
@@ -91,7 +91,7 @@ def vibration(
     points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, model_for(solver, half), speed)]
     tasks = [(one, copied(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
-    levels = each(lambda task: sway(*task), tasks, progress)
+    levels = each_in_threads(lambda task: sway(*task), tasks, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
     at_speed = [one for one in full if one.speed == speed]

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts.output import near_face
 from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts.prism import Prism
 
 ASIDE = 1e-9

@@ -14,7 +14,7 @@ from cycloid_mj.reducer import Reducer
 
 __all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "tooth_profile"]
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""

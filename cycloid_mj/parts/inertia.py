@@ -5,8 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj.base.digits import on_grid, significant, significant_tensor
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array, on_grid, significant, significant_tensor
 from cycloid_mj.parts.polygon import AreaMoments, area_moments
 from cycloid_mj.parts.prism import Prism, Solid
 

@@ -7,8 +7,8 @@ import mapbox_earcut
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.parts.polygon import crossing
 from cycloid_mj.parts.prism import Prism, Solid

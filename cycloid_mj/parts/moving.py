@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj.base.digits import significant, significant_tensor
+from cycloid_mj.base.array import significant, significant_tensor
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, once

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.polygon import circle

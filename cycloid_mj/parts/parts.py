@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid
 from cycloid_mj.parts.output import output_centres, output_solid, roller_solid

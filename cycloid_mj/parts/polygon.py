@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 
 
 class AreaMoments(NamedTuple):

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.parts.polygon import signed_area
 
 

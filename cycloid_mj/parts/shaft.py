@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below, too_small
 from cycloid_mj.parts.gear import gear_solid

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.reducer import Reducer

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
 from cycloid_mj.analysis.spectrum import BAND
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import load_words
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
 from cycloid_mj.plots.style import (

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import unit_suffix
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, ranks

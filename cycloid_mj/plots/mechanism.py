@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled

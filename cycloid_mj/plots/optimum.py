@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, legend_above, sheet, state, styled
 

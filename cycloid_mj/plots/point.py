@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import MICROMETRE, Compared, Series
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,

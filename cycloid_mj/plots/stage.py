@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from cycloid_mj.analysis import condition
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import GEAR, OUTPUT, SHAFT
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import circle, gear_solid, housing_solid

@@ -9,8 +9,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.names import GEAR, gears
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from cycloid_mj.analysis import MICROMETRE, Series
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.figures import figure as row_of

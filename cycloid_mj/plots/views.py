@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.parts.cut import cut

@@ -13,7 +13,7 @@ from enum import IntEnum
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import Deviations, deviations

@@ -19,7 +19,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_centre

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import profile
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns

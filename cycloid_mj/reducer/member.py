@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
 
 if TYPE_CHECKING:

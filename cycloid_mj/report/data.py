@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.analysis import FIGURES, SIGNALS, Series, SignalFigure
 from cycloid_mj.analysis.spectrum import tapered_orders
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.encode import decimated, encoded
 from cycloid_mj.report.mechanism import mechanism

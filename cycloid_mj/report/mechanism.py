@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
 from cycloid_mj.reducer import Reducer

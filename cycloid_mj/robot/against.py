@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.result import Curve, Quantity, Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import joint_powers

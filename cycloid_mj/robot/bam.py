@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import ReducedJoint
 

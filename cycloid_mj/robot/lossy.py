@@ -17,9 +17,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.robot.friction import joint_powers
 from cycloid_mj.robot.mjcf import OUTPUT, joint_xml, reducer_name, rotor_name, scene_xml
 from cycloid_mj.robot.reducer import ReducedJoint

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.names import SHAFT
 from cycloid_mj.base.result import Quantity, keyed
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Design

@@ -1,6 +1,6 @@
 """The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import significant
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.reducer import ReducedJoint
 

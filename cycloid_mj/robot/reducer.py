@@ -15,9 +15,9 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.ripple import Ripple

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS
 
 Rows = tuple[tuple[float, ...], ...]

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint

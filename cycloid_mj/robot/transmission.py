@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 from cycloid_mj.robot.ripple import Ripple

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import mujoco
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.reducer import JointAddresses, ReducedJoint
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import OUTPUT, gears, pin
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.profile import CycloidGear

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import (
     FORCE_X,
     FORCE_Y,
@@ -22,7 +23,6 @@ from cycloid_mj.base.names import (
     pin,
 )
 from cycloid_mj.base.record import usable
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import output_centres

@@ -20,9 +20,9 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.names import FORCE_X, FORCE_Y, HOUSING, OUTPUT, SHAFT, column, gears, of_disc, pin, planar_joints
 from cycloid_mj.base.record import usable
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import ring_and_carrier

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
-from cycloid_mj.base.types import Array
 from cycloid_mj.parts import Mesh, Solid, carried, mesh, parts
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer

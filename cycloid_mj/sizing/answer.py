@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented

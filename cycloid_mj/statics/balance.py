@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
-from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics.kernel import BALANCED, Left, balance

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.base.types import Array
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.base.types import Array, Integers, Mask
 
 BALANCED = 1e-8
 """Largest residual of a balance, as a share of the largest load."""

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.impact import impact_of

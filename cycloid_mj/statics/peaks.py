@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads
 from cycloid_mj.statics.pressure import (

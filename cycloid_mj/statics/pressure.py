@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer

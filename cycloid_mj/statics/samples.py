@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.interrupt import give_way
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.design import Errors, Modification
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_rotation

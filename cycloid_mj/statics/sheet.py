@@ -7,13 +7,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Frame, quantity_frame
 from cycloid_mj.base.level import peak_to_peak, rms_about_mean
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity, keyed
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.reducer import Reducer, once

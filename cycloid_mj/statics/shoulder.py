@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
 

@@ -15,9 +15,9 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
 from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.model import Material
 from cycloid_mj.parts.output import AXIAL_GAP

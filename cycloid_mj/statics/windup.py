@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import springs_of

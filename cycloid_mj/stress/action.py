@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import j1
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 
 NEGLIGIBLE = 1e-9
 """A force below this share of the turn's largest is rounding and is left out."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.names import disc_of
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import ElasticBody

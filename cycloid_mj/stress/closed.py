@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of

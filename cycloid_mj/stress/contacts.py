@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
@@ -21,7 +22,6 @@ from cycloid_mj.base.names import (
     of_disc,
     planar_joints,
 )
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.geometry.ideal_loads import hertz_line_contact
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import output_centres

@@ -13,9 +13,9 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import splu
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.memory import give_back
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.names import GEAR, family
-from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer

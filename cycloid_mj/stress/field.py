@@ -6,8 +6,8 @@ from itertools import count
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.reducer import Reducer

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.stress.outline import QuadraticOutline, Sizing, divide
 from cycloid_mj.stress.packages import mesher, package

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.action import Action, turned

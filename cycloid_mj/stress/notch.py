@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT_PIN, disc_of, number_of, numbered
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.parts.crank import ShaftDimensions
 from cycloid_mj.reducer import Reducer

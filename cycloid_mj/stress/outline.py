@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 
 CORNER = 0.15
 """A polygon turns by more than this only at a corner of the part [rad]."""

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.grid import Grid

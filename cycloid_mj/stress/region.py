@@ -5,9 +5,9 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Material
 from cycloid_mj.parts import circle, output_centres, parts
 from cycloid_mj.reducer import Reducer

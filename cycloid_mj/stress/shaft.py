@@ -17,8 +17,8 @@ import numpy as np
 from scipy import sparse
 
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic

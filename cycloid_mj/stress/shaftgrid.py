@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, override
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer

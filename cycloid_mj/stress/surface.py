@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.grid import Grid, middles_of
 from cycloid_mj.stress.packages import package
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.field import Loaded
 from cycloid_mj.stress.recover import von_mises

@@ -8,10 +8,10 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.base.names import CAM, FORCE_X, column, of_disc
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import PARTS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, ring_and_carrier

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.stress.field import StressMap
 
 NAMES = {3: ("xx", "yy", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.validation import ValidationRow, absolute, deviation
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer

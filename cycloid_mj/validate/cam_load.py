@@ -8,8 +8,8 @@ is: the logged forces on the gear must add up to its mass, from its solid, times
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.validation import ValidationRow, deviation, relative
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer, member

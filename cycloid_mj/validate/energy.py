@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep

@@ -15,8 +15,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import minimize, root
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.deviations import Deviations

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.geometry.profile import CycloidGear, unit

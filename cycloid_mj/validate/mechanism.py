@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.validation import ValidationRow, deviation
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact.collider import installed

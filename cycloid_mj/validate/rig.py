@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import TEETH
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.teeth import DEFLECTION
 from cycloid_mj.dynamics.mjcf import ReducerModel

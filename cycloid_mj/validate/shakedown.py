@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import minimize
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.base.validation import ValidationRow, deviation
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate

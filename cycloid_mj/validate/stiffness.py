@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_force

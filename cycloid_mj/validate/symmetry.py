@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis.transmission import gear_error
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relative
 from cycloid_mj.parts import gear_solid, mass_properties

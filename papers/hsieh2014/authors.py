@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.names import CAM
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import settled
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.braked import braked_run
-from cycloid_mj.measure.pool import each
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.working import working_at
@@ -120,7 +120,7 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
             (SOFTER, design, replace(GENERIC, stiffness=0.1 * stiff), 0.0, PHASES[:FEWER]),
         )
         wanted += [(name, of, law, error, phase) for name, of, law, error, phases in ways for phase in phases]
-    turned = each(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
+    turned = each_in_threads(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
     cases: dict[str, dict[str, list[PeakForces]]] = {}
     for (name, of, *_), forces in zip(wanted, turned, strict=True):
         cases.setdefault(name, {}).setdefault(of.name, []).append(forces)

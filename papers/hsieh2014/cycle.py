@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.comparison import settled
 from cycloid_mj.comparison.forces import tooth_forces
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.geometry.profile import unit

@@ -7,9 +7,9 @@ paper's kind of motion solver, on exact flanks and on flanks made of facets.
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
-from cycloid_mj.measure.pool import each
 from hsieh2014.plan import Plan, chord_errors, designs
 from hsieh2014.soft_contact import GENERIC, STEEL, PeakForces, SoftContact, line_contacts, soft_idle
 from hsieh2014.stated import HEIGHTS
@@ -36,7 +36,7 @@ def soft_cases(plan: Plan) -> list[Case]:
 def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
     """Turn every case."""
     cases = soft_cases(plan)
-    forces = each(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
+    forces = each_in_threads(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
     return dict(zip(cases, forces, strict=True))
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis.series import DESIGN_FILE, design_of
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Value
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import StartSpread
 from cycloid_mj.design import dump

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Claim, Value
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.stress.findings import PartFindings, StressFindings
 from hsieh2014.plan import no_load

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, THEORY, WIDTH, crank_axis, keys, sheet, styled, turn_degrees
 from hsieh2014.peaks import middle

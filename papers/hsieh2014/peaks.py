@@ -9,6 +9,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import find_peaks
 
 from cycloid_mj.analysis.series import design_of
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
@@ -25,7 +26,6 @@ from cycloid_mj.base.names import (
     column,
 )
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.level import rms
 from cycloid_mj.base.result import Claim, Value, Verdict
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import StartSpread
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, ruling

@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, styled

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable
-from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact.gap import (
     PartialCircle,

@@ -7,9 +7,9 @@ from statistics import median
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import ERROR, IdleStress, rated_value, stress_error
 from hsieh2014.plan import LEFT_OPEN

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Range
-from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import IdleStress
 from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.engine import Progress as Steps
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Table, Value, Verdict
 from cycloid_mj.base.units import ARCSECOND
@@ -14,7 +15,6 @@ from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.loading import loading
 from cycloid_mj.life.peak import peaks
 from cycloid_mj.measure import Measurement
-from cycloid_mj.measure.pool import Progress as Steps
 from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures
 from hsieh2014.plan import Plan, designs, equalised, rated_runs

@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.result import Range
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.measure.pool import each
 from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
 from cycloid_mj.measure.spread import BEARING, TEETH
 from cycloid_mj.measure.steady import steady_design, whole_periods
@@ -115,7 +115,7 @@ def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     steady = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
     periods = whole_periods(steady, PERIODS)
     wanted = list(dict.fromkeys(cases))
-    tested = each(lambda case: _rate(steady.design, case, periods), wanted)
+    tested = each_in_threads(lambda case: _rate(steady.design, case, periods), wanted)
     return dict(zip(wanted, tested, strict=True))
 
 

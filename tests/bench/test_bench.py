@@ -15,8 +15,8 @@ import pytest
 from designs import UNLIKE, design_file, unlike
 from scipy.stats import t
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench import (
     MeasuredLoop,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from designs import UNLIKE, unlike
 
-from cycloid_mj.base.digits import on_grid, significant, significant_tensor
+from cycloid_mj.base.array import on_grid, significant, significant_tensor
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.mjcf import build, xml
 from cycloid_mj.parts import mass_properties, parts

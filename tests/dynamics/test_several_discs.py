@@ -19,9 +19,9 @@ from scipy.spatial import cKDTree
 from cycloid_mj.analysis import analyze, series
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.course import initial_state, load_torque, servo_target

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid, flank_distance

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from designs import unlike
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import deviations

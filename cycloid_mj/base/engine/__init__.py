@@ -1,6 +1,6 @@
 """Where many pieces of work are done: in threads or processes of this machine (joblib), or on a Dask cluster."""
 
-from cycloid_mj.base.engine.engine import Engine, Progress, at_most, silent
+from cycloid_mj.base.engine.engine import Engine, Progress, all_in_threads, at_most, each_in_threads, silent
 from cycloid_mj.base.engine.packages import Versions, versions
 
-__all__ = ["Engine", "Progress", "Versions", "at_most", "silent", "versions"]
+__all__ = ["Engine", "Progress", "Versions", "all_in_threads", "at_most", "each_in_threads", "silent", "versions"]

@@ -23,8 +23,8 @@ import mujoco
 import numpy as np
 from numba import njit, types
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
-from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics.contact import forces, gap, kept, lift, memory, selftest, teeth
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.kept import KEPT, Kept, kept_at

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import flank_distance
 from cycloid_mj.dynamics.contact.kept import Kept
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float

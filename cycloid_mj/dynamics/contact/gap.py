@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 
 MAX_ROUNDS = 30
 NEAR = 3e-7

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.memory import array_at, read_float
 

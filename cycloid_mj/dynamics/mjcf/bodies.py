@@ -7,8 +7,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.digits import on_grid, significant
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array, on_grid, significant
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import mujoco
 
 from cycloid_mj.base import names
-from cycloid_mj.base.digits import significant
+from cycloid_mj.base.array import significant
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.forces import drag_rows

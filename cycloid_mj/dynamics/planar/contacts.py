@@ -11,7 +11,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.dynamics.planar.contacts import (
     OPEN,
     SLIDES,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import ring_and_carrier

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cycloid_mj.base import compiling
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announced, cacheable, digest
-from cycloid_mj.base.types import Array
 from cycloid_mj.dynamics.contact import gap, memory, near, ring, teeth, touch
 from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
 from cycloid_mj.dynamics.contact.forces import OF_PAIR

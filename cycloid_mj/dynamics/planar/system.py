@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.contact.touch import RingPin
 from cycloid_mj.dynamics.mjcf import Held

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.parts.convex.surface import ConvexSurface, SlicePlacement, convex_slice

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism
 from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, quality
 from cycloid_mj.parts.inertia import region_moments

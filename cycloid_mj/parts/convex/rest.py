@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import SPACER, family
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Mesh, Prism, circle, mesh, output_solid, stretches
 from cycloid_mj.parts.convex.decompose import coacd_pieces

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings

@@ -52,7 +52,7 @@ __all__ = [
     "widened",
 ]
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 
 Format = Literal["stl", "obj", "dxf", "step"]

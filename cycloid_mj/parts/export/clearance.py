@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 
 SPLINE_ERROR = 1e-8
 """How far a spline may leave its flank [m]: a hundredth of a clearance of 1 um."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
 from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.parts.inertia import region_moments

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.types import Array
+from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.modification import flank_ends
 from cycloid_mj.parts import (

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.types import Array
 from cycloid_mj.parts import Mesh
 
 HEADER = b"binary STL by cycloid_mj".ljust(80)

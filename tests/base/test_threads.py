@@ -4,16 +4,18 @@ import time
 
 import pytest
 
+from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.interrupt import give_way
-from cycloid_mj.measure.pool import each
 
 LONG = 60.0
 
 
 def test_results_come_in_order_and_every_piece_is_told() -> None:
     told: list[tuple[int, int]] = []
-    found = each(lambda wait: (time.sleep(wait), wait)[1], [0.03, 0.0, 0.01], lambda *one: told.append(one), workers=3)
+    found = each_in_threads(
+        lambda wait: (time.sleep(wait), wait)[1], [0.03, 0.0, 0.01], lambda *one: told.append(one), workers=3
+    )
     assert found == [0.03, 0.0, 0.01]
     assert told == [(1, 3), (2, 3), (3, 3)]
 
@@ -36,7 +38,7 @@ def test_the_first_error_stops_the_pieces_under_way(error: type[BaseException]) 
 
     start = time.monotonic()
     with pytest.raises(error, match="spoiled"):
-        each(work, [True, False, False, False], workers=2)
+        each_in_threads(work, [True, False, False, False], workers=2)
     # those under way ended long before their time, and of the last two one at the most was begun
     assert time.monotonic() - start < 0.2 * LONG
     assert set(stopped) == {KeyboardInterrupt}
@@ -56,5 +58,5 @@ def test_a_piece_that_does_not_give_way_comes_to_its_end() -> None:
         ended.append(True)
 
     with pytest.raises(KeyboardInterrupt):
-        each(work, [True, False], workers=2)
+        each_in_threads(work, [True, False], workers=2)
     assert ended == [True]

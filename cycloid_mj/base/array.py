@@ -1,13 +1,16 @@
-"""Rounding of derived numbers to their significant digits.
+"""Arrays: names of their types, and rounding of derived numbers to their significant digits.
 
-The last bits of a sum or a sine depend on the machine and on the number of threads, and within some turns a rattling
-gear makes them visible. What enters a model is rounded, so that the same design is the same model everywhere.
+SI units and radians throughout, shapes in the docstrings that use the types. The last bits of a sum or a sine depend on
+the machine and on the number of threads, and within some turns a rattling gear makes them visible. What enters a model
+is rounded, so that the same design is the same model everywhere.
 """
 
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.types import Array
+Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
 
 DIGITS = 12
 """Significant digits of derived numbers; what is known of materials and parts ends far before them."""
