@@ -939,12 +939,13 @@ def _rounded(
         if found:
             return distance, nq, np_, rate
         twist = 0.0
-    if along <= 0.0:  # open by more than the curve's radius
-        return q, 1.0, 0.0, 0.0
     reach = math.sqrt(along * along + across * across)
+    if not reach > 0.0 or (turning and along <= 0.0):  # a hole is a whole circle, a valley is open beyond its middle
+        return q, 1.0, 0.0, 0.0
     share = 1.0 / reach
     # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
-    width = q + across * p / (reach + along) + twist * p * p * p / 6.0
+    beyond = q + across * p / (reach + along) if along > 0.0 else (reach - 1.0) / bend
+    width = beyond + twist * p * p * p / 6.0
     return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
 
 

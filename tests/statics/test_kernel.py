@@ -106,6 +106,21 @@ def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float)
         assert energy == pytest.approx(0.5 * stored, rel=1e-3)
 
 
+@pytest.mark.parametrize("name", ["pin", "light"])
+def test_pins_beyond_the_middle_of_their_holes_press_by_exact_gaps(name: str) -> None:
+    """A hole is a whole circle: a pin that is farther off than its middle presses on the other side."""
+    design, size = override(design_of(name), ["structure=rigid"]), 4e-4
+    design = design.but(clearance=dict.fromkeys(design.pair_kinds, size))
+    contacts = springs_of(Reducer(design), [CRANK], friction=False).contacts
+    holes = np.flatnonzero(~contacts.turning)
+    for z in np.random.default_rng(1).uniform(-1.5 * size, 1.5 * size, (25, contacts.slope.shape[2])):
+        z[2::3], z[-1] = 3.0 * z[2::3], 4.0 * z[-1]
+        found = np.array([gap(contacts, 0, i, z).width for i in holes])
+        np.testing.assert_allclose(
+            np.minimum(found, 0.0), np.minimum(exact_gaps(Reducer(design), CRANK, z)[holes], 0.0), rtol=0.0, atol=1.6e-5
+        )
+
+
 def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
     """Compute by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
     sides = [[getattr(at(z + s * step * axis), what) for axis in np.eye(z.size)] for s in (-1, 1)]
@@ -363,7 +378,7 @@ def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
 
 def untouched(contacts: KernelSprings) -> KernelSprings:
     """Compute springs whose contacts are all open: what is left are the cams."""
-    return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
+    return contacts._replace(room=np.ones(contacts.room.shape))
 
 
 def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
