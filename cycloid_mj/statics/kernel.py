@@ -40,11 +40,13 @@ curvature, over the largest, from which it is a valley's bottom, where there is 
 _FAR, _SMALL = 0.7, 4e-4
 """Way along a curve, over its least radius and over E, beyond which its foot point is looked for."""
 
-_LONGEST = 0.1
-"""Longest step to a foot point, as a turn of the trochoid's generating circle [rad]: it is not to leave its lobe."""
+_FARTHEST_FOOT, _LONGEST = 1.5, 0.5
+"""How far from its contact the search for a foot point begins, at most, and its longest step, in the generating
+circle's turn N t [rad]: within the half lobe, 1.57, next to which another flank begins, and a third of that."""
 
-_SETTLED = 1e-10
-"""Step to a foot point at which it is found [rad]."""
+_ROUNDS, _SETTLED = 60, 1e-12
+"""Most steps to a foot point, as halvings of a lobe down to rounding need them, and the step at which it is found
+[rad]: convergence is quadratic, so that the foot is then known to rounding."""
 
 _SURELY = 1e-4
 """Most that a gap's third order narrows it, as a share of the way along the curve."""
@@ -93,6 +95,10 @@ _MOST_POINTS, _CORRECTIONS, _WIDEST, _CORNER, _REMOTE = 5000, 8, 3.0, 1e-8, 10.0
 """Of a path that is followed by its length: most points that are tried; most Newton steps to each, and how far it may
 be, over the length of the step; the length, in plays, below which there is a corner; and how many plays, and an
 eccentricity, it may lead to: farther on friction jams."""
+
+_WEDGED, _DEEP = 100.0, 100.0
+"""Force on a cam over the load, and its depth in plays, beyond which parts are wedged: friction holds what nothing has
+pressed together."""
 
 _RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
@@ -358,6 +364,8 @@ def _search(
         exact = attempt >= _EXACTLY
         left = _newton(springs, k, load, here, soft, friction, exact, most, damping, keep, downhill, system)
         keep = _NO
+        if rubbed and soft == 1.0 and friction == 1.0 and _wedged(springs, k, here, scale):
+            left = math.inf
         if left <= most:
             if soft == 1.0 and friction == 1.0:
                 borne = 1.0
@@ -388,6 +396,8 @@ def _search(
     if borne < 1.0:
         _copy(start, here)
         opened, carried = _open(springs, k, load, here, most, system)
+        if rubbed and opened <= most and _wedged(springs, k, here, scale):
+            opened, carried = math.inf, borne
         left, borne = min(left, opened), max(borne, carried)
     return Left(left / scale, borne if rubbed else 1.0, 0)
 
@@ -645,6 +655,18 @@ def _hardest(springs: KernelSprings, k: int) -> float:
     for i in range(springs.disc.size):
         hardest = max(hardest, springs.stiffness[k, i])
     return hardest
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _wedged(springs: KernelSprings, k: int, here: Array, load: float) -> bool:
+    """Tell whether at departures (u,) [m] a cam is pressed as no load [N] presses it: friction holds it so."""
+    deepest = max(_DEEP * _play(springs), _WEDGED * load / springs.cam_stiffness)
+    for disc in range(springs.cam_place.shape[1]):
+        x = here[3 * disc] - springs.cam_place[k, disc, 0]
+        y = here[3 * disc + 1] - springs.cam_place[k, disc, 1]
+        if x * x + y * y > deepest * deepest:
+            return True
+    return False
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -982,7 +1004,9 @@ def _foot(
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
     t = p / (rate * max(along, 0.5))  # the curve goes on at that rate by t
-    for _ in range(20):
+    t = min(max(t, -_FARTHEST_FOOT / N), _FARTHEST_FOOT / N)
+    before, beyond = -math.inf, math.inf
+    for _ in range(_ROUNDS):
         # sine, and cosine less 1, of t and N t
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
         st, ct, sw, cw = 2.0 * half * math.cos(0.5 * t), -2.0 * half * half, math.sin(N * t), -2.0 * wide * wide
@@ -993,8 +1017,15 @@ def _foot(
         vq, vp = -up - E * sa + N * (wp + c * sb), uq + E * ca - N * (wq + c * cb)
         aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
         square = vq * vq + vp * vp
-        step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
+        nearer = (q - xq) * vq + (p - xp) * vp
+        if nearer > 0.0:
+            before = t
+        else:
+            beyond = t
+        step = nearer / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
         step = min(max(step, -_LONGEST / N), _LONGEST / N)
+        if not before <= t + step <= beyond:
+            step = 0.5 * (before + beyond) - t
         t += step
         if abs(step) < _SETTLED:
             break
