@@ -183,7 +183,7 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
 
 TURN = (0.3, 0.375, 0.45)
 STEPS = {
-    "pin": (64, 23, 22),
+    "pin": (41, 23, 22),
     "twodisc": (33, 21, 21),
     "2": (36, 22, 21),
     "light": (30, 18, 17),
