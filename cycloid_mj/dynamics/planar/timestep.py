@@ -11,8 +11,8 @@ LONGEST_FOR_ACCELERATIONS = 5e-6
 """Longest step [s] of runs that tell accelerations, in which free pins rolling in their play have their part.
 
 Against 0.5 us, on the paper's free pins at the rated load, accelerations up to 10 kHz are 7 % (centre of the gear) and
-9 % (output) low, the rms of the velocity of q 2 %; at 25 us 22, 32 and 3 %. At 0.5 us
-they are 19, 4 and 13 % below MuJoCo's at 1 us: implicit Euler steps damp the rolling of pins there, too.
+9 % (output) low, the rms of the velocity of q 2 %; at 25 us 22, 32 and 3 %. At 0.5 us they are 19, 4 and 13 % below
+MuJoCo's at 1 us, whose cone is not the cause; the damping of implicit Euler steps may be.
 """
 
 STEPS_OF_SWING = 5.5
