@@ -40,7 +40,7 @@ def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch,
                     njit(lambda x, number=number: x + number)(1)
             raise DesignError("enough")
 
-        monkeypatch.setattr("cycloid_mj.dynamics.run.reducer_model", build)
+        monkeypatch.setattr("cycloid_mj.dynamics.run.model_for", build)
         assert main([*RUN, *quiet, "--out", str(tmp_path)]) == 1
         assert capsys.readouterr().err.count("compiling the contact code") == lines
 

@@ -151,12 +151,12 @@ def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
     """The map and the varied inputs of a design with moving pins, but not its rated point; of others nothing."""
     seen = []
 
-    def steady_run(reducer, settled, periods):
+    def steady_run(reducer, settled, periods, solver):
         seen.append(reducer.design.ring.pins)
         raise StopIteration
 
     monkeypatch.setattr(efficiency_map, "steady", steady_run)
-    monkeypatch.setattr(efficiency_map, "break_away", lambda reducer: SimpleNamespace(locked=True))
+    monkeypatch.setattr(efficiency_map, "break_away", lambda reducer, solver: SimpleNamespace(locked=True))
 
     def tried(tasks, progress):
         for key, task in tasks.items():
@@ -165,10 +165,12 @@ def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
             seen[-1] = (key, seen[-1])
         raise InterruptedError
 
-    monkeypatch.setattr(efficiency_map, "run_all", tried)
+    monkeypatch.setattr(efficiency_map, "all_in_threads", tried)
     for design in (PIN, PIN.but(ring={"pins": "fixed"})):
         with pytest.raises(InterruptedError):
-            efficiency_map.run_map(steady_design(Reducer(design)), [10.0, 36.68], [design.drive.speed], 4, True, None)
+            efficiency_map.run_map(
+                steady_design(Reducer(design)), [10.0, 36.68], [design.drive.speed], 4, True, None, "planar"
+            )
     pins = dict(seen[: len(seen) // 2 + 1])
     assert pins["rated"] == pins["halved"] == pins["unloaded"] == "free"
     assert pins[36.68, PIN.drive.speed] == pins[10.0, PIN.drive.speed] == pins[0.02] == "massless"
