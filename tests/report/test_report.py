@@ -108,7 +108,7 @@ def test_every_section_and_figure_has_its_place(text, both):
     titles = [words for tag, words in Page(both).texts if tag == "h2"]
     assert titles == [
         "Warnings",  # the paper's design does not pass every check
-        *("What was run", "The mechanism", "Simulated, closed form, error: 36 N m, 1640 rpm"),
+        *("The mechanism", "Simulated, closed form, error: 36 N m, 1640 rpm"),
         *("Over time: 36 N m, 1640 rpm", "Order spectrum of the speeds of output and gear"),
         *("Where the power goes", "Provenance"),
     ]
