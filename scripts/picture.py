@@ -45,9 +45,9 @@ def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
         page, taken = Path(folder) / "report.html", Path(folder) / "report.png"
         if code := cycloid_mj(["report", *logs, "--out", str(page)]):
             return code
-        look = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={WIDTH},{HEIGHT}")
+        look = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={WIDTH},{HEIGHT}"]
         # the charts of the page are drawn by its own script, which is given this time [ms]
-        look = (*look, "--virtual-time-budget=10000", f"--screenshot={taken}")
+        look += ["--virtual-time-budget=10000", f"--screenshot={taken}"]
         subprocess.run([chromium, *look, page.as_uri()], check=True, capture_output=True)
         with Image.open(taken) as picture:
             picture.convert("RGB").quantize(COLOURS).save(path, optimize=True)
