@@ -32,6 +32,9 @@ LOWERINGS, LEAST = 6, 0.02
 TIGHTER = 0.9
 """Of the clearances that a backlash asks for in proportion, since other proportions have more of it."""
 
+EASY = 8e3
+"""Work of the lightest, beyond which it is told alone: others are as near to snapping over, and slow to compare."""
+
 WIDER = 1.4
 """Face width of the stiffest and the longest living, over that of the lightest, as far as it goes."""
 
@@ -340,14 +343,14 @@ def _shortlist(asked: Requirement, found: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
     lightest = _narrowed(asked, found)
     yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
-    rest = list(_others(asked, lightest))
+    rest = list(_others(asked, lightest)) if lightest[1].work < EASY else []
     for title, why, merit in (
         ("stiffest", "the stiffest of those tried", lambda one: _stiffness(one[1].reducer)),
         ("longest life", "its first part to wear out lasts the longest of those tried", lambda one: one[1].life),
     ):
-        least = merit(lightest)
-        for of, _ in sorted((one for one in rest if merit(one) > least), key=merit, reverse=True):
-            if sure := _holding(asked, of, asked.torque):
+        least, merits = merit(lightest) if rest else 0.0, [(merit(one), one[0]) for one in rest]
+        for found_merit, of in sorted(merits, key=lambda pair: pair[0], reverse=True):
+            if found_merit > least and (sure := _holding(asked, of, asked.torque)):
                 yield _drive(asked, of, sure, title, why)
                 rest = [one for one in rest if one[0] != of]
                 break
