@@ -20,7 +20,7 @@ EXAMPLES = """Examples:
 SMALLEST_UM, LARGEST_UM = 0.001, 100.0
 LARGEST_OFFSET_UM = 1000.0
 SMALLEST_BORE_MM, LARGEST_BORE_MM = 0.001, 10000.0
-PLATE, BILL = "plate.stl", "bom.csv"
+PLATE, BILL, ASSEMBLY = "plate.stl", "bom.csv", "assembly.step"
 
 FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "step"],
@@ -54,6 +54,14 @@ PlateFlag = Annotated[
         "in stock.",
     ),
 ]
+AssemblyFlag = Annotated[
+    bool,
+    Parameter(
+        negative=(),
+        help="Also write assembly.step: every part in its place at crank angle 0, by its name and in a colour (extra "
+        "cad). It has the design's own clearances, without --offset-um.",
+    ),
+]
 OffsetFlag = Annotated[
     float,
     Parameter(
@@ -82,6 +90,7 @@ def export(
     out: OutFlag = None,
     chord_error_um: ChordFlag = 1.0,
     plate: PlateFlag = False,
+    assembly: AssemblyFlag = False,
     offset_um: OffsetFlag = 0.0,
     cam_bearing_bore_mm: CamFlag = None,
     force: ForceFlag = False,
@@ -111,7 +120,7 @@ def export(
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, stl_bytes, widened
+    from cycloid_mj.parts.export import assembly_step, bill, bill_csv, cam_bearing, stl_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
 
@@ -128,6 +137,8 @@ def export(
     parts = dict(files_and_clearances.files)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), BILL: bill_csv(items)}
+    if assembly:
+        parts |= {ASSEMBLY: assembly_step(reducer)}
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
     files = {into / name: content for name, content in parts.items()}
     write_whole(files)

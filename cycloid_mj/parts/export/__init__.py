@@ -12,6 +12,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import gears
 from cycloid_mj.design import Design
 from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts.export.assembly import Place, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
@@ -35,8 +36,10 @@ __all__ = [
     "LineSegment",
     "OutlineClearance",
     "PartSection",
+    "Place",
     "PrintPlate",
     "Spline",
+    "assembly_step",
     "bill",
     "bill_csv",
     "cam_bearing",
@@ -44,6 +47,7 @@ __all__ = [
     "export",
     "obj_bytes",
     "part_sections",
+    "places",
     "plate",
     "read_stl",
     "read_volume",

@@ -1,0 +1,210 @@
+"""A reducer put together: nothing intersects at 36 crank angles, and a CAD kernel reads named, coloured parts."""
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from itertools import combinations
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+from designs import cases
+
+from cycloid_mj.base.names import family
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.parts import Prism
+from cycloid_mj.parts.export import Arc, LineSegment, Place, Spline, assembly_step, places
+from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
+from cycloid_mj.parts.export.curve import Curve
+from cycloid_mj.parts.parts import tinted
+from cycloid_mj.parts.polygon import area_moments, turned
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing.proportions import Proportions, shaped
+from cycloid_mj.sizing.requirement import Requirement
+
+ANGLES = 2.0 * np.pi * np.arange(36) / 36.0
+BODIES = {"pressed_pin": "housing", "cam": "shaft", "spacer": "shaft", "output_roller": "output"}
+"""Family of a part -> the body that it is fixed to, or turns on without a gap."""
+
+
+def new_drive(discs: int = 1) -> Design:
+    reducer = shaped(Requirement(19, 0.06, 4.0, discs=discs), Proportions(), 4.0)
+    assert reducer is not None
+    return reducer.design
+
+
+NAMES = ("pin", "nonpin", "twodisc", "printed", "sleeved", "new", "new_of_two")
+
+
+@cache
+def design_of(name: str) -> Design:
+    if name.startswith("new"):
+        return new_drive(discs=2 if name.endswith("two") else 1)
+    return override(PRESETS["pin"], ["ring.pins=sleeved"]) if name == "sleeved" else PRESETS[name]
+
+
+def points_of(loop: tuple[Curve, ...], sagitta: float) -> np.ndarray:
+    """Walk along a closed loop of curves, so that no arc is further from its chords than a sagitta, (n, 2) [m]."""
+    found: list[np.ndarray] = []
+    for curve in loop:
+        if isinstance(curve, Spline):
+            points = curve.points(12 if sagitta > 3e-7 else 36)
+        elif isinstance(curve, LineSegment):
+            points = np.array([curve.start, curve.end])
+        else:
+            start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
+            count = int(abs(end - start) * np.sqrt(curve.radius / (8.0 * sagitta))) + 2
+            angle = np.linspace(start, end, count)
+            points = np.array(curve.centre) + curve.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        if found and np.linalg.norm(points[-1] - found[-1][-1]) < np.linalg.norm(points[0] - found[-1][-1]):
+            points = points[::-1]  # all but the first may run backwards
+        found.append(points)
+    return np.concatenate(found)
+
+
+def drawn_of(reducer: Reducer) -> dict[str, list[Prism]]:
+    """Draw the sections of every part, as finely as the tightest clearance asks for."""
+    design = reducer.design
+    sagitta = 0.2 * min(getattr(design.clearance, pair) for pair in design.pair_kinds)
+    found = {}
+    for part, sections in assembly_sections(reducer).items():
+        loops = [[points_of(loop, sagitta) for loop in section.loops] for section in sections]
+        found[part] = [Prism(one[0], tuple(one[1:]), at.z0, at.z1) for one, at in zip(loops, sections, strict=True)]
+    return found
+
+
+def placed(place: Place, prism: Prism) -> Prism:
+    """Move a prism to its place."""
+    x, y, z = place.origin
+    move = np.array([x, y])
+    loops = [turned(loop, place.angle) + move for loop in (prism.outline, *prism.holes)]
+    return Prism(loops[0], tuple(loops[1:]), prism.z0 + z, prism.z1 + z)
+
+
+def volume_of(prism: Prism) -> float:
+    """Compute the volume of a prism [m3]."""
+    areas = [abs(area_moments(loop).area) for loop in (prism.outline, *prism.holes)]
+    return (areas[0] - sum(areas[1:])) * (prism.z1 - prism.z0)
+
+
+def within(points: np.ndarray, prism: Prism) -> np.ndarray:
+    """Tell which points (n, 2) lie within the section of a prism, by the crossings of a ray along x."""
+    crossings = np.zeros(len(points), dtype=int)
+    low, high = prism.outline.min(axis=0), prism.outline.max(axis=0)
+    near = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
+    for loop in (prism.outline, *prism.holes):
+        (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
+        for start in range(0, len(near), 500):
+            some = near[start : start + 500]
+            x, y = points[some, :1], points[some, 1:]
+            across = (ay > y) != (by > y)
+            at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
+            crossings[some] += (across & (x < at)).sum(axis=1)
+    return crossings % 2 == 1
+
+
+def intersect(one: Prism, other: Prism) -> bool:
+    """Tell whether a corner of one prism lies within the other."""
+    if min(one.z1, other.z1) - max(one.z0, other.z0) < 1e-9:
+        return False
+    return any(within(np.concatenate([a.outline, *a.holes]), b).any() for a, b in ((one, other), (other, one)))
+
+
+def collisions(design: Design, angles: np.ndarray, phase: float = 0.0) -> list[str]:
+    """Name what intersects at crank angles, gears turned by a phase [rad]."""
+    reducer = Reducer(design)
+    drawn = drawn_of(reducer)
+    still = {"pin"} if design.seat_pair else {"pin", "housing"}  # pins that are pressed in fill their sockets
+    found = []
+    for angle in angles:
+        bodies: dict[str, list[Prism]] = {}
+        for place in places(reducer, angle):
+            kind = family(place.part)
+            at = replace(place, angle=place.angle + phase) if kind == "gear" else place
+            body = bodies.setdefault(BODIES.get(kind, place.name), [])
+            body.extend(placed(at, prism) for prism in drawn[place.part])
+        for (one, ones), (other, others) in combinations(bodies.items(), 2):
+            if {family(one), family(other)} <= still:
+                continue
+            if any(intersect(a, b) for a in ones for b in others):
+                found.append(f"{one} and {other} at {np.degrees(angle):.0f} deg")
+    return found
+
+
+def test_nothing_intersects_at_three_crank_angles() -> None:
+    assert collisions(design_of("new"), ANGLES[1::12]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["printed", "new", "new_of_two"])
+def test_nothing_intersects_at_36_crank_angles(name: str) -> None:
+    assert collisions(design_of(name), ANGLES) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "sleeved"])
+def test_nothing_of_tight_clearances_intersects(name: str) -> None:
+    assert collisions(design_of(name), ANGLES[::12]) == []
+
+
+def test_a_gear_turned_by_a_quarter_pitch_intersects() -> None:
+    design = design_of("new")
+    assert collisions(design, ANGLES[:1], phase=0.5 * np.pi / design.lobes)
+
+
+@contextmanager
+def opened(content: bytes, folder: Path) -> Iterator[dict[str, tuple[int, int]]]:
+    """Read a STEP file by OpenCASCADE: its solids by their names."""
+    file = folder / "read.step"
+    file.write_bytes(content)
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Geometry.OCCImportLabels", 1)
+        gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+        solids = gmsh.model.occ.importShapes(str(file))
+        gmsh.model.occ.synchronize()
+        yield {gmsh.model.getEntityName(*solid): solid for solid in solids}
+    finally:
+        gmsh.finalize()
+
+
+@pytest.mark.parametrize("name", cases(NAMES, "new_of_two"))
+def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp_path: Path) -> None:
+    reducer, crank = Reducer(design_of(name)), 0.7
+    expected = {place.name: place for place in places(reducer, crank)}
+    drawn = drawn_of(reducer)
+    with opened(assembly_step(reducer, crank), tmp_path) as found:
+        assert {label.split("/")[2] for label in found} == set(expected)
+        volume = 0.0
+        for label, solid in found.items():
+            _, drive, at, part = label.split("/")
+            place = expected[at]
+            assert (drive, part) == (reducer.design.name, place.part)
+            assert gmsh.model.getColor(*solid)[:3] == pytest.approx(
+                [255.0 * value for value in tinted(COLOURS[family(part)], part)[:3]], abs=1.0
+            )
+            volume += 1e-9 * gmsh.model.occ.getMass(*solid)
+            low, high = np.reshape(gmsh.model.occ.getBoundingBox(*solid), (2, 3)) * 1e-3
+            prisms = [placed(place, prism) for prism in drawn[part]]
+            reach = np.concatenate([prism.outline for prism in prisms])
+            np.testing.assert_allclose(low[:2], reach.min(axis=0), atol=1e-4)  # OpenCASCADE's box is loose on splines
+            np.testing.assert_allclose(high[:2], reach.max(axis=0), atol=1e-4)
+            assert low[2] == pytest.approx(min(prism.z0 for prism in prisms), abs=1e-6)
+            assert high[2] == pytest.approx(max(prism.z1 for prism in prisms), abs=1e-6)
+    counts = Counter(place.part for place in expected.values())
+    whole = sum(count * sum(map(volume_of, drawn[part])) for part, count in counts.items())
+    assert volume == pytest.approx(whole, rel=2e-3)
+
+
+def test_the_command_writes_the_assembly(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text(dump(design_of("new")))
+    assert main(["export", "--design", "mine.toml", "--assembly", "--out", "made"]) == 0
+    assert str(Path("made") / "assembly.step") in capsys.readouterr().out
+    with opened(Path("made/assembly.step").read_bytes(), tmp_path) as found:
+        assert len(found) == len(places(Reducer(design_of("new"))))
