@@ -20,7 +20,7 @@ EXAMPLES = """Examples:
 SMALLEST_UM, LARGEST_UM = 0.001, 100.0
 LARGEST_OFFSET_UM = 1000.0
 SMALLEST_BORE_MM, LARGEST_BORE_MM = 0.001, 10000.0
-PLATE, BILL, ASSEMBLY = "plate.stl", "bom.csv", "assembly.step"
+PLATE, NAMED_PLATE, BILL, ASSEMBLY = "plate.stl", "plate.3mf", "bom.csv", "assembly.step"
 
 FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "step"],
@@ -49,9 +49,9 @@ PlateFlag = Annotated[
     bool,
     Parameter(
         negative=(),
-        help="Also write plate.stl, all parts that are made, side by side and flat on z = 0, for a printer; and "
-        "bom.csv, the bill of materials: item, count, size, material, made or bought, designation and fit of what is "
-        "in stock.",
+        help="Also write plate.stl and plate.3mf, all parts that are made, side by side and flat on z = 0, for a "
+        "printer, in the second by their names; and bom.csv, the bill of materials: item, count, size, material, made "
+        "or bought, designation and fit of what is in stock.",
     ),
 ]
 AssemblyFlag = Annotated[
@@ -120,7 +120,7 @@ def export(
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.parts.export import assembly_step, bill, bill_csv, cam_bearing, stl_bytes, widened
+    from cycloid_mj.parts.export import assembly_step, bill, bill_csv, cam_bearing, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
 
@@ -136,7 +136,8 @@ def export(
     items = bill(reducer, seat) if plate else ()
     parts = dict(files_and_clearances.files)
     if printed:
-        parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), BILL: bill_csv(items)}
+        parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
+        parts |= {BILL: bill_csv(items)}
     if assembly:
         parts |= {ASSEMBLY: assembly_step(reducer)}
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)

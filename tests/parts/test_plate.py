@@ -3,9 +3,12 @@
 import csv
 import io
 import json
+import re
+import zipfile
 from collections import Counter
 from itertools import combinations, pairwise
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -17,7 +20,17 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry.modification import gear_profile
 from cycloid_mj.parts import mass_properties, output_centres, parts, sleeve_core_radius
-from cycloid_mj.parts.export import PrintPlate, bill, bill_csv, export, plate, read_stl, stl_bytes, widened
+from cycloid_mj.parts.export import (
+    PrintPlate,
+    bill,
+    bill_csv,
+    export,
+    plate,
+    read_stl,
+    stl_bytes,
+    threemf_bytes,
+    widened,
+)
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
 from cycloid_mj.parts.export.printing import printed_parts
@@ -276,3 +289,25 @@ def test_a_bill_is_csv_of_its_lines() -> None:
     assert rows[0] == ["item", "count", "size", "material", "made_or_bought", "designation", "fit"]
     assert len(rows) == 1 + len(items)
     assert all(len(one) == len(other) for one, other in pairwise(rows))
+
+
+def test_a_plate_as_3mf_has_each_part_by_its_name() -> None:
+    found = plate(Reducer(DESIGNS["plastic"]), CHORD_ERROR)
+    content = threemf_bytes(found)
+    assert content == threemf_bytes(found)
+    with zipfile.ZipFile(io.BytesIO(content)) as package:
+        assert package.namelist() == ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]
+        model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
+    space = {"m": "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"}
+    assert model.attrib["unit"] == "millimeter"
+    objects = model.findall("m:resources/m:object", space)
+    named = Counter(re.sub(r"_\d+$", "", one.attrib["name"]) for one in objects)
+    assert named == ON_PLATE["plastic"]
+    assert len({one.attrib["name"] for one in objects}) == len(objects)
+    built = [one.attrib["objectid"] for one in model.findall("m:build/m:item", space)]
+    assert built == [one.attrib["id"] for one in objects]
+    for one, mesh in zip(objects, found.meshes, strict=True):
+        corners = [[float(at.attrib[axis]) for axis in "xyz"] for at in one.findall(".//m:vertex", space)]
+        faces = [[int(at.attrib[axis]) for axis in ("v1", "v2", "v3")] for at in one.findall(".//m:triangle", space)]
+        np.testing.assert_allclose(corners, 1e3 * mesh.vertices, rtol=1e-6, atol=1e-9)
+        np.testing.assert_array_equal(faces, mesh.faces)

@@ -21,6 +21,7 @@ from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.printing import widened
 from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
+from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn
@@ -53,6 +54,7 @@ __all__ = [
     "read_volume",
     "step_part",
     "stl_bytes",
+    "threemf_bytes",
     "widened",
 ]
 

@@ -43,10 +43,19 @@ class PlatePosition:
 
 @dataclass(frozen=True)
 class PrintPlate:
-    """The mesh of all parts [m], and where each of them lies."""
+    """The mesh of each part as it lies on the plate [m], and where that is."""
 
-    mesh: Mesh
+    meshes: tuple[Mesh, ...]
     places: tuple[PlatePosition, ...]
+
+    @property
+    def mesh(self) -> Mesh:
+        """All parts as one mesh [m]."""
+        first = np.cumsum([0, *(len(one.vertices) for one in self.meshes)])
+        return Mesh(
+            np.concatenate([one.vertices for one in self.meshes]),
+            np.concatenate([one.faces + np.int32(at) for one, at in zip(self.meshes, first, strict=False)]),
+        )
 
     @property
     def size(self) -> tuple[float, float, float]:
@@ -89,14 +98,8 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
         PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
         for (name, _, over), (low, high), shift in zip(meshes, boxes, shifts, strict=True)
     )
-    first = np.cumsum([0, *(len(shape.vertices) for _, shape, _ in meshes)])
-    return PrintPlate(
-        Mesh(
-            np.concatenate([shape.vertices + shift for (_, shape, _), shift in zip(meshes, shifts, strict=True)]),
-            np.concatenate([shape.faces + np.int32(at) for (_, shape, _), at in zip(meshes, first, strict=False)]),
-        ),
-        places,
-    )
+    laid = [Mesh(shape.vertices + shift, shape.faces) for (_, shape, _), shift in zip(meshes, shifts, strict=True)]
+    return PrintPlate(tuple(laid), places)
 
 
 def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
