@@ -4,6 +4,7 @@ The parts follow from a ``Design`` alone; what does not fit together is refused 
 """
 
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
+from cycloid_mj.parts.fused import fused
 from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
@@ -26,6 +27,7 @@ __all__ = [
     "circle",
     "crank_solid",
     "crank_stretches",
+    "fused",
     "gear_solid",
     "housing_solid",
     "mass_chord_error",

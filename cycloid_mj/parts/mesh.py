@@ -58,21 +58,26 @@ def _prism_mesh(prism: Prism, name: str) -> Mesh:
     rings = [prism.outline, *(hole[::-1] for hole in prism.holes)]
     place = crossing(rings)
     if place is not None:
-        raise DesignError(
-            f"{name}: its outline or its holes cross near x = {place[0]:.6g} m, y = {place[1]:.6g} m; "
-            "change the radii or the eccentricity there so that the part is one piece"
-        )
+        raise crossed(name, place)
     points = np.concatenate(rings)
-    cap = _triangulate(points, rings)
+    cap = triangulated(points, rings)
     _check_cap(cap, points, prism, name)
     faces = np.concatenate([cap[:, ::-1], cap + len(points), _walls(rings)])
-    _check_watertight(faces, name)
+    check_watertight(faces, name)
     bottom = np.column_stack([points, np.full(len(points), prism.z0)])
     top = np.column_stack([points, np.full(len(points), prism.z1)])
     return Mesh(np.concatenate([bottom, top]), faces.astype(np.int32))
 
 
-def _triangulate(points: Array, rings: list[Array]) -> Integers:
+def crossed(name: str, place: Array) -> DesignError:
+    """Return the error of a part whose outlines cross or touch at a place (2,) [m]."""
+    return DesignError(
+        f"{name}: its outline or its holes cross near x = {place[0]:.6g} m, y = {place[1]:.6g} m; "
+        "change the radii or the eccentricity there so that the part is one piece"
+    )
+
+
+def triangulated(points: Array, rings: list[Array]) -> Integers:
     """Compute the cap's triangles (m, 3), counter-clockwise.
 
     The earcut drops a vertex that lies exactly between its neighbours, which leaves the mesh open: it gets the
@@ -105,7 +110,7 @@ def _check_cap(cap: Integers, points: Array, prism: Prism, name: str) -> None:
         )
 
 
-def _check_watertight(faces: Integers, name: str) -> None:
+def check_watertight(faces: Integers, name: str) -> None:
     """Refuse a mesh in which some edge is not passed exactly once in each direction."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     size = int(faces.max()) + 1

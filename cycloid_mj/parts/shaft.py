@@ -83,7 +83,7 @@ def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> di
     """Build the crank of one disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
-    journal = circle(shaft.radius, chord_error)
+    journal = _journal(reducer, chord_error)
     cam = Prism(circle(design.gear.bore_radius, chord_error, (0.0, design.gear.eccentricity)), (), -half, half)
     counterweight = _counterweight(reducer, chord_error)
     end = near_face(reducer)
@@ -164,8 +164,14 @@ def _counterweight(reducer: Reducer, chord_error: float) -> Array:
     shaft = reducer.design.shaft
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     lower = arc(shaft.counterweight_radius, math.pi, 2 * math.pi, chord_error)
-    upper = arc(shaft.radius, 0.0, math.pi, chord_error)
-    return np.concatenate([lower, upper])
+    journal = _journal(reducer, chord_error)
+    return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
+
+
+def _journal(reducer: Reducer, chord_error: float) -> Array:
+    """Compute the outline of the shaft as two half circles, the upper one first: the counterweight shares that."""
+    halves = (arc(reducer.design.shaft.radius, start, start + math.pi, chord_error)[:-1] for start in (0.0, math.pi))
+    return np.concatenate(list(halves))
 
 
 def _balancing_thickness(reducer: Reducer, gear: Solid, cam: Prism, counterweight: Array) -> float:

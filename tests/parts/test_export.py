@@ -26,7 +26,7 @@ from cycloid_mj.parts.export import Spline, export, part_sections, read_stl, rea
 from cycloid_mj.parts.export import clearance as measured
 from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, LineSegment, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
-from cycloid_mj.parts.mesh import _walls
+from cycloid_mj.parts.mesh import triangulated
 from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.reducer import Reducer
 
@@ -45,7 +45,7 @@ def design(request: pytest.FixtureRequest) -> Design:
 
 @pytest.mark.parametrize("file_format", ["stl", "obj"])
 def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
-    """Watertight, in millimetres, and of the volume that the solid has at this chord error."""
+    """One watertight body each, in millimetres, and of the volume that the solid has at this chord error."""
     found = export(design, file_format, CHORD_ERROR)  # type: ignore[arg-type]
     solids = parts(Reducer(design), CHORD_ERROR)
     assert {name.partition(".")[0] for name in found.files} == set(solids)
@@ -53,7 +53,15 @@ def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
         part = trimesh.load(io.BytesIO(content), file_type=file_format, process=file_format == "stl")
         volume = mass_properties(solids[name.partition(".")[0]]).volume
         assert part.is_watertight
+        assert part.body_count == 1
         assert part.volume * 1e-9 == pytest.approx(volume, rel=1e-6)
+
+
+def test_pins_pressed_in_for_sleeves_are_a_part_of_their_own() -> None:
+    files = export(override(PIN, ["ring.pins=sleeved"]), "stl", CHORD_ERROR).files
+    assert {"housing.stl", "pin.stl", "pressed_pin.stl"} < set(files)
+    for name, content in files.items():
+        assert trimesh.load(io.BytesIO(content), file_type="stl").body_count == 1, name
 
 
 def test_stl_is_single_precision_of_the_mesh() -> None:
@@ -214,8 +222,9 @@ def test_modified_flanks_are_cut_as_the_solid_is() -> None:
 def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
     file_format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A wall triangle is lost."""
-    monkeypatch.setattr(importlib.import_module("cycloid_mj.parts.mesh"), "_walls", lambda rings: _walls(rings)[:-1])
+    """A triangle of a cap is lost."""
+    module = importlib.import_module("cycloid_mj.parts.fused")
+    monkeypatch.setattr(module, "triangulated", lambda points, rings: triangulated(points, rings)[:-1])
     out = tmp_path / "parts"
     arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "20", "--out", str(out)]
     assert main(arguments) == 1

@@ -107,6 +107,7 @@ def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, Print
         inside += own
         shape = trimesh.Trimesh(triangles[own].reshape(-1, 3), np.arange(3 * own.sum()).reshape(-1, 3))
         assert shape.is_watertight
+        assert shape.body_count == 1
         assert shape.volume == pytest.approx(mass_properties(solids[place.part]).volume, rel=1e-5)
         assert triangles[own][..., 2].min() == 0.0
     assert (inside == 1).all()

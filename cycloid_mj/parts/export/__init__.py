@@ -8,17 +8,17 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.names import gears
 from cycloid_mj.design import Design
-from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts import Solid, fused, mass_properties, parts
 from cycloid_mj.parts.export.assembly import Place, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.plate import PrintPlate, plate
-from cycloid_mj.parts.export.printing import widened
+from cycloid_mj.parts.export.printing import PRESSED_PIN, widened
 from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
@@ -120,7 +120,9 @@ def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Expo
     if file_format in ("stl", "obj"):
         return _meshes(reducer, file_format, chord_error)
     sections = part_sections(reducer, SPLINES if file_format == "step" else 1)
-    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in gears(reducer.design.gear.discs)]
+    discs = [
+        [_loop_points(loop) for loop in sections[gear][0].loops] for gear in names.gears(reducer.design.gear.discs)
+    ]
     clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
@@ -129,15 +131,24 @@ def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Expo
 
 def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
     solids = parts(reducer, chord_error)
-    discs = [solids[gear].prisms[0] for gear in gears(reducer.design.gear.discs)]
+    discs = [solids[gear].prisms[0] for gear in names.gears(reducer.design.gear.discs)]
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
-    meshes = {name: mesh(solid) for name, solid in solids.items()}
+    meshes = {name: fused(solid) for name, solid in _apart(reducer, solids).items()}
     if file_format == "stl":
         files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}
     else:
         files = {f"{name}.obj": obj_bytes(shape, name, MILLIMETRES) for name, shape in meshes.items()}
     return Export(files, clearances)
+
+
+def _apart(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
+    """Take the pins that are pressed in for sleeves, which are drawn with the housing, out of it."""
+    if not reducer.design.ring.has_sleeves:
+        return solids
+    housing = solids[names.HOUSING]
+    wheel, core, *_ = (Solid(housing.name, (prism,), housing.density) for prism in housing.prisms)
+    return {**solids, names.HOUSING: wheel, PRESSED_PIN: replace(core, name=PRESSED_PIN)}
 
 
 def _step(reducer: Reducer, name: str, stretches: tuple[PartSection, ...]) -> bytes:

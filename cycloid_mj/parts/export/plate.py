@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts import Mesh, Prism, Solid, mesh
+from cycloid_mj.parts import Mesh, Prism, Solid, fused
 from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
@@ -90,7 +90,7 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
     lying = [
         (name, part.count, *_lying(part.solid)) for name, part in printed_parts(reducer, chord_error, cam_seat).items()
     ]
-    meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [mesh(solid)] * count]
+    meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [fused(solid)] * count]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
     shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]

@@ -1,0 +1,119 @@
+"""The mesh of a solid as one closed surface: prisms that stand on each other, without the faces that they cover."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from cycloid_mj.base.array import Array, Integers
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.parts.inertia import mass_properties
+from cycloid_mj.parts.mesh import VOLUME_TOLERANCE, Mesh, check_watertight, crossed, triangulated
+from cycloid_mj.parts.polygon import crossing, signed_area
+from cycloid_mj.parts.prism import Prism, Solid
+
+NONE = np.empty((0, 2), dtype=np.int64)
+
+
+def fused(solid: Solid) -> Mesh:
+    """Build the mesh of a solid as one closed surface; prisms that touch nothing remain surfaces of their own.
+
+    Outlines that stand on each other may share edges if their vertices there are the very same numbers.
+
+    Raises
+    ------
+    DesignError
+        Outlines that stand on each other cross or touch, or the mesh is not watertight or has not the solid's volume.
+    """
+    rings = [ring for prism in solid.prisms for ring in _rings(prism)]
+    points, numbers = np.unique(np.concatenate(rings) + 0.0, axis=0, return_inverse=True)
+    loops = iter(np.split(numbers.ravel(), np.cumsum([len(ring) for ring in rings])[:-1]))
+    edges = [np.concatenate([_edges(next(loops)) for _ in _rings(prism)]) for prism in solid.prisms]
+    levels = sorted({z for prism in solid.prisms for z in (prism.z0, prism.z1)})
+    layers = [
+        np.concatenate([NONE, *(own for own, one in zip(edges, solid.prisms, strict=True) if _spans(one, low, high))])
+        for low, high in pairwise(levels)
+    ]
+    faces, count = [], len(points)
+    for level, (below, above) in enumerate(pairwise([NONE, *layers, NONE])):
+        faces += [cap + level * count for cap in _caps(points, below, above, solid.name)]
+        i, j = above.T + level * count
+        faces += [np.column_stack([i, j, j + count]), np.column_stack([i, j + count, i + count])]
+    used, compact = np.unique(np.concatenate(faces), return_inverse=True)
+    heights = np.array(levels)[used // count]
+    triangles = compact.reshape(-1, 3)
+    check_watertight(triangles, solid.name)
+    shape = Mesh(np.column_stack([points[used % count], heights]), triangles.astype(np.int32))
+    volume, true = _volume(shape), mass_properties(solid).volume
+    if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
+        raise DesignError(f"{solid.name}: its mesh has the volume {volume:.9g} m3 instead of {true:.9g} m3")
+    return shape
+
+
+def _rings(prism: Prism) -> tuple[Array, ...]:
+    """List outline and holes, the material on their left."""
+    return (prism.outline, *(hole[::-1] for hole in prism.holes))
+
+
+def _edges(loop: Integers) -> Integers:
+    return np.column_stack([loop, np.roll(loop, -1)])
+
+
+def _spans(prism: Prism, low: float, high: float) -> bool:
+    return prism.z0 <= low and prism.z1 >= high
+
+
+def _caps(points: Array, below: Integers, above: Integers, name: str) -> Iterator[Integers]:
+    """Yield triangles (m, 3) at a height: facing up where there is material below it alone, down where above alone.
+
+    Edges (n, 2) that regions have in common bound neither difference, and cancel.
+    """
+    codes = [edges @ np.array([len(points), 1]) for edges in (below, above)]
+    own = [edges[~np.isin(code, other)] for edges, code, other in zip((below, above), codes, codes[::-1], strict=True)]
+    loops = _chained(points, np.concatenate([own[0], own[1][:, ::-1]]), name)
+    place = crossing([points[loop] for loop in loops]) if loops else None
+    if place is not None:
+        raise crossed(name, place)
+    holders = [
+        [j for j, other in enumerate(loops) if j != i and _within(points[loop[0]], points[other])]
+        for i, loop in enumerate(loops)
+    ]
+    for i, loop in enumerate(loops):
+        if len(holders[i]) % 2:
+            continue
+        holes = [loops[j] for j, held in enumerate(holders) if i in held and len(held) == len(holders[i]) + 1]
+        up = signed_area(points[loop]) > 0.0
+        rings = [one if up else one[::-1] for one in (loop, *holes)]
+        cap = np.concatenate(rings)[triangulated(points[np.concatenate(rings)], [points[ring] for ring in rings])]
+        yield cap if up else cap[:, ::-1]
+
+
+def _chained(points: Array, edges: Integers, name: str) -> list[Integers]:
+    """Chain edges (n, 2) to closed loops."""
+    following = dict(edges.tolist())
+    if len(following) < len(edges):
+        first, times = np.unique(edges[:, 0], return_counts=True)
+        raise crossed(name, points[first[times > 1][0]])
+    loops = []
+    while following:
+        start, at = following.popitem()
+        loop = [start]
+        while at != start:
+            loop.append(at)
+            at = following.pop(at)
+        loops.append(np.array(loop))
+    return loops
+
+
+def _within(point: Array, ring: Array) -> bool:
+    """Tell whether a point (2,) lies within a closed polygon (n, 2), by the crossings of a ray along x."""
+    (ax, ay), (bx, by) = ring.T, np.roll(ring, -1, axis=0).T
+    across = (ay > point[1]) != (by > point[1])
+    at = ax[across] + (point[1] - ay[across]) * (bx[across] - ax[across]) / (by[across] - ay[across])
+    return bool(np.count_nonzero(point[0] < at) % 2)
+
+
+def _volume(shape: Mesh) -> float:
+    """Compute the volume within a closed surface [m3], by the divergence theorem."""
+    a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
+    return float(np.sum(np.cross(a, b) * c) / 6.0)
