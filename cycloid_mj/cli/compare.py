@@ -88,7 +88,7 @@ class CompareOptions:
         float | None,
         TIMESTEP.flag(
             "Time step; the first design's holds for all",
-            ". Default: what each run takes; by the planar solver 5 or less for all.",
+            ". Default: what each run takes; by the planar solver 5 or less for all, as moving pins need.",
         ),
     ] = None
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None
@@ -239,7 +239,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     load: it tells the effect of the design from that of the clearance.
     """
     from cycloid_mj.comparison import comparable, conditions, under, with_play_of
-    from cycloid_mj.dynamics.planar.timestep import LONGEST_FOR_ACCELERATIONS, chosen
+    from cycloid_mj.dynamics.planar.timestep import for_accelerations
 
     require_distinct(designs)
     shared = conditions(Reducer(first))
@@ -251,7 +251,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     by_load = [[under(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
     cases = [case for each in by_load for case in (each if options.hold_given else _held_for_turns(each))]
     if options.solver == "planar" and not first.settings.timestep:
-        step = min(LONGEST_FOR_ACCELERATIONS, *(chosen(Reducer(case)).seconds for case in cases))
+        step = min(for_accelerations(Reducer(case)) for case in cases)
         cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
     comparable(cases)
     return cases

@@ -13,6 +13,7 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import require_pin_bodies
+from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
@@ -86,6 +87,8 @@ def vibration(
     rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
     reducer = working_at(reducer, torques["loaded"])
+    if solver == "planar":
+        reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
     half = halved(reducer, solver)
     points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]

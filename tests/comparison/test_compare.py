@@ -17,7 +17,7 @@ from cycloid_mj.cli.flags import designed
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
-from cycloid_mj.dynamics.planar.timestep import LONGEST_FOR_ACCELERATIONS
+from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.log import read
@@ -239,7 +239,7 @@ def test_planar_runs_have_the_step_that_accelerations_take_unless_it_is_given(he
         planned.clear()
         assert told("compare", "pin", "nonpin", "--quiet", "--quick", *more)[0] == 1
         steps.append({design.settings.timestep for design in planned})
-    assert steps == [{LONGEST_FOR_ACCELERATIONS}, {2e-6}, {0.0}]
+    assert steps == [{for_accelerations(Reducer(override(PRESETS["pin"], ["load.torque_nm=36.68"])))}, {2e-6}, {0.0}]
 
 
 @pytest.mark.slow

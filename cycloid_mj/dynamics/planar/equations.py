@@ -7,7 +7,8 @@ With the speeds v in the middle of a step h, v0 at its start and the force f in 
 Contacts are those of a pose near the middle, and their forces are linear about it: a normal force N - S n v that never
 pulls, friction -creep t v up to Coulomb's limit, and what the normal turns by as round parts roll in each other. Which
 of them press, creep or slide is changed until none changes (a semismooth Newton method). Moving pins meet no other pin:
-each is eliminated by itself (Schur), which leaves discs, output and crank.
+each is eliminated by itself (Schur), which leaves discs, output and crank. Where a step is too long for what they do in
+their play, their M/h (v - v0) takes the place of the left side: implicit Euler, which damps that.
 """
 
 import math
@@ -105,16 +106,18 @@ def solve(
     near: Array,
     command: Array,
     step: float,
+    pin_span: float,
     v: Array,
 ) -> int:
     """Solve a step [s] from the pose q0 at speeds v0 for the speeds v in its middle, with `count` contacts near `near`.
 
-    `command` is that of output and crank, an angle [rad] or a torque [N m]. Returns the number of rounds, one more than
+    `command` is that of output and crank, an angle [rad] or a torque [N m]; in the time `pin_span` [s] forces bring
+    pins from v0 to v: half a step, or by implicit Euler a whole one. Returns the number of rounds, one more than
     `MOST_ROUNDS` where contacts still change.
     """
     for rounds in range(1, MOST_ROUNDS + 1):
         at_once, coupled = rounds <= AT_ONCE_ROUNDS, rounds <= COUPLED_ROUNDS
-        _assemble(system, contacts, count, equations, q0, v0, near, command, step, coupled)
+        _assemble(system, contacts, count, equations, q0, v0, near, command, step, pin_span, coupled)
         _eliminate(system, equations)
         _gauss(equations.matrix, equations.right)
         size = len(equations.right)
@@ -137,6 +140,7 @@ def _assemble(
     near: Array,
     command: Array,
     step: float,
+    pin_span: float,
     coupled_friction: bool,
 ) -> None:
     matrix, right = equations.matrix, equations.right
@@ -174,10 +178,10 @@ def _assemble(
         for m in range(first, first + 3):
             for k in range(3):
                 pins[m, k] = 0.0
-        pins[first, 0], pins[first + 1, 1], pins[first + 2, 2] = mass / step, mass / step, inertia / step
-        pins_right[first] = mass / step * v0[own] + mass * gx
-        pins_right[first + 1] = mass / step * v0[own + 1] + mass * gy
-        pins_right[first + 2] = inertia / step * v0[own + 2]
+        pins[first, 0], pins[first + 1, 1], pins[first + 2, 2] = mass / pin_span, mass / pin_span, inertia / pin_span
+        pins_right[first] = mass / pin_span * v0[own] + mass * gx
+        pins_right[first + 1] = mass / pin_span * v0[own + 1] + mass * gy
+        pins_right[first + 2] = inertia / pin_span * v0[own + 2]
         if coupled[i]:
             for m in range(3):
                 for k in range(size):

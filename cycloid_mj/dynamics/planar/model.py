@@ -10,7 +10,7 @@ from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
 from cycloid_mj.dynamics.planar.state import start
 from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.system import System, planar_system
-from cycloid_mj.dynamics.planar.timestep import chosen
+from cycloid_mj.dynamics.planar.timestep import chosen, follows_pins
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
@@ -64,7 +64,7 @@ class PlanarModel:
     def stepper(self, course: Course, every: int) -> Stepper:
         """Start steps of a course, with a sample at one in `every`."""
         places, speeds = start(self.reducer, course.angle, course.speed)
-        return Stepper(self.system, self.timestep, places, speeds, every)
+        return Stepper(self.system, self.timestep, places, speeds, every, follows_pins(self.reducer, self.timestep))
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> PlanarModel:

@@ -72,10 +72,15 @@ class Stepper:
         Of all unknowns at the time 0.
     every
         Steps from one sample to the next.
+    midpoint_pins
+        Whether the step follows what moving pins do in their play, which are then taken by the midpoint rule as well.
     """
 
-    def __init__(self, system: System, step: float, places: Array, speeds: Array, every: int = 1) -> None:
+    def __init__(
+        self, system: System, step: float, places: Array, speeds: Array, every: int = 1, midpoint_pins: bool = False
+    ) -> None:
         self._system, self._step, self._every = system, step, every
+        self._pin_span = 0.5 * step if midpoint_pins else step
         self._contacts, self._equations = room_for_contacts(system), room_for_equations(system)
         discs, teeth = len(system.cams), len(system.place)
         pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
@@ -113,6 +118,7 @@ class Stepper:
             self._motion,
             commands,
             self._step,
+            self._pin_span,
             self._due,
             self._every,
             rows,
@@ -135,6 +141,7 @@ def _compiled() -> Any:
         motion: Motion,
         commands: Array,
         step: float,
+        pin_span: float,
         due: int,
         every: int,
         rows: Array,
@@ -150,9 +157,8 @@ def _compiled() -> Any:
             for _ in range(MOST_LOOKS):
                 _go(motion.q, half, near, q)
                 count = find(system, lobes, q, near, half, scratch, contacts)
-                rounds = solve(
-                    system, contacts, count, equations, motion.q, motion.v, near, commands[taken], step, middle
-                )
+                at, command = motion.q, commands[taken]
+                rounds = solve(system, contacts, count, equations, at, motion.v, near, command, step, pin_span, middle)
                 most = max(most, rounds)
                 if not _is_far(system, half, near, middle, size):
                     break
@@ -164,7 +170,7 @@ def _compiled() -> Any:
                 _go(motion.q, half, middle, q)
                 _write_sample(system, contacts, count, motion, q, middle, commands[taken], most, rows[sample])
                 sample, most = sample + 1, 0
-            _end(motion, size, step, middle)
+            _end(motion, size, step, pin_span, middle)
 
     with announced():
         return advance
@@ -187,12 +193,13 @@ def _go(start: Array, time: float, speeds: Array, end: Array) -> None:
 
 
 @njit
-def _end(motion: Motion, size: int, step: float, middle: Array) -> None:
+def _end(motion: Motion, size: int, step: float, pin_span: float, middle: Array) -> None:
     """Go on to the end of a step."""
+    of_pins = step / pin_span
     for i in range(len(middle)):
         motion.before[i], motion.middle[i] = motion.middle[i], middle[i]
         motion.q[i] += step * middle[i]
-        motion.v[i] = 2.0 * middle[i] - motion.v[i] if i < size else middle[i]
+        motion.v[i] += (2.0 if i < size else of_pins) * (middle[i] - motion.v[i])
 
 
 @njit
