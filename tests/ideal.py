@@ -56,10 +56,3 @@ def ideal_run(design: Design, wave: float = 0.0, ratio: float = LOBES) -> Run:
         added["pin_1_speed"] = SPIN
     time = steps.stride * steps.timestep * np.arange(steps.samples)
     return ideal_mechanism(design, time, load_torque=design.load.torque, **added)
-
-
-def ideal_runs(designs, solver="mujoco"):
-    """The pin design's gear is the rougher one under load, and the calmer one without."""
-    loaded = [design.load.torque != 0.0 for design in designs]
-    rough = [(design.ring.kind == "pin") == load for design, load in zip(designs, loaded, strict=True)]
-    return [ideal_run(design, 0.004 if more else 0.001) for design, more in zip(designs, rough, strict=True)]

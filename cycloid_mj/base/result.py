@@ -239,7 +239,7 @@ class Value:
     value, unit
         The number; None where there is none, as for a pattern.
     spread
-        Lowest and highest of several starts, in the same unit.
+        Lowest and highest of several starts, or as far as the numerical error of one run reaches, in the same unit.
     """
 
     text: str

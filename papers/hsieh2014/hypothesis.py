@@ -63,10 +63,14 @@ def reached(
     stresses: dict[tuple[str, str], dict[str, float]] = {}
     for (name, contact, error), one in forces.items():
         words = f"{contact.name}, facets of {1e6 * error:g} um" if error else f"{contact.name}, exact flanks"
-        acting = {"shaft": one.cam, "ring": one.seat, "gear": max(one.cam, one.tooth)}
-        for part, force in acting.items():
+        for part, force in acting(one).items():
             stresses.setdefault((part, name), {})[words] = float(stress[name][part](force))
     return stresses
+
+
+def acting(forces: PeakForces) -> dict[str, float]:
+    """Find the largest force on each part [N]."""
+    return {"shaft": forces.cam, "ring": forces.seat, "gear": max(forces.cam, forces.tooth)}
 
 
 def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import RANKED, StartSpread, Variation, measure, settled
+from cycloid_mj.comparison import RANKED, StartSpread, Variation, settled
 from cycloid_mj.design import Design, override
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
+from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import Runs
 from hsieh2014.verdicts import rank_order
 
@@ -24,7 +25,7 @@ def pin_over_nonpin(levels: Levels, key: str) -> int:
 
 def idle(plan: Plan, runs: Runs) -> Levels:
     """Compute the idle fluctuations of both designs."""
-    return levels_of({design.name: runs(idle_runs(plan, design), plan.solver) for design in designs()})
+    return levels_of({design.name: runs.figures(idle_runs(plan, design), plan.solver) for design in designs()})
 
 
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
@@ -36,23 +37,17 @@ def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
     # all at once, so that the runs fill every core
     runs([run for case in cases.values() for starts in case.values() for run in starts], plan.solver)
     return {
-        one: levels_of({name: runs(starts, plan.solver) for name, starts in case.items()})
+        one: levels_of({name: runs.figures(starts, plan.solver) for name, starts in case.items()})
         for one, case in cases.items()
     }
 
 
-def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
-    """Measure runs: name of a design -> its runs."""
-    measured = {name: [_levels(run) for run in levels] for name, levels in starts.items()}
+def levels_of(starts: Mapping[str, Sequence[RunFigures]]) -> Levels:
+    """Collect the levels of runs: name of a design -> its runs."""
     return {
-        each.key: {name: StartSpread.of(one[each.key] for one in level) for name, level in measured.items()}
+        each.key: {name: StartSpread.of(one.levels[each.key] for one in runs) for name, runs in starts.items()}
         for each in RANKED
     }
-
-
-def _levels(run: Run) -> dict[str, float]:
-    measures = measure(settled(run))
-    return {each.key: each.level(measures).rms for each in RANKED}
 
 
 NUDGE = 1e-9

@@ -14,6 +14,7 @@ from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics.run import Solver, provenance
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
+from hsieh2014.stage import Runs
 
 DIGITS = 12
 
@@ -55,13 +56,14 @@ class LoggedRuns(Sequence[Run]):
         return len(self._logs)
 
 
-class Logs:
+class Logs(Runs):
     """Gives the runs of designs, several run at a time: `into` a folder, all of them anew where `fresh`."""
 
     def __init__(self, into: Path, fresh: bool, quiet: bool) -> None:
+        super().__init__()
         self._into, self._fresh, self._quiet = into, fresh, quiet
         self._known: dict[tuple[Design, Solver], Path] = {}
-        self._read = lru_cache(KEPT)(read)
+        self._read = lru_cache(KEPT)(_read_and_warn)
 
     def __call__(self, designs: Sequence[Design], solver: Solver = "mujoco") -> LoggedRuns:
         """Return the run of each design by a solver; the planar solver's, which are many, are not to be shown.
@@ -93,8 +95,6 @@ class Logs:
                     raise error.__cause__ from None
                 raise
         self._known |= {(design, solver): path for design, path in paths.items()}
-        for design, path in paths.items():
-            warn(design.name, self._read(path).warnings)
         return LoggedRuns([self._known[design, solver] for design in designs], self._read)
 
     def _is_there(self, design: Design, solver: Solver, path: Path) -> bool:
@@ -102,3 +102,9 @@ class Logs:
             return path.exists() and fits(self._read(path), design, provenance(Reducer(design), solver=solver))
         except LogError:
             return False
+
+
+def _read_and_warn(log: Path) -> Run:
+    run = read(log)
+    warn(run.provenance["design"], run.warnings)
+    return run

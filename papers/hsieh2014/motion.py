@@ -12,8 +12,10 @@ from cycloid_mj.comparison import StartSpread, load_words, settled, settling
 from cycloid_mj.design import Design
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
-from hsieh2014.pin_claims import pin_claims, pin_motion
+from hsieh2014.pin_claims import pin_claims
+from hsieh2014.pin_motion import PinMotion, pin_motion
 from hsieh2014.plan import LOGGED, Plan, designs, main_runs, ramped
+from hsieh2014.run_figures import RunFigures, mean_speed, strayed
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.verdicts import spread_error, spread_value
 
@@ -82,7 +84,7 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     return StageResult(
         _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
-        tuple(_ratio(over_starts(plan, runs, design, mean_speed), _rated(compared, design)) for design in designs()),
+        tuple(_ratio(over_starts(plan, runs, design, _mean_speed), _rated(compared, design)) for design in designs()),
         {name: {key: number(one) for key, _, number in NUMBERS} for name, one in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
     )
@@ -128,7 +130,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
-        over_starts(plan, runs, design, pin_motion, lambda changed: changed.ring.has_moving_pins),
+        over_starts(plan, runs, design, _pin_moves, lambda changed: changed.ring.has_moving_pins),
         pin_motion(_rated(compared, design)),
     )
     return StageResult(plates, claims=claims, notes=(note,))
@@ -176,14 +178,17 @@ def _pin(motion: Series) -> Any:
     return motion.pin_1
 
 
-def mean_speed(motion: Series) -> float:
-    """Compute the mean speed of the gear against the crank [rad/s], over whole turns."""
-    speed = motion.gear_speed.simulated[motion.whole_periods]
-    return -float(np.mean(speed)) * float(np.sign(motion.design.drive.speed))
+def _mean_speed(one: RunFigures) -> float:
+    return one.mean_speed
 
 
-def _strayed(motion: Series) -> float:
-    return judge(motion).gear_transmission_error.peak_to_peak_arcsec
+def _strayed(one: RunFigures) -> float:
+    return one.strayed
+
+
+def _pin_moves(one: RunFigures) -> PinMotion:
+    assert one.pin_1 is not None
+    return one.pin_1
 
 
 def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
@@ -209,7 +214,7 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
 
 def _strays(evidence: OverStarts[float], rated: Series) -> Claim:
     """Judge whether the gear has a transmission error, over the starts at no load."""
-    sizes, under = StartSpread.of(evidence.base), _strayed(rated)
+    sizes, under = StartSpread.of(evidence.base), strayed(rated)
     judged = ruling(
         evidence,
         lambda size: size >= SEEN_ERROR,

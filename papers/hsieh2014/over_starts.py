@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from cycloid_mj.analysis import Series
 from cycloid_mj.base.result import Range, Removal, Verdict
-from cycloid_mj.comparison import Variation, settled
+from cycloid_mj.comparison import Variation
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from hsieh2014.plan import LEFT_OPEN, Plan, idle_runs, ranges, variations, varied_idle_runs
+from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import Runs
 from hsieh2014.verdicts import most, most_chance
 
@@ -54,13 +54,13 @@ def over_starts(
     plan: Plan,
     runs: Runs,
     design: Design,
-    figure: Callable[[Series], T],
+    figure: Callable[[RunFigures], T],
     has: Callable[[Design], bool] = lambda changed: True,
 ) -> OverStarts[T]:
     """Take a figure of each idle start, and of each with one thing changed that concerns a design and that `has` it."""
 
     def of(starts: Sequence[Design]) -> list[T]:
-        return [figure(settled(run)) for run in runs(starts, plan.solver)]
+        return [figure(one) for one in runs.figures(starts, plan.solver)]
 
     changed = [
         variation

@@ -1,24 +1,37 @@
 """What a stage is given, and what it leaves."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Table
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.run import Solver
 from hsieh2014.plan import Plan
+from hsieh2014.run_figures import RunFigures, run_figures
 
 
-class Runs(Protocol):
+class Runs(ABC):
     """Gives the run of each design by a solver: from a log that fits, or by running it.
 
-    A run is read whenever it is asked for: what takes figures of many runs goes through them one by one.
+    A run is read whenever it is asked for; what is judged of it is kept.
     """
 
+    def __init__(self) -> None:
+        self._figures: dict[tuple[Design, Solver], RunFigures] = {}
+
+    @abstractmethod
     def __call__(self, designs: Sequence[Design], solver: Solver = "mujoco") -> Sequence[Run]:
         """Return the runs in the order of their designs."""
+
+    def figures(self, designs: Sequence[Design], solver: Solver) -> list[RunFigures]:
+        """Return what is judged of each run, in the order of their designs."""
+        missing = [design for design in dict.fromkeys(designs) if (design, solver) not in self._figures]
+        for design, run in zip(missing, self(missing, solver), strict=True):
+            self._figures[design, solver] = run_figures(run)
+        return [self._figures[design, solver] for design in designs]
 
 
 Progress = Callable[[str], None]

@@ -1,7 +1,7 @@
 """Every claim of the paper that is judged: its key, where it stands, its condition, its words and its number."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base.result import Claim, Condition, Range, Removal, Value, Verdict
 from hsieh2014.plan import no_load, torque_test
@@ -38,7 +38,12 @@ class Statement:
         removals: Iterable[Removal] = (),
         p: float | None = None,
     ) -> Claim:
-        """Return the claim with what is found here, and what becomes of it; parameters as of `Claim`."""
+        """Return the claim with what is found here, and what becomes of it; parameters as of `Claim`.
+
+        What has neither p nor starts, as a single run under load, spreads as far as its numerical error.
+        """
+        if p is None and found.spread is None and found.value is not None and error.value is not None:
+            found = replace(found, spread=(found.value - error.value, found.value + error.value))
         return Claim(
             **vars(self),
             found=found,

@@ -51,18 +51,21 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         impact = runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]
         studies[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
     varied = {
-        variation: {design.name: runs(varied_idle_runs(plan, variation, design), plan.solver) for design in designs()}
+        variation: {
+            design.name: runs.figures(varied_idle_runs(plan, variation, design), plan.solver) for design in designs()
+        }
         for variation in variations(plan)
     }
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
     by_force = {name: one.by_force for name, one in studies.items()}
     searched = Searched(ranges(plan), varied, hypothesis.reached(soft, by_force), contact_ranges(plan))
+    judged = {design.name: runs.figures(idle_runs(plan, design), plan.solver) for design in designs()}
     wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
     return StageResult(
         tuple(_plates(studies)),
         (_stress_table(studies), _force_table(starts, rated), hypothesis.table(soft, wanted)),
-        tuple(stress_claims(studies, starts, rated, searched)),
+        tuple(stress_claims(studies, judged, rated, searched)),
         {name: _numbers(one) for name, one in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
         (*hypothesis.sentences(soft, wanted), *_notes(studies)),
     )
@@ -119,11 +122,6 @@ def settings(plan: Plan) -> "StudySettings":
 
     chosen = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
     return replace(chosen, map_angle=MAP_ANGLE)
-
-
-def per_newton(idle_stress: IdleStress, rated: Run) -> dict[str, float]:
-    """Compute the stress of shaft, ring and gear [MPa] for each newton of the largest force on them."""
-    return {part: idle_stress.rated[part].high / largest_force(rated, pairs_on(rated, part)) for part in ORDER}
 
 
 def _stress_table(studies: Mapping[str, IdleStress]) -> Table:

@@ -13,6 +13,7 @@ from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
 from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import ERROR, IdleStress, rated_value, stress_error
 from hsieh2014.plan import LEFT_OPEN
+from hsieh2014.run_figures import RunFigures
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, ORDER
 from hsieh2014.statements import (
     BY_DESIGN,
@@ -46,7 +47,7 @@ TREATMENT = (
 
 def stress_claims(
     studies: Mapping[str, IdleStress],
-    starts: Mapping[str, Sequence[Run]],
+    starts: Mapping[str, Sequence[RunFigures]],
     rated: Mapping[str, Run],
     searched: Searched | None = None,
 ) -> Iterator[Claim]:
@@ -57,7 +58,7 @@ def stress_claims(
     studies
         Design name -> its stress.
     starts, rated
-        Design name -> its runs at no load, and its run under the rated load.
+        Design name -> its starts at no load, and its run under the rated load.
     searched
         What else was tried.
     """

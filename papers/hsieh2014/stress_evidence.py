@@ -6,16 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import OUTPUT
-from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Range
 from cycloid_mj.comparison import StartSpread, Variation
 from hsieh2014.idle_stress import IdleStress
-from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
-from hsieh2014.stated import ORDER
-
-PRESSED = (*ORDER, OUTPUT, PIN_1)
-"""Parts whose forces are judged."""
+from hsieh2014.run_figures import RunFigures
 
 Forces = Mapping[str, Sequence[Mapping[str, Array]]]
 """Design name -> start by start, part -> the largest force on it in each part of a crank turn [N]."""
@@ -30,7 +24,7 @@ class Searched:
     ranges
         Of what the paper leaves open.
     varied
-        What was changed alone -> design name -> its idle runs.
+        What was changed alone -> design name -> its idle starts.
     reached
         Part and design -> treatment of contact -> the stress [MPa] that its forces make.
     contact_ranges
@@ -38,7 +32,7 @@ class Searched:
     """
 
     ranges: tuple[Range, ...] = ()
-    varied: Mapping[Variation, Mapping[str, Sequence[Run]]] = field(default_factory=dict)
+    varied: Mapping[Variation, Mapping[str, Sequence[RunFigures]]] = field(default_factory=dict)
     reached: Mapping[tuple[str, str], Mapping[str, float]] = field(default_factory=dict)
     contact_ranges: tuple[Range, ...] = ()
 
@@ -70,9 +64,6 @@ class Evidence:
         return self.sizes(design, part, np.max, changed)
 
 
-def forces_of(runs: Mapping[str, Sequence[Run]]) -> Forces:
-    """Return the force on every part over a crank turn, in every run."""
-    return {
-        name: [curves_by_angle(run, {part: pairs_on(run, part) for part in PRESSED}) for run in each]
-        for name, each in runs.items()
-    }
+def forces_of(starts: Mapping[str, Sequence[RunFigures]]) -> Forces:
+    """Return the force on every part over a crank turn, in every start."""
+    return {name: [one.forces for one in each] for name, each in starts.items()}

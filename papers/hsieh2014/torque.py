@@ -172,7 +172,7 @@ def _listed(solutions: Sequence[Solution]) -> str:
 def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
     """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
     ours = {name: measurement["output_torque"] for name, measurement in measurements.items()}
-    error = max(measurement.quantities["output_torque"].error or 0.0 for measurement in measurements.values())
+    error = sum(measurement.quantities["output_torque"].error or 0.0 for measurement in measurements.values())
     ahead = ours["nonpin"] - ours["pin"]
     grids = searches["pin"].grid, searches["nonpin"].grid
     alike = {case: IDEAL * (grids[1][case] - grids[0][case]) for case in grids[0]}
@@ -187,7 +187,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
         removals.append(Removal(f"equal friction, for {words}", f"{gained:+.2f} N m", _ahead(gained, error)))
     return TORQUE_ORDER.judged(
         found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
-        error=Value(ERROR, error, "N m"),
+        error=Value(ERROR, error, AHEAD),
         verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
         decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
         f"{alike[least]:+.2f} ({_case_words(least)}) to {alike[best]:+.2f} N m ({_case_words(best)})",

@@ -6,9 +6,9 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import RANKED, Ranked, StartSpread, Variation, settled
+from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
@@ -21,7 +21,6 @@ from hsieh2014.idle import (
     pin_over_nonpin,
     swept,
 )
-from hsieh2014.pin_claims import pin_motion
 from hsieh2014.plan import (
     LEFT_OPEN,
     STARTS,
@@ -38,6 +37,7 @@ from hsieh2014.plan import (
     varied_idle_runs,
     varied_rated_runs,
 )
+from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.statements import fluctuation
 from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_decided, order_verdict, rank_order
@@ -65,10 +65,10 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     runs([*starts, *rated_runs(plan), *(one for pair in pairs for one in pair)], plan.solver)
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other], plan.solver)) for one, other in pairs}
-    rated = {"as it is": _rated(runs(rated_runs(plan), plan.solver))} | _varied_rated(plan, runs)
+    rated = {"as it is": _rated(plan, runs, rated_runs(plan))} | _varied_rated(plan, runs)
     cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
-    halved = {"half the step": levels_of({name: runs(begun, plan.solver) for name, begun in finer.items()})}
+    halved = {"half the step": levels_of({name: runs.figures(begun, plan.solver) for name, begun in finer.items()})}
     return StageResult(
         tuple(_plates(plan, runs, cases)),
         (
@@ -162,9 +162,9 @@ def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     )
 
 
-def _rated(runs: Sequence[Run]) -> Levels:
-    """Measure rated runs, one of each design: pin, nonpin and, where it ran, the third."""
-    return levels_of({run.provenance["design"]: [run] for run in runs})
+def _rated(plan: Plan, runs: Runs, rated: Sequence[Design]) -> Levels:
+    """Collect the levels of rated runs, one of each design: pin, nonpin and, where it ran, the third."""
+    return levels_of({design.name: runs.figures([design], plan.solver) for design in rated})
 
 
 def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
@@ -174,7 +174,7 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
     cases = {variation.words: varied_rated_runs(plan, variation) for variation in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
     runs([run for each in cases.values() for run in each], plan.solver)
-    return {name: _rated(runs(each, plan.solver)) for name, each in cases.items()}
+    return {name: _rated(plan, runs, each) for name, each in cases.items()}
 
 
 def _spin_table(plan: Plan, runs: Runs) -> Table:
@@ -188,7 +188,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
                 [] if plan.quick else varied_rated_runs(plan, variation)[:1],
             )
     rows = [
-        (name, _spins(runs(free, plan.solver)), _spins(runs(loaded, plan.solver)))
+        (name, _spins(runs.figures(free, plan.solver)), _spins(runs.figures(loaded, plan.solver)))
         for name, (free, loaded) in cases.items()
     ]
     return Table(
@@ -198,9 +198,11 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     )
 
 
-def _spins(runs: Sequence[Run]) -> str:
-    means = StartSpread.of(pin_motion(settled(run)).mean_spin for run in runs) if runs else None
-    return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
+def _spins(runs: Sequence[RunFigures]) -> str:
+    means = StartSpread.of(one.pin_1.mean_spin for one in runs if one.pin_1)
+    if not means.values:
+        return ""
+    return means.words if len(means.values) > 1 else f"{means.mean:.3g}"
 
 
 def _idle_table(cases: Mapping[str, Levels]) -> Table:

@@ -9,6 +9,7 @@ import random
 import re
 import sys
 from dataclasses import replace
+from functools import cache
 from importlib.machinery import SourceFileLoader
 from importlib.util import spec_from_file_location
 from pathlib import Path
@@ -17,6 +18,7 @@ from types import SimpleNamespace
 import hsieh2014
 import numpy as np
 import pytest
+from given import Given, ideal_runs
 from hsieh2014 import idle as chaos
 from hsieh2014 import (
     motion,
@@ -36,6 +38,7 @@ from hsieh2014.page import reproduction_page
 from hsieh2014.plan import FULL, IMPACT, QUICK, TIGHT, at_speed, contact_ranges, designs, idle_runs, unsearched
 from hsieh2014.plan import STARTS as STARTS_OF_PAPER
 from hsieh2014.run import STEPS, run_step
+from hsieh2014.run_figures import run_figures
 from hsieh2014.stage import StageResult, StageRun, silent
 from hsieh2014.stress_evidence import Evidence, Searched
 from hsieh2014.torque_search import GRID, SEARCHED, WITHOUT, Solution, TorqueSearch
@@ -52,7 +55,7 @@ from hsieh2014.verdicts import (
     rank_order,
     starts_needed,
 )
-from ideal import ideal_run, ideal_runs
+from ideal import ideal_run
 
 from cycloid_mj.base.result import Quantity, Value, Verdict
 from cycloid_mj.comparison import StartSpread, gravity_turn, order, started
@@ -157,7 +160,8 @@ def test_the_ratio_is_judged_in_each_design():
     ]
     assert [claim.found.value for claim in found] == pytest.approx([4.906870] * 2, rel=1e-6)
 
-    def slow(which, solver="mujoco"):
+    @Given
+    def slow(which):
         runs = [ideal_run(one) for one in which]
         return [replace(run, columns={**run.columns, "gear_speed": 0.99 * run["gear_speed"]}) for run in runs]
 
@@ -167,7 +171,8 @@ def test_the_ratio_is_judged_in_each_design():
 def spinning(signs):
     """Runs of which pin 1 turns one way or the other, start by start."""
 
-    def runs(which, solver="mujoco"):
+    @Given
+    def runs(which):
         found = ideal_runs(which)
         return [
             replace(run, columns={**run.columns, "pin_1_speed": sign * run["pin_1_speed"]})
@@ -196,7 +201,8 @@ def test_pin_1_sways_and_spins_as_its_starts_say():
 
 
 def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
-    def stray(which, solver="mujoco"):
+    @Given
+    def stray(which):
         found = ideal_runs(which)
         wide = {name: 3.0 * found[0][name] for name in ("pin_1_x", "pin_1_y") if name in found[0].columns}
         return [replace(found[0], columns={**found[0].columns, **wide}), *found[1:]]
@@ -209,7 +215,8 @@ def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
 def varied_runs(changed):
     """The pin design is the calmer one at no load, but in runs of which a question holds."""
 
-    def runs(which, solver="mujoco"):
+    @Given
+    def runs(which):
         return [
             ideal_run(one, 0.004 if (one.ring.kind == "nonpin") != (changed(one) and not one.load.torque) else 0.001)
             for one in which
@@ -258,7 +265,8 @@ def test_the_rated_load_changes_no_verdict(calm):
     assert by_key(turned)["gear_speed"].rated.value == pytest.approx(4.0, rel=1e-3)
 
 
-def rated_turned(which, solver="mujoco"):
+@Given
+def rated_turned(which):
     return [
         ideal_run(one, 0.004 if (one.ring.kind == "nonpin") == (one.load.torque == 0.0) else 0.001) for one in which
     ]
@@ -266,7 +274,8 @@ def rated_turned(which, solver="mujoco"):
 
 @pytest.mark.slow
 def test_starts_that_overlap_leave_an_order_undetermined():
-    def scattered(which, solver="mujoco"):
+    @Given
+    def scattered(which):
         return [ideal_run(one, 0.001 * (1 + number % 3)) for number, one in enumerate(which)]
 
     assert by_key(vibration.vibration(FEW, scattered, silent))["gear_speed"].verdict == "not determined"
@@ -366,9 +375,18 @@ def idle():
     return starts, {design.name: ideal_run(at_speed(design, 36.68, 1)) for design in designs()}
 
 
-def judged(pin, nonpin, idle, **more):
-    found = {"pin": pin, "nonpin": nonpin}
-    return {claim.key: claim for claim in stress_claims.stress_claims(found, *idle, Searched(**more))}
+figures = cache(run_figures)
+
+
+def judged_on(starts):
+    """What is judged of the runs of each design."""
+    return {name: [figures(run) for run in runs] for name, runs in starts.items()}
+
+
+def judged(pin, nonpin, idle, varied=None, **more):
+    found, (starts, rated) = {"pin": pin, "nonpin": nonpin}, idle
+    searched = Searched(varied={one: judged_on(runs) for one, runs in (varied or {}).items()}, **more)
+    return {claim.key: claim for claim in stress_claims.stress_claims(found, judged_on(starts), rated, searched)}
 
 
 def test_every_stress_claim_is_judged_at_no_load(idle):
@@ -458,8 +476,8 @@ def test_the_shafts_peaks_depend_on_what_brings_them_in_any_start(idle):
 
 def evidence_of(stress, starts, varied=None):
     """What claims on stress stand on, with the stress of both designs alike."""
-    changed = {what: stress_evidence.forces_of(runs) for what, runs in (varied or {}).items()}
-    return Evidence({"pin": stress, "nonpin": stress}, stress_evidence.forces_of(starts), changed)
+    changed = {what: stress_evidence.forces_of(judged_on(runs)) for what, runs in (varied or {}).items()}
+    return Evidence({"pin": stress, "nonpin": stress}, stress_evidence.forces_of(judged_on(starts)), changed)
 
 
 def test_pin_1_is_loaded_where_most_of_its_force_falls(idle):
@@ -703,7 +721,7 @@ def all_verdicts(module, idle):
         module("torque").torque_order({"pin": measured(34.0), "nonpin": measured(33.0)}, searches),
     ]
     with np.errstate(invalid="ignore"):
-        found += module("stress_claims").stress_claims(stress, *idle)
+        found += module("stress_claims").stress_claims(stress, judged_on(idle[0]), idle[1])
     return {claim.key: claim for claim in found}
 
 

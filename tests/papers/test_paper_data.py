@@ -42,8 +42,7 @@ def test_a_claim_has_its_condition_ranges_verdict_and_how_sure_it_is(claim):
     for one in claim["ranges_searched"]:
         assert one["low"] < one["high"]
         assert one["source"]
-    sure = (claim["p"], claim["ours"]["spread"], claim["numerical_error"]["value"])
-    assert any(value is not None for value in sure)
+    assert claim["p"] is not None or len(claim["ours"]["spread"]) == 2
 
 
 @pytest.mark.parametrize("claim", IDLE, ids=[claim["key"] for claim in IDLE])

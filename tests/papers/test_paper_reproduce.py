@@ -14,6 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from given import Given, ideal_runs
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
 from hsieh2014.authors import CHANGES, brought_by
@@ -26,7 +27,7 @@ from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
 from hsieh2014.stage import StageResult, silent
 from hsieh2014.stated import TORQUES
-from ideal import ideal_run, ideal_runs
+from ideal import ideal_run
 
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
@@ -277,6 +278,23 @@ def test_claims_over_starts_name_their_solver():
     assert {claim.as_json()["condition"]["solver"] for claim in claims} == {"planar"}
 
 
+def test_each_run_is_asked_for_once_by_all_that_judges_it():
+    asked = []
+
+    @Given
+    def runs(which):
+        asked.extend(which)
+        return [ideal_run(one) for one in which]
+
+    starts = idle_runs(QUICK, PRESETS["pin"])[:2]
+    first = runs.figures(starts, "planar")
+    assert runs.figures([starts[1], starts[0], starts[1]], "planar") == [first[1], first[0], first[1]]
+    assert asked == starts
+    # another solver's run is another one
+    runs.figures(starts[:1], "mujoco")
+    assert asked == [*starts, starts[0]]
+
+
 def test_only_a_few_runs_are_in_memory(tmp_path, monkeypatch):
     class Logged(SimpleNamespace):
         """A run that can be referred to weakly."""
@@ -284,7 +302,7 @@ def test_only_a_few_runs_are_in_memory(tmp_path, monkeypatch):
     read = []
 
     def reading(path):
-        run = Logged(warnings=(), path=path)
+        run = Logged(warnings=(), path=path, provenance={"design": "pin"})
         read.append(weakref.ref(run))
         return run
 

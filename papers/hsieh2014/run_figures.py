@@ -1,0 +1,67 @@
+"""What is judged of one run: every figure that any stage takes of an idle start, so that its log is read once."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.analysis import Series, judge
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.names import OUTPUT
+from cycloid_mj.base.record import Run
+from cycloid_mj.comparison import RANKED, measure, settled
+from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
+from hsieh2014.pin_motion import PinMotion, pin_motion
+from hsieh2014.stated import ORDER
+
+PRESSED = (*ORDER, OUTPUT, PIN_1)
+"""Parts whose forces are judged."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunFigures:
+    """What is judged of one run.
+
+    Attributes
+    ----------
+    mean_speed
+        Of the gear against the crank, over whole turns [rad/s].
+    strayed
+        Transmission error of the gear, peak to peak [arcsec].
+    levels
+        Key of a ranked quantity -> its rms about the closed form.
+    pin_1
+        How pin 1 moves; None where no pin can.
+    forces
+        Part -> the largest force on it in each part of a crank turn [N], shape (``peaks.BINS``,).
+    """
+
+    mean_speed: float
+    strayed: float
+    levels: Mapping[str, float]
+    pin_1: PinMotion | None
+    forces: Mapping[str, Array]
+
+
+def run_figures(run: Run) -> RunFigures:
+    """Compute all that is judged of a run."""
+    motion = settled(run)
+    measures = measure(motion)
+    return RunFigures(
+        mean_speed(motion),
+        measures.findings.gear_transmission_error.peak_to_peak_arcsec,
+        {each.key: each.level(measures).rms for each in RANKED},
+        pin_motion(motion) if motion.pin_1 else None,
+        curves_by_angle(run, {part: pairs_on(run, part) for part in PRESSED}),
+    )
+
+
+def mean_speed(motion: Series) -> float:
+    """Compute the mean speed of the gear against the crank [rad/s], over whole turns."""
+    speed = motion.gear_speed.simulated[motion.whole_periods]
+    return -float(np.mean(speed)) * float(np.sign(motion.design.drive.speed))
+
+
+def strayed(motion: Series) -> float:
+    """Compute the transmission error of the gear, peak to peak [arcsec]."""
+    return judge(motion).gear_transmission_error.peak_to_peak_arcsec
