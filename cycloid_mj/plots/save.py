@@ -74,9 +74,10 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 
 @styled
 def drawn(figure: Figure, form: str) -> bytes:
-    """Encode a figure as the bytes of a file of a format."""
+    """Encode a figure as the bytes of a file of a format; what is drawn first lays it out for all."""
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
+    figure.set_layout_engine("none")
     return content.getvalue()
 
 

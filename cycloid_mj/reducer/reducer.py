@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Given = ParamSpec("Given")
 Value = TypeVar("Value")
 
-KEPT = 8
+KEPT = 24
 """Designs whose reducers' values are kept at a time: as many as a study goes back and forth between."""
 
 

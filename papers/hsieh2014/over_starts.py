@@ -58,10 +58,6 @@ def over_starts(
     has: Callable[[Design], bool] = lambda changed: True,
 ) -> OverStarts[T]:
     """Take a figure of each idle start, and of each with one thing changed that concerns a design and that `has` it."""
-
-    def of(starts: Sequence[Design]) -> list[T]:
-        return [figure(one) for one in runs.figures(starts, plan.solver)]
-
     changed = [
         variation
         for variation in variations(plan)
@@ -70,7 +66,8 @@ def over_starts(
     base, varied = idle_runs(plan, design), {one: varied_idle_runs(plan, one, design) for one in changed}
     # asked for together, so that the runs fill every core
     runs([*base, *(start for starts in varied.values() for start in starts)], plan.solver)
-    return OverStarts(of(base), {one: of(starts) for one, starts in varied.items()}, ranges(plan))
+    figures = {one: list(map(figure, runs.figures(starts, plan.solver))) for one, starts in varied.items()}
+    return OverStarts([figure(one) for one in runs.figures(base, plan.solver)], figures, ranges(plan))
 
 
 def ruling(

@@ -24,6 +24,8 @@ class RunFigures:
 
     Attributes
     ----------
+    design
+        Name of the design that ran.
     mean_speed
         Of the gear against the crank, over whole turns [rad/s].
     strayed
@@ -36,6 +38,7 @@ class RunFigures:
         Part -> the largest force on it in each part of a crank turn [N], shape (``peaks.BINS``,).
     """
 
+    design: str
     mean_speed: float
     strayed: float
     levels: Mapping[str, float]
@@ -48,6 +51,7 @@ def run_figures(run: Run) -> RunFigures:
     motion = settled(run)
     measures = measure(motion)
     return RunFigures(
+        run.provenance["design"],
         mean_speed(motion),
         measures.findings.gear_transmission_error.peak_to_peak_arcsec,
         {each.key: each.level(measures).rms for each in RANKED},

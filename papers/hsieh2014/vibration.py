@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import RANKED, Ranked, StartSpread, Variation, settled
-from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
@@ -65,7 +64,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     runs([*starts, *rated_runs(plan), *(one for pair in pairs for one in pair)], plan.solver)
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other], plan.solver)) for one, other in pairs}
-    rated = {"as it is": _rated(plan, runs, rated_runs(plan))} | _varied_rated(plan, runs)
+    rated = {"as it is": _rated(runs.figures(rated_runs(plan), plan.solver))} | _varied_rated(plan, runs)
     cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs.figures(begun, plan.solver) for name, begun in finer.items()})}
@@ -162,9 +161,9 @@ def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     )
 
 
-def _rated(plan: Plan, runs: Runs, rated: Sequence[Design]) -> Levels:
+def _rated(runs: Sequence[RunFigures]) -> Levels:
     """Collect the levels of rated runs, one of each design: pin, nonpin and, where it ran, the third."""
-    return levels_of({design.name: runs.figures([design], plan.solver) for design in rated})
+    return levels_of({one.design: [one] for one in runs})
 
 
 def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
@@ -174,7 +173,7 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
     cases = {variation.words: varied_rated_runs(plan, variation) for variation in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
     runs([run for each in cases.values() for run in each], plan.solver)
-    return {name: _rated(plan, runs, each) for name, each in cases.items()}
+    return {name: _rated(runs.figures(each, plan.solver)) for name, each in cases.items()}
 
 
 def _spin_table(plan: Plan, runs: Runs) -> Table:
