@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cycloid_mj import measure, stress
     from cycloid_mj.analysis import Findings, analyze
+    from cycloid_mj.analysis.spectrum import tapered_orders
     from cycloid_mj.base.record import Run
     from cycloid_mj.base.result import Curve, Quantity, Table
     from cycloid_mj.bench import calibrate, read_loop
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from cycloid_mj.life import rate
     from cycloid_mj.life.datasheet import datasheet_of as datasheet
     from cycloid_mj.log import read as read_log
+    from cycloid_mj.log import write as write_log
     from cycloid_mj.parts.export import export
+    from cycloid_mj.reducer import Reducer
     from cycloid_mj.report import report
     from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
     from cycloid_mj.sizing import new
@@ -40,6 +43,7 @@ __all__ = [
     "Findings",
     "Quantity",
     "ReducedJoint",
+    "Reducer",
     "Run",
     "Table",
     "analyze",
@@ -62,7 +66,9 @@ __all__ = [
     "statics",
     "stress",
     "sweep",
+    "tapered_orders",
     "tolerance",
+    "write_log",
 ]
 
 __version__ = "0.2.0"
@@ -75,6 +81,7 @@ _ORIGINS = {
     "PRESETS": "design",
     "Quantity": "base.result",
     "ReducedJoint": "robot",
+    "Reducer": "reducer",
     "Run": "base.record",
     "Table": "base.result",
     "analyze": "analysis",
@@ -97,7 +104,9 @@ _ORIGINS = {
     "statics": "",
     "stress": "",
     "sweep": "explore",
+    "tapered_orders": "analysis.spectrum",
     "tolerance": "explore",
+    "write_log": "log:write",
 }
 """Where each public name lives: a module, and the name there if it is another; a room itself has no origin."""
 

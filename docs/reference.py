@@ -50,7 +50,7 @@ page = cm.report({"run": run})  # one HTML page, as text
 
 `import cycloid_mj as cm` gives the names below; each is imported when first used, and `dir(cm)` lists them alone.
 Numbers are in SI units and radians, but where a name ends in its unit. Tables, sheets and findings print as one line;
-in a notebook they show as a table, and `.to_frame()` gives a `DataFrame` of pandas, or of polars.
+in a notebook they show as a table, `.to_frame()` gives a `DataFrame` of pandas, or of polars, and `.plot()` a figure.
 """
 
 

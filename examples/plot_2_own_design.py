@@ -12,8 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of
 
 design = cm.load(
     "pin",
@@ -36,7 +34,9 @@ for check in cm.check(design):
 # The force of each pin on the gear against the crank angle: a pin carries where it can push the gear back.
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
-found = loads(Reducer(design), springs_of(Reducer(design), crank, friction=False), design.load.torque, follow=True)
+reducer = cm.Reducer(design)
+springs = cm.statics.springs_of(reducer, crank, friction=False)
+found = cm.statics.loads(reducer, springs, design.load.torque, follow=True)
 
 figure, axes = plt.subplots(layout="constrained")
 shown = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), found.teeth.T, cmap="magma_r", shading="nearest")

@@ -12,8 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of, transmission_error
 
 ARCSEC, ARCMIN = np.pi / 648000.0, np.pi / 10800.0
 crank = np.linspace(0.0, 2.0 * np.pi / 6.0, 121)
@@ -22,11 +20,11 @@ torque = np.concatenate([-np.geomspace(36.68, 0.01, 25), np.geomspace(0.01, 36.6
 figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 6.4), layout="constrained")
 for name in ("pin", "nonpin"):
     design = cm.load(name)
-    error = transmission_error(Reducer(design), crank, 36.68)[:, 1] / ARCSEC
+    error = cm.statics.transmission_error(cm.Reducer(design), crank, 36.68)[:, 1] / ARCSEC
     above.plot(np.degrees(crank), error - error.mean(), label=f"{name}: {np.ptp(error):.2f} arcsec")
     still = cm.load(name, {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0})
-    springs = springs_of(Reducer(still), [0.4], friction=False)
-    turn = [loads(Reducer(still), springs, float(one)).output_turn[0] / ARCMIN for one in torque]
+    springs = cm.statics.springs_of(cm.Reducer(still), [0.4], friction=False)
+    turn = [cm.statics.loads(cm.Reducer(still), springs, float(one)).output_turn[0] / ARCMIN for one in torque]
     below.plot(torque, turn, label=name)
 above.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]", title="about its mean, at 36.68 N m")
 below.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", title="crank locked at 0.4 rad")

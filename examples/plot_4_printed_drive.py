@@ -11,8 +11,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of
 
 still = {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0}
 torque = np.concatenate([-np.geomspace(10.0, 0.01, 25), np.geomspace(0.01, 10.0, 25)])
@@ -24,8 +22,8 @@ for label, changes in {
     "a disc of aluminium": {"gear_material.name": "aluminium 6061"},
 }.items():
     design = cm.load("printed", still | changes)
-    springs = springs_of(Reducer(design), [0.3], friction=False)
-    turn = np.degrees([loads(Reducer(design), springs, float(one)).output_turn[0] for one in torque])
+    springs = cm.statics.springs_of(cm.Reducer(design), [0.3], friction=False)
+    turn = np.degrees([cm.statics.loads(cm.Reducer(design), springs, float(one)).output_turn[0] for one in torque])
     backlash = turn[torque > 0.0].min() - turn[torque < 0.0].max()
     axes.plot(torque, turn, label=f"{label}: backlash {backlash:.2f} deg")
 axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [deg]", ylim=(-0.8, 1.1))

@@ -12,8 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.loads import part_loads
 
 design = cm.load("pin", {"ring.pins": "massless", "drive.ramp_s": 0.0, "drive.hold_s": 0.05, "load.torque_nm": 36.68})
 run = cm.simulate(design)
@@ -22,7 +20,7 @@ run = cm.simulate(design)
 # The forces of the run press on the gear's flanks, bore and holes; its own inertia and weight hold the balance.
 
 grid = cm.stress.part_grid(design, "gear", cm.stress.GridSettings())
-forces = part_loads(run, Reducer(design), "gear", angles=[0.0])
+forces = cm.stress.part_loads(run, cm.Reducer(design), "gear", angles=[0.0])
 found = cm.stress.stress_map(design, grid, forces, 0)
 
 figure, axes = plt.subplots(layout="constrained")

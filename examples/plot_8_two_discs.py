@@ -12,15 +12,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
 
 figure, (shares, forces) = plt.subplots(2, 1, figsize=(6.4, 6.4), sharex=True, layout="constrained")
 for support, held, line in (("both_ends", "both ends", "-"), ("cantilever", "one end", "--")):
     design = cm.load("twodisc", {"output.support": support})
-    found = loads(Reducer(design), springs_of(Reducer(design), crank, friction=False), design.rated_torque, follow=True)
+    reducer = cm.Reducer(design)
+    springs = cm.statics.springs_of(reducer, crank, friction=False)
+    found = cm.statics.loads(reducer, springs, design.rated_torque, follow=True)
     for disc, colour in enumerate(("tab:blue", "tab:orange")):
         label = f"disc {disc + 1}, pins held at {held}"
         shares.plot(

@@ -12,12 +12,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.analysis.spectrum import tapered_orders
-from cycloid_mj.log import write
 
 design = cm.load("nonpin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.08, "load.torque_nm": 36.68})
 with tempfile.TemporaryDirectory() as folder:
-    write(cm.simulate(design), Path(folder) / "nonpin.mcap")
+    cm.write_log(cm.simulate(design), Path(folder) / "nonpin.mcap")
     run = cm.read_log(Path(folder) / "nonpin.mcap")
 print(run)
 print(sorted(run.attachments))
@@ -29,7 +27,7 @@ print(sorted(run.attachments))
 late = run.time > 0.01
 crank = run["crank_angle"][late]
 error = (run["output_angle"][late] + crank / design.lobes) * 206264.8
-found = tapered_orders(crank, error, most=60.0)
+found = cm.tapered_orders(crank, error, most=60.0)
 
 figure, axes = plt.subplots(layout="constrained")
 axes.fill_between(found.order, found.amplitude)

@@ -1,5 +1,6 @@
 """The public face: what `import cycloid_mj` offers, lazily, under names that are true."""
 
+import inspect
 import re
 import subprocess
 import sys
@@ -118,3 +119,55 @@ def test_without_either_a_data_frame_says_what_to_install(monkeypatch: pytest.Mo
     monkeypatch.setattr("cycloid_mj.base.presented.find_spec", lambda name: None)
     with pytest.raises(CycloidError, match="pip install pandas"):
         TABLE.to_frame()
+
+
+def test_no_example_imports_from_deeper_than_the_package() -> None:
+    examples = sorted((Path(__file__).parents[1] / "examples").glob("plot_*.py"))
+    deeper = [path.name for path in examples if re.search(r"(from|import) cycloid_mj\.", path.read_text("utf-8"))]
+    assert examples
+    assert deeper == []
+
+
+def test_a_result_is_drawn_by_one_call() -> None:
+    pytest.importorskip("matplotlib")
+    still = cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
+    sheet, rating = cm.statics("pin", 5.0), cm.rate(still)
+    for result in (sheet, rating):
+        (axes,) = result.plot().axes
+        assert axes.patches, f"a bar for each value of {result}"
+    assert repr(rating).startswith("<Rating: pin; ")
+    assert list(rating.frame.columns["key"]) == list(rating.items)
+    with pytest.raises(UsageError, match="a Sheet has no figure 'nosuch'; it has closed_form"):
+        sheet.plot("nosuch")
+    with pytest.raises(UsageError, match="a Frame has nothing to draw"):
+        TABLE.plot()
+
+
+def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> None:
+    still = cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
+    run = cm.simulate(still)
+    assert run.plot("fig6_gear_speed").axes
+    (axes,) = cm.analyze(run, settle=0.001).plot().axes
+    assert axes.get_xlabel() == "power that a kind of contact takes [W]"
+    backlash = cm.measure.Measurement(
+        "backlash",
+        still,
+        {"backlash": cm.Quantity("backlash", "backlash", 1.25, "arcmin")},
+        (cm.Curve("play", "model", np.arange(3.0), np.arange(3.0), "crank angle [deg]", "turn [arcmin]"),),
+        condition="5 N m",
+    )
+    assert repr(backlash) == "<Measurement: backlash of pin, 5 N m; backlash 1.25 arcmin>"
+    assert backlash.frame.columns["value"].tolist() == [1.25]
+    assert backlash.plot().axes[0].get_title("left") == "play"
+
+
+def test_every_public_function_describes_its_parameters() -> None:
+    for name in cm.__all__:
+        value = getattr(cm, name)
+        function = getattr(value, "main", value)
+        if not inspect.isfunction(function):
+            continue
+        _, _, described = inspect.getdoc(function).partition("Parameters\n----------\n")
+        described = described.partition("\n\n")[0]
+        given = {one for line in described.splitlines() if line[:1].strip() for one in re.findall(r"\w+", line)}
+        assert set(inspect.signature(function).parameters) <= given, name

@@ -1,4 +1,4 @@
-"""How results show in a notebook: one line as text, a table as HTML, and a data frame of pandas or polars."""
+"""How results show in a notebook: a line of text, a table as HTML, a figure, and a data frame of pandas or polars."""
 
 from html import escape
 from importlib import import_module
@@ -16,7 +16,22 @@ MOST_ROWS = 60
 """Of a table in a notebook."""
 
 
-class Presented:
+class Drawn:
+    """A result that can be drawn."""
+
+    def plot(self, name: str = "") -> Any:
+        """Draw the result as a ``matplotlib`` figure; of several, the one of that name, or the first.
+
+        Raises
+        ------
+        UsageError
+            The result has nothing to draw, or no figure of that name.
+        """
+        # the plots stand above what they draw, and matplotlib is loaded with the first
+        return import_module("cycloid_mj.plots.result").figure_of(self, name)
+
+
+class Presented(Drawn):
     """A result that says in a line what it is, and has its figures as a frame."""
 
     @property

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
+from cycloid_mj.base.presented import Drawn
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
@@ -43,7 +44,7 @@ class Deferred(Mapping[str, bytes]):
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Drawn):
     """Samples of a simulated reducer.
 
     Arrays are locked: they are copied unless they are locked already and own their memory.

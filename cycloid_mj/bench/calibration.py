@@ -9,6 +9,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
@@ -84,8 +86,8 @@ class Variant:
     values: dict[str, float]
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Presented):
     """What a calibration found.
 
     Attributes
@@ -114,6 +116,28 @@ class Calibration:
     modelled: LoopReading
     variants: tuple[Variant, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def frame(self) -> Frame:
+        """The fitted values, a row each."""
+        rows: list[dict[str, Cell]] = [
+            {
+                "key": key,
+                "value": one.value,
+                "unit": one.unit,
+                "low": one.ci95[0],
+                "high": one.ci95[1],
+                "identified": one.identified,
+            }
+            for key, one in self.estimates.items()
+        ]
+        return framed(rows, ("key", "value", "unit", "low", "high", "identified"), {})
+
+    @property
+    def line(self) -> str:
+        """Design, how far the model misses the loops, and the fitted values."""
+        values = ", ".join(f"{key} {one.value:.4g} {one.unit}" for key, one in self.estimates.items())
+        return f"{self.design.name}, off by {self.rms / DEGREE:.3g} deg rms; {values}"
 
     @property
     def rms(self) -> float:

@@ -96,6 +96,11 @@ def read_loop(path: Path) -> MeasuredLoop:
 
     A header after ``#`` is one too.
 
+    Parameters
+    ----------
+    path
+        The CSV file.
+
     Raises
     ------
     UsageError

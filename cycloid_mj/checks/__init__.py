@@ -40,6 +40,11 @@ def check(design: Design) -> tuple[Check, ...]:
     """List every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
 
     The latter need a design without errors, and are all warnings.
+
+    Parameters
+    ----------
+    design
+        What is checked.
     """
     reducer = Reducer(design)
     sound = soundness(reducer)

@@ -31,9 +31,14 @@ Named = Design | str | Path
 
 
 def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
-    """Load the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
+    """Load the design of a preset's name or a TOML file, with changes applied.
 
-    A design is returned as it is, but for the changes.
+    Parameters
+    ----------
+    named
+        A preset's name, a file, or a design, which is returned as it is but for the changes.
+    changes
+        In the words of the file: ``table.key=value`` each, or a mapping of ``table.key`` to value.
 
     Raises
     ------

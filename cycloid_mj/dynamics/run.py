@@ -212,7 +212,16 @@ def simulate(
 ) -> Run:
     """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
 
-    `progress` is told the samples that are done, and all that there will be.
+    Parameters
+    ----------
+    design
+        What runs.
+    compiled
+        The model of it, of either solver; by default MuJoCo's, built here.
+    course
+        What crank and output are asked to do; by default the ramp and the hold of the design.
+    progress
+        Is told the samples that are done, and all that there will be.
 
     Raises
     ------

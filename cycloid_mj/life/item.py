@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table, plain
 from cycloid_mj.life.give import CamGive
 from cycloid_mj.life.hours import LONGEST, hours, plain_life, written
@@ -90,8 +92,8 @@ class RatedItem:
         return self.life is not None and self.life > LONGEST
 
 
-@dataclass(frozen=True)
-class Rating:
+@dataclass(frozen=True, repr=False)
+class Rating(Presented):
     """Items of one design under one duty.
 
     Attributes
@@ -129,6 +131,17 @@ class Rating:
     def failing(self) -> list[RatedItem]:
         """The items whose safety is below 1, or whose life is below that asked for; the weakest first."""
         return [item for item in self.items.values() if item.margin(self.life) < 1.0]
+
+    @property
+    def frame(self) -> Frame:
+        """The items, a row each."""
+        rows = [{"key": item.key, **item.as_json()} for item in self.items.values()]
+        return framed(rows, rows[0], {})
+
+    @property
+    def line(self) -> str:
+        """Design, and its weakest item."""
+        return f"{self.design}; {self.weakest_line()}"
 
     def line_of(self, item: RatedItem) -> str:
         """Format an item in one line."""

@@ -26,11 +26,22 @@ def rate(
     give: bool = False,
     poses: int = POSES,
 ) -> Rating:
-    """Rate a sound design under a duty, by default its rated torque and speed, for a life [h], by default its own.
+    """Rate a sound design under a duty for a life.
 
-    `ranges` are the stress ranges of its gear and ring that a study by finite elements found, by part.
-    With `give` the cam is solved over the stiffness that is assumed for it as well, see ``life.cam``. Fewer `poses`
-    than usual are quicker and less exact: a tenth of them, 0.5 % of the margins.
+    Parameters
+    ----------
+    design
+        What is rated.
+    duty
+        Torques and speeds with their shares of the time; by default the rated torque at the design's speed.
+    life
+        Hours that are asked for; by default the design's own.
+    ranges
+        Part -> stress range of gear or ring that a study by finite elements found.
+    give
+        Whether the cam is solved over the stiffness that is assumed for it as well, see ``life.cam``.
+    poses
+        Crank angles; fewer are quicker and less exact: a tenth of them, 0.5 % of the margins.
 
     Raises
     ------

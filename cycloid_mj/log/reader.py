@@ -75,6 +75,11 @@ def read(path: str | os.PathLike[str]) -> Run:
     A log that was cut, by a killed process or a full disk, gives the samples of all its whole chunks, as a run that is
     not complete and whose note says how far it goes.
 
+    Parameters
+    ----------
+    path
+        The log, an MCAP file of `write` or of ``cycloid-mj simulate``.
+
     Raises
     ------
     LogError

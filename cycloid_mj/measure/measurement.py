@@ -2,16 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
+from cycloid_mj.base.frame import Frame, quantity_frame
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.design import Design, material_limits
 from cycloid_mj.figures import of_measure, values_json
 
+FIRST = 3
+"""Quantities that the line of a measurement has."""
 
-@dataclass(frozen=True, eq=False)
-class Measurement:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(Presented):
     """What one measure found of one design.
 
     Attributes
@@ -55,6 +61,17 @@ class Measurement:
         """Return the value of a quantity."""
         return self.quantities[key].value
 
+    @property
+    def frame(self) -> Frame:
+        """The quantities, a row each."""
+        return quantity_frame(self.quantities)
+
+    @property
+    def line(self) -> str:
+        """Measure, design, condition, and the first quantities."""
+        first = ", ".join(_short(key, one) for key, one in islice(self.quantities.items(), FIRST))
+        return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first}"
+
     def as_json(self) -> dict[str, Any]:
         """Convert the measurement to JSON values."""
         return {
@@ -68,3 +85,7 @@ class Measurement:
             "tables": [table.as_json() for table in self.tables],
             "curves": [curve.as_json() for curve in self.curves],
         }
+
+
+def _short(key: str, quantity: Quantity) -> str:
+    return f"{key} {quantity.value:.4g} {quantity.unit if quantity.unit != '1' else ''}".strip()

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
     from cycloid_mj.stress.grid import Grid, GridSettings
-    from cycloid_mj.stress.loads import PartLoads
+    from cycloid_mj.stress.loads import PartLoads, part_loads
     from cycloid_mj.stress.part import part_grid
     from cycloid_mj.stress.vtu import as_vtu
 
@@ -35,6 +35,7 @@ __all__ = [
     "StressMap",
     "as_vtu",
     "part_grid",
+    "part_loads",
     "solve",
     "stress_map",
 ]
@@ -42,7 +43,7 @@ __all__ = [
 _ORIGINS = {
     **dict.fromkeys(("PartStress", "StressMap", "solve", "stress_map"), "field"),
     **dict.fromkeys(("Grid", "GridSettings"), "grid"),
-    "PartLoads": "loads",
+    **dict.fromkeys(("PartLoads", "part_loads"), "loads"),
     "part_grid": "part",
     "as_vtu": "vtu",
 }

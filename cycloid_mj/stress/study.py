@@ -11,7 +11,10 @@ import numpy.typing as npt
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.design import Design, override
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
@@ -118,13 +121,35 @@ class PartStudy:
     findings: PartFindings
 
 
-@dataclass(frozen=True, eq=False)
-class StressStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class StressStudy(Presented):
     """All parts of one design, and the findings about them."""
 
     design: Design
     parts: tuple[PartStudy, ...]
     findings: StressFindings
+
+    @property
+    def frame(self) -> Frame:
+        """The largest stresses of every part over the turn, a row each."""
+        rows: list[dict[str, Cell]] = [
+            {
+                "part": one.part,
+                "bulk_mpa": one.bulk_peak.stress / MEGAPASCAL,
+                "contact_mpa": one.contact_peak.stress / MEGAPASCAL,
+                "largest_force_n": one.largest_force,
+                "yield_strength_mpa": one.yield_strength / MEGAPASCAL,
+            }
+            for one in self.findings.parts
+        ]
+        units = {"bulk_mpa": "MPa", "contact_mpa": "MPa", "largest_force_n": "N", "yield_strength_mpa": "MPa"}
+        return framed(rows, ("part", *units), units)
+
+    @property
+    def line(self) -> str:
+        """Design, load, and the largest stress of each part away from its contacts."""
+        stresses = ", ".join(f"{one.part} {one.bulk_peak.stress / MEGAPASCAL:.4g}" for one in self.findings.parts)
+        return f"{self.design.name}, {self.findings.load:.4g} N m; away from contacts, MPa: {stresses}"
 
     def __getitem__(self, part: str) -> PartStudy:
         """Return the study of a part."""

@@ -1,0 +1,146 @@
+"""The figures of any result of the library, by name: what `result.plot()` shows in a notebook."""
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import singledispatch
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cycloid_mj.analysis import Findings
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.bench.calibration import Calibration
+from cycloid_mj.explore.optimum import Optimum
+from cycloid_mj.explore.sweeps import Sweep
+from cycloid_mj.explore.tolerances import Tolerances
+from cycloid_mj.life.datasheet import Datasheet
+from cycloid_mj.life.item import Rating
+from cycloid_mj.measure import Measurement
+from cycloid_mj.plots import figures
+from cycloid_mj.plots.bench import calibration_figure
+from cycloid_mj.plots.datasheet import datasheet_pictures
+from cycloid_mj.plots.explored import sweep_figure
+from cycloid_mj.plots.measure import measurement_figure
+from cycloid_mj.plots.optimum import tradeoff_figure
+from cycloid_mj.plots.stress import stress_figures
+from cycloid_mj.plots.style import BLUE, GREY, VERMILION, sheet, state, styled
+from cycloid_mj.plots.tolerance import tolerance_figures
+from cycloid_mj.sizing.answer import Answer
+from cycloid_mj.statics.sheet import Sheet
+from cycloid_mj.stress.study import StressStudy
+
+Figures = Mapping[str, Figure]
+
+ROW, HEAD = 0.26, 1.1
+"""Height of a bar with its room, and of what stands above and below all bars [in]."""
+
+ANSWERED = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
+"""Figures of drives that are laid side by side."""
+
+
+def figure_of(result: object, name: str = "") -> Figure:
+    """Draw a result; where it has several figures, the one of that name, or the first.
+
+    Raises
+    ------
+    UsageError
+        The result has nothing to draw, or no figure of that name.
+    """
+    drawn = figures_of(result)
+    if name and name not in drawn:
+        raise UsageError(f"a {type(result).__name__} has no figure {name!r}; it has {', '.join(drawn)}")
+    return drawn[name or next(iter(drawn))]
+
+
+@singledispatch
+def figures_of(result: object) -> Figures:
+    """Draw every figure of a result, by name; raise UsageError where it has none."""
+    raise UsageError(f"a {type(result).__name__} has nothing to draw; .to_frame() has its figures")
+
+
+figures_of.register(Run, figures)
+figures_of.register(Datasheet, datasheet_pictures)
+figures_of.register(Tolerances, tolerance_figures)
+
+
+@figures_of.register
+def _of_measurement(measurement: Measurement) -> Figures:
+    return {measurement.measure: measurement_figure(measurement)}
+
+
+@figures_of.register
+def _of_calibration(calibration: Calibration) -> Figures:
+    return {"calibration": calibration_figure(calibration)}
+
+
+@figures_of.register
+def _of_sweep(sweep: Sweep) -> Figures:
+    return {"sweep": sweep_figure(sweep, sweep.quantities)}
+
+
+@figures_of.register
+def _of_optimum(optimum: Optimum) -> Figures:
+    return {"tradeoff": tradeoff_figure(optimum)}
+
+
+@figures_of.register
+def _of_stress(study: StressStudy) -> Figures:
+    return stress_figures([study.findings])
+
+
+@figures_of.register
+def _of_findings(findings: Findings) -> Figures:
+    watts = {loss.pair: loss.friction_w + loss.normal_w for loss in findings.losses}
+    condition = f"{findings.design}, {findings.condition_words}"
+    return {"losses": _bars(watts, "power that a kind of contact takes [W]", condition)}
+
+
+@figures_of.register
+def _of_rating(rating: Rating) -> Figures:
+    margins = {item.name: item.margin(rating.life) for item in rating.items.values()}
+    limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
+    condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; what is below 1 fails"
+    return {"margins": _bars(limited, "safety, or life over that asked for", condition, fails_below_1=True)}
+
+
+@figures_of.register
+def _of_sheet(of: Sheet) -> Figures:
+    ratios = {one.name: one.value / one.reference for one in of.quantities.values() if one.reference}
+    return {"closed_form": _bars(ratios, "statics over the closed form", f"{of.design}, {of.condition}")}
+
+
+@figures_of.register
+@styled
+def _of_answer(answer: Answer) -> Figures:
+    if not answer.drives:
+        raise UsageError(f"there is no drive to draw: {answer.refusal}")
+    keys = [key for key in ANSWERED if key in answer.drives[0].figures]
+    figure = sheet(2.2)
+    panels: Sequence[Axes] = figure.subplots(1, len(keys), squeeze=False)[0]
+    titles = [drive.title for drive in answer.drives]
+    for axes, key in zip(panels, keys, strict=True):
+        axes.bar(range(len(titles)), [drive.figures[key] for drive in answer.drives], color=BLUE)
+        axes.set_xticks(range(len(titles)), titles, rotation=40, ha="right")
+        axes.set_title(key)
+    state(figure, answer.line)
+    return {"drives": figure}
+
+
+@styled
+def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
+    """Draw a bar for each value, the first on top; of margins, from 1 on a logarithmic scale."""
+    figure = sheet(HEAD + ROW * len(values))
+    axes = figure.subplots()
+    names, numbers = list(values), list(values.values())
+    if fails_below_1:
+        axes.set_xscale("log")
+        axes.axvline(1.0, color=GREY, linewidth=0.8)
+        colours = [BLUE if value >= 1.0 else VERMILION for value in numbers]
+        axes.barh(names, [value - 1.0 for value in numbers], left=1.0, color=colours, height=0.6)
+    else:
+        axes.barh(names, numbers, color=BLUE, height=0.6)
+    axes.invert_yaxis()
+    axes.set_xlabel(label)
+    state(figure, condition)
+    return figure
