@@ -50,6 +50,10 @@ CHANGES = (OURS, SOFT, FACETS, BOTH)
 NO_GRAVITY, STIFFER, SOFTER = "soft, no gravity", "soft, 10 times stiffer", "soft, 10 times softer"
 
 
+Cases = Mapping[str, Mapping[str, Sequence[PeakForces]]]
+"""Name of what is changed -> name of a design -> forces, start by start."""
+
+
 @dataclass(frozen=True)
 class Feature:
     """Something that the paper's figures show: where, in words, and whether forces of pin and nonpin have it."""
@@ -85,7 +89,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     features = _features({name: stress.by_force for name, stress in stresses.items()})
     return StageResult(
         (*_plates(ours, soft, cases), *height_plates(stresses), _torque_plate(torques)),
-        (_feature_table(cases, features), _torque_table(torques)),
+        (*_feature_tables(cases, features), _torque_table(torques)),
         findings={
             "features": [_as_json(cases, feature) for feature in features],
             "shaft_peaks_deg": [list(pair) for pair in struck],
@@ -168,9 +172,9 @@ def _features(stress: Mapping[str, Mapping[str, Callable[[float], Any]]]) -> lis
 
 def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
     def tell(forces: Mapping[str, Sequence[PeakForces]]) -> str:
-        angles = ", ".join(f"{angle:.0f}" for angle in maxima(mean_curve(forces[name])))
-        each_start = [largest_of_halves(np.array(one.curve)) for one in forces[name]]
-        return f"{angles} deg; largest of each half turn, start by start: {angles_told(each_start)}"
+        curve = mean_curve(forces[name])
+        angles = ", ".join(f"{angle:.0f}" for angle in maxima(curve))
+        return f"{angles} deg, swing {np.ptp(curve) / np.mean(curve):.1f} of the mean"
 
     return tell
 
@@ -197,15 +201,14 @@ def _rougher(of: str, scale: float, unit: str) -> tuple[Any, Any]:
 
     def tell(forces: Mapping[str, Sequence[PeakForces]]) -> str:
         pin, nonpin = sizes(forces)
-        return f"{pin.words} with pins, {nonpin.words} {unit} without, p = {chance(pin, nonpin):.2g}"
+        return f"{pin.words} against {nonpin.words} {unit}, p = {chance(pin, nonpin):.2g}"
 
     return tell, lambda forces: rank_order(*sizes(forces)) > 0
 
 
 def _reach(forces: Mapping[str, Sequence[PeakForces]]) -> str:
-    return (
-        f"{1e6 * min(one.reach for one in forces['pin']):.2g} to {1e6 * max(one.reach for one in forces['pin']):.2g} um"
-    )
+    reaches = StartSpread.of(1e6 * one.reach for one in forces["pin"])
+    return f"{reaches.words} um"
 
 
 def _stay(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
@@ -221,32 +224,34 @@ def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, 
 
     wanted = HEIGHTS[part, name]
     return (
-        lambda forces: f"{size(forces):.2g} MPa",
+        lambda forces: f"{size(forces):.3g} MPa",
         lambda forces: LEAST * wanted <= size(forces) <= MOST * wanted,
     )
 
 
-def _feature_table(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], features: Sequence[Feature]) -> Table:
-    """Put every feature beside what each combination of the changes makes of it, and which change brings it."""
-    others = (NO_GRAVITY, STIFFER, SOFTER)
-    rows = []
-    for feature in features:
-        cells = [
-            f"{feature.tell(cases[name])} ({'yes' if feature.holds(cases[name]) else 'no'})"
-            for name in (*CHANGES, *others)
-        ]
-        rows.append(
+def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, Table]:
+    """Put every feature beside what each combination of the changes makes of it; and beside the soft contact varied."""
+    brought = {feature: brought_by({name: feature.holds(cases[name]) for name in CHANGES}) for feature in features}
+
+    def rows(names: Sequence[str]) -> list[tuple[str, ...]]:
+        return [
             (
                 f"{feature.figure}, {feature.words}",
-                *cells,
-                brought_by({name: feature.holds(cases[name]) for name in CHANGES}),
+                *(f"{'yes' if feature.holds(cases[name]) else 'no'}: {feature.tell(cases[name])}" for name in names),
             )
-        )
-    head = ("feature of the paper", "ours (neither change)", *CHANGES[1:], *others, "brought by")
-    return Table("what brings the paper's features: the two changes taken away alone", head, tuple(rows))
+            for feature in features
+        ]
+
+    changed = [(*row, brought[feature]) for row, feature in zip(rows(CHANGES), features, strict=True)]
+    first, varied = "feature of the paper: has it, and what is found", (SOFT, NO_GRAVITY, STIFFER, SOFTER)
+    head = (first, "ours (neither change)", *CHANGES[1:], "brought by")
+    return (
+        Table("what brings the paper's features: the two changes taken away alone", head, tuple(changed), range(6)),
+        Table("the same with the soft contact varied", (first, *varied), tuple(rows(varied)), range(5)),
+    )
 
 
-def _as_json(cases: Mapping[str, Mapping[str, Sequence[PeakForces]]], feature: Feature) -> dict[str, Any]:
+def _as_json(cases: Cases, feature: Feature) -> dict[str, Any]:
     return {
         "figure": feature.figure,
         "feature": feature.words,
@@ -305,23 +310,29 @@ def torques_by_turn(design: Design, turns: int = TEST_TURNS) -> Array:
     return np.array([abs(float(np.mean(part))) for part in np.array_split(run["load_torque"], turns)])
 
 
-def _plates(
-    ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Mapping[str, Mapping[str, Sequence[PeakForces]]]
-) -> Iterator[PaperFigure]:
-    """Draw Figs 6, 8 and 9 by both contact laws, and the cam's force over a turn."""
+def _plates(ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases) -> Iterator[PaperFigure]:
+    """Draw Figs 6, 8 and 9 by both contact laws, side by side, and the cam's force over a turn."""
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
 
-    for law, forces in (("line contacts", ours), ("IMPACT", soft)):
-        motions, key = [at_degrees(force) for force in forces.values()], law.partition(" ")[0].lower()
-        words = f"no load, {law}:"
-        yield PaperFigure(f"authors_fig6_{key}", "Fig. 6", f"{words} speed of the gear.", speeds_figure(motions))
-        yield PaperFigure(
-            f"authors_fig8_{key}", "Fig. 8", f"{words} velocity of q, and its error.", velocities_figure(motions)
-        )
-        pin = motions[0].pin_1
-        assert pin is not None
-        yield PaperFigure(f"authors_fig9_{key}", "Fig. 9", f"{words} pin 1.", pin_figure(motions[0], pin))
+    def pin_1(motions: Sequence[Series]) -> Any:
+        first, _ = motions
+        assert first.pin_1 is not None
+        return pin_figure(first, first.pin_1)
+
+    laws = {
+        law: [at_degrees(motion) for motion in motions.values()]
+        for law, motions in (("line contacts", ours), ("IMPACT", soft))
+    }
+    drawn: tuple[tuple[int, str, Callable[[Sequence[Series]], Any]], ...] = (
+        (6, "speed of the gear", speeds_figure),
+        (8, "velocity of q, and its error", velocities_figure),
+        (9, "pin 1", pin_1),
+    )
+    for number, words, draw in drawn:
+        for law, motions in laws.items():
+            name = f"authors_fig{number}_{law.partition(' ')[0].lower()}"
+            yield PaperFigure(name, f"Fig. {number}", f"No load, {law}: {words}.", draw(motions))
     curves = {
         f"{design}, {name}": mean_curve(cases[name][design]) for design in ours for name in (OURS, SOFT, NO_GRAVITY)
     }

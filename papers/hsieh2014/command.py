@@ -144,6 +144,7 @@ def _reporter(quiet: bool) -> "Report":
 def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, seconds: float) -> Outcome:
     from cycloid_mj.plots.save import pictures
     from hsieh2014.errata import errata
+    from hsieh2014.run import AUTHORS
 
     claims = [claim for stage in stages for claim in stage.result.claims]
     broken = [stage for stage in stages if stage.error]
@@ -158,7 +159,11 @@ def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, sec
         "page": str(place.page),
     }
     counts = {verdict: sum(claim.verdict == verdict for claim in claims) for verdict in Verdict}
-    command = f"cycloid-mj reproduce{' --quick' if plan.quick else ''}"
+    flags = (
+        " --quick" if plan.quick else "",
+        " --as-the-authors" if AUTHORS.key in {s.step.key for s in stages} else "",
+    )
+    command = f"cycloid-mj reproduce{''.join(flags)}"
     return Outcome(
         title="Hsieh 2014, reproduced",
         condition=f"{command}, {seconds:.0f} s",

@@ -68,7 +68,7 @@ def test_a_feature_is_looked_for_in_both_designs():
     told = {one.words: one.holds(forces) for one in found}
     assert [told[one.words] for one in found[:5]] == [True] * 5
     assert [one.figure for one in found[:5]] == ["Fig. 12", "Fig. 12", "Fig. 6", "Fig. 8", "Fig. 9"]
-    assert found[2].tell(forces) == "0.05 to 0.055 with pins, 0.04 to 0.044 rad/s without, p = 0.0079"
+    assert found[2].tell(forces) == "0.05 to 0.055 against 0.04 to 0.044 rad/s, p = 0.0079"
     # starts that overlap have no order, whatever their means
     alike = forces | {"nonpin": starts(four, 0.049)}
     assert [one.holds(alike) for one in found[2:4]] == [False, False]

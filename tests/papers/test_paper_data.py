@@ -129,3 +129,9 @@ def test_page_and_documentation_tell_every_claim_in_the_same_words(script):
     counts = re.findall(r"(\d+) (agree|depend|disagree|are not determined)", written)
     assert sorted(counts) == sorted(re.findall(r"(\d+) (agree|depend|disagree|are not determined)", page))
     assert math.isclose(sum(int(count) for count, _ in counts), len(claims))
+
+
+def test_a_page_of_stages_that_judge_nothing_has_no_section_of_claims():
+    page = reproduction_page([StageRun(STEPS[0], StageResult(), 1.0)], [], {}, ())
+    assert 'id="claims"' not in page
+    assert 'href="#claims"' not in page
