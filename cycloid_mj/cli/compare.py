@@ -33,12 +33,12 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import outcome_of
 from cycloid_mj.design import Design
-from cycloid_mj.papers import vibration
+from cycloid_mj.papers import RunsJudged, judged_runs
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
-    from cycloid_mj.comparison import Comparison, Trial, Variation, Varied
+    from cycloid_mj.comparison import Comparison, Trial, Variation
     from cycloid_mj.dynamics.run import Solver
 
     Runs = dict[Design, Path]
@@ -168,8 +168,9 @@ def compare(
     Of the runs, for each load: errors of gear speed, path and speed of q,
     transmission error, contacts and forces, and vibration, which is the
     acceleration of the gear's centre and of the output about their closed
-    forms. Then, for a pin and a nonpin design, which of the paper's findings
-    on vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers. A
+    forms; and the catalogue's figures of each design (`cycloid-mj figures`).
+    Then, for a pin and a nonpin design, which of the paper's findings on
+    vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers. A
     last table says how far each dynamic figure moves when creep speed and
     damping ratio of the contacts, which are assumed, go to the other end of
     their range; it holds for these designs, load and speed only. A figure for
@@ -291,14 +292,15 @@ def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Desti
     from cycloid_mj.comparison import compare as compared
 
     trials = [_measured(Path(name), q) for name in names]
-    comparison = compared([trial for _, trial in trials], figures=vibration().figures)
+    comparison = compared([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
-    return outcome_of(comparison, _pictures(comparison, [motions[trial] for trial in comparison.trials]), place)
+    judged = judged_runs(comparison.trials, {})
+    return outcome_of(comparison, judged, _pictures(comparison, [motions[one] for one in comparison.trials]), place)
 
 
 def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
     from cycloid_mj.cli.batch import run_all
-    from cycloid_mj.comparison import Trial, Variation, sensitivities, varied
+    from cycloid_mj.comparison import Trial, Variation, sensitivities
     from cycloid_mj.comparison import compare as compared
 
     cases = list(plan.starts)
@@ -318,11 +320,12 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
         varied = ([variation.of(Reducer(start)) for start in plan.starts[design]] for design in designs)
         return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
 
-    figures, loaded = vibration().figures, [design for design in cases if design.load.torque]
-    points: list[Varied] = [varied(each, trials(cases, each), figures) for each in plan.variations]
+    loaded = [design for design in cases if design.load.torque]
     moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in plan.assumptions})
-    comparison = compared(trials(cases), points, moved if plan.assumptions else (), figures)
-    return outcome_of(comparison, _pictures(comparison, [motions[design] for design in cases]), place)
+    comparison = compared(trials(cases), moved if plan.assumptions else ())
+    judged = judged_runs(comparison.trials, {each: trials(cases, each) for each in plan.variations})
+    pictures = _pictures(comparison, [motions[design] for design in cases]) | _of_paper(judged)
+    return outcome_of(comparison, judged, pictures, place)
 
 
 def _log_name(design: Design, start: int = 0) -> str:
@@ -346,11 +349,14 @@ def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
     from cycloid_mj.plots.save import drawn
-    from cycloid_mj.plots.sweep import sweep_figure
 
     figures = comparison_figures(motions)
     first = comparison.at(comparison.loads[0])
     figures["compare_curvature"] = curvature_figure([trial.design for trial in first])
-    if comparison.sweep and comparison.rankings:
-        figures["compare_sweep"] = sweep_figure(comparison)
     return {name: partial(drawn, figure) for name, figure in figures.items()}
+
+
+def _of_paper(judged: RunsJudged) -> dict[str, Picture]:
+    from cycloid_mj.plots.save import drawn
+
+    return {name: partial(drawn, draw()) for name, draw in judged.figures.items()}

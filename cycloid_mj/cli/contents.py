@@ -89,7 +89,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     },
     PAPER_AND_LOG: {
         "log": Listed("Tell what is in a log, get it out, or make a cut log whole.", "log:commands"),
-        "plot": Listed("Draw Figs 5-9 of the paper (Hsieh 2014) for a logged run.", "plot:plot"),
+        "plot": Listed("Draw the motion of a logged run: crank, gear, point q, pin 1.", "plot:plot"),
         "kinematics": Listed("Write the ideal motion of a point q of the gear as CSV.", "kinematics:kinematics"),
     },
     HERE: {"doctor": Listed("Look at this installation, and test it.", "doctor:doctor")},

@@ -1,4 +1,4 @@
-"""``cycloid-mj plot``: draw Figs 5-9 of the paper for a logged run."""
+"""``cycloid-mj plot``: draw the motion of a logged run."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -29,9 +29,11 @@ OutFlag = Annotated[
 def plot(
     log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png", force: ForceFlag = False
 ) -> int:
-    """Draw Figs 5-9 of the paper (Hsieh 2014) for a logged run.
+    """Draw the motion of a logged run: crank, gear, point q, pin 1.
 
-    The paths of the files are printed, one in a line. The log alone is enough;
+    Speed of the crank and of the gear, path and velocity of q, spin and centre
+    of pin 1, each with its closed form, as Hsieh 2014 has them in Figs 5-9,
+    and the transmission error. The paths of the files are printed, one in a line. The log alone is enough;
     that of a run that ended in its ramp is drawn as far as it goes.
     """
     place = point(q)

@@ -1,7 +1,7 @@
 """Outcome of ``cycloid-mj compare``: designs side by side, by their runs and by the catalogue."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cycloid_mj.base.errors import warn
@@ -10,7 +10,7 @@ from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.base.result import Quantity, Table, load_words
 from cycloid_mj.cli.delivery import Destination
 from cycloid_mj.design import Design
-from cycloid_mj.papers import vibration
+from cycloid_mj.papers import RunsJudged
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -43,8 +43,13 @@ def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
     return Table("by geometry and statics: see `cycloid-mj figures`", ("figure", *by_design, "unit"), tuple(rows))
 
 
-def outcome_of(comparison: "Comparison", pictures: Mapping[str, Picture], place: Destination) -> Outcome:
-    """Turn a comparison into an outcome whose pictures go to a place; warn of what is doubtful in its runs."""
+def outcome_of(
+    comparison: "Comparison", judged: RunsJudged, pictures: Mapping[str, Picture], place: Destination
+) -> Outcome:
+    """Turn a comparison, and a paper's verdicts on it, into an outcome; warn of what is doubtful in its runs.
+
+    The pictures go to a place.
+    """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
 
@@ -58,15 +63,16 @@ def outcome_of(comparison: "Comparison", pictures: Mapping[str, Picture], place:
         condition=f"runs under {load_words(comparison.loads[-1])}, {SOLVERS[comparison.solver]}",
         headline=_headline(loaded, by_statics),
         tables=[*comparison.tables, catalogue_table(by_statics)],
-        notes=list(_notes(comparison)),
+        notes=[_differences(comparison), *judged.notes],
         summary=[
-            *comparison.summary,
+            *judged.summary,
             "logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials),
         ],
         pictures=pictures,
         formats=FORMATS,
         frame=figure_frame(comparison.trials),
         result=comparison.as_json()
+        | dict(judged.content)
         | {"by_statics": statics, "figures": place.paths(f"{name}.{form}" for name in pictures for form in FORMATS)},
     )
 
@@ -89,21 +95,10 @@ def _number(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.4g}"
 
 
-def _notes(comparison: "Comparison") -> Iterator[str]:
-    """Yield what the tables do not say."""
+def _differences(comparison: "Comparison") -> str:
+    """Tell in what the designs differ."""
     differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
-    yield f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
-    if not comparison.rankings:
-        yield "the paper's findings on vibration set a pin against a nonpin design: not judged here"
-        return
-    bases = ["at no load by their independent starts"] if 0.0 in comparison.loads else []
-    bases += ["under load by their crank turns"] if any(comparison.loads) else []
-    yield (
-        f"the paper ({vibration().source}) finds that the pin design fluctuates more; these runs are judged "
-        f"{' and '.join(bases)}, path and velocity of q without steady shifts:"
-    )
-    yield from (ranking.sentence for ranking in comparison.rankings)
-    yield from (f"what decides, by the ratio of the rms values: {sentence}" for sentence in comparison.decisions)
+    return f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
 
 
 def _value(value: object) -> str:

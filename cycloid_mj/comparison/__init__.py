@@ -1,33 +1,28 @@
-"""Designs side by side by the same measures: runs -> `Measures` -> `Comparison`, its table and its words.
+"""Designs side by side by the same measures: runs -> `Measures` -> `Comparison`, its tables.
 
-A verdict on the paper's findings rests on more than one number: at no load on independent starts, whose motion is
-chaotic, and under load on the crank turns of a run.
+A figure at no load rests on independent starts, whose motion is chaotic. What a paper claims of two designs is for
+that paper to judge, by the same runs (`papers.judged_runs`).
 """
 
 from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.comparison import Comparison, comparable, compare
 from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
-from cycloid_mj.comparison.ranking import RANKED, Ranked, Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities
 from cycloid_mj.comparison.starts import STARTS, StartSpread, all_started, gravity_turn, order, started
-from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.comparison.variation import SWEEP, Variation
 
 __all__ = [
     "ASSUMPTIONS",
-    "RANKED",
     "STARTS",
     "SWEEP",
     "Comparison",
     "Measures",
-    "Ranked",
-    "Ranking",
     "Sensitivity",
     "StartSpread",
     "Trial",
     "Variation",
-    "Varied",
     "all_started",
     "comparable",
     "compare",
@@ -37,13 +32,11 @@ __all__ = [
     "load_words",
     "measure",
     "order",
-    "rankings",
     "sensitivities",
     "settled",
     "settling",
     "started",
     "total_play",
     "under",
-    "varied",
     "with_play_of",
 ]

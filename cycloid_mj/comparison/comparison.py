@@ -1,6 +1,6 @@
-"""Two or more designs side by side: the measures of each under each load, and the words about them."""
+"""Two or more designs side by side: the measures of each under each load."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,9 +8,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table, load_words, plain
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
-from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
 from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
-from cycloid_mj.comparison.sweep import Varied, decisions
 from cycloid_mj.comparison.table import ROWS, table
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design
@@ -34,10 +32,6 @@ class Comparison:
         The runs, load by load, each in the order of the designs; at no load with their independent starts.
     solver
         What took the steps of all.
-    rankings
-        The paper's findings on vibration, judged; empty unless a pin and a nonpin design are compared.
-    sweep
-        The same with parameters varied.
     sensitivity
         How far each dynamic figure of the loaded runs moves with what the contact model assumes.
     """
@@ -47,8 +41,6 @@ class Comparison:
     differences: dict[str, tuple[Any, ...]]
     trials: tuple[Trial, ...]
     solver: str
-    rankings: tuple[Ranking, ...]
-    sweep: tuple[Varied, ...] = ()
     sensitivity: tuple[Sensitivity, ...] = ()
 
     @property
@@ -68,16 +60,6 @@ class Comparison:
             tables.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
         return tuple(tables)
 
-    @property
-    def summary(self) -> list[str]:
-        """Which of the paper's findings on vibration the runs confirm, a sentence for each load and pair."""
-        return summary(self.rankings)
-
-    @property
-    def decisions(self) -> list[str]:
-        """How each ranking answers to each parameter of the sweep, in words."""
-        return decisions(self.rankings, self.sweep)
-
     def as_json(self) -> dict[str, Any]:
         """Convert the comparison to dicts, lists, numbers, text and None only."""
         content = {
@@ -86,12 +68,6 @@ class Comparison:
             "conditions": self.conditions,
             "differences": self.differences,
             "runs": [_run(trial) for trial in self.trials],
-            "rankings": [_judged(ranking) for ranking in self.rankings],
-            "summary": self.summary,
-            "sweep": [
-                {**vars(point), "rankings": [_judged(ranking) for ranking in point.rankings]} for point in self.sweep
-            ],
-            "decisions": self.decisions,
             "sensitivity": [
                 plain(each) | {"changes": each.changes, "determined": each.determined} for each in self.sensitivity
             ],
@@ -99,20 +75,13 @@ class Comparison:
         return dict(plain(content))
 
 
-def compare(
-    trials: Sequence[Trial],
-    sweep: Sequence[Varied] = (),
-    sensitivity: Sequence[Sensitivity] = (),
-    figures: Mapping[str, str] = NO_FIGURES,
-) -> Comparison:
+def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) -> Comparison:
     """Put runs side by side.
 
     Parameters
     ----------
-    trials, sweep, sensitivity
-        The runs; the same with parameters varied; how far their figures move with what is assumed.
-    figures
-        A paper's that find the pin design to fluctuate more: name of a quantity -> figure.
+    trials, sensitivity
+        The runs; how far their figures move with what is assumed.
 
     Raises
     ------
@@ -131,8 +100,6 @@ def compare(
         differences=differences(list(designs.values())),
         trials=ordered,
         solver=_same_solver(ordered),
-        rankings=tuple(rankings(ordered, figures)),
-        sweep=tuple(sweep),
         sensitivity=tuple(sensitivity),
     )
 
@@ -211,8 +178,3 @@ def _run(trial: Trial) -> dict[str, Any]:
         "start_logs": [each.findings.log for each in trial.starts],
         "spreads": spreads,
     }
-
-
-def _judged(ranking: Ranking) -> dict[str, Any]:
-    derived = ("ratio", "verdict", "sentence", "starts")
-    return plain(ranking) | {key: getattr(ranking, key) for key in derived}

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.result import Table
-from cycloid_mj.comparison.sweep import Variation
 from cycloid_mj.comparison.table import DYNAMIC
 from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.comparison.variation import Variation
 
 ASSUMPTIONS = (
     Variation("creep speed", "20 mm/s", ("contact.creep_speed_mm_s=20.0",)),

@@ -8,17 +8,20 @@ from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from cycloid_mj.base.errors import warn
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.base.result import Claim
+    from cycloid_mj.comparison import Trial, Variation
     from cycloid_mj.design import Design
     from cycloid_mj.measure.published import Published
     from cycloid_mj.stress.findings import Reference
     from cycloid_mj.stress.study import StressStudy
+
+    Varied = Mapping[Variation, Sequence[Trial]]
 
 Answer = TypeVar("Answer")
 
@@ -26,12 +29,24 @@ GROUP = "cycloid_mj.papers"
 """Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
 
 
-@dataclass(frozen=True)
-class PublishedVibration:
-    """Where a paper finds that a pin design fluctuates more than a nonpin one: its `source`, and quantity -> figure."""
+@dataclass(frozen=True, eq=False)
+class RunsJudged:
+    """What a paper's own question comes to for the runs of a comparison.
 
-    source: str = "none is installed"
-    figures: Mapping[str, str] = field(default_factory=dict)
+    Attributes
+    ----------
+    summary, notes
+        Sentences: what it comes to, and by what.
+    content
+        The same as JSON values.
+    figures
+        Name -> what draws it.
+    """
+
+    summary: Sequence[str] = ()
+    notes: Sequence[str] = ()
+    content: Mapping[str, Any] = field(default_factory=dict)
+    figures: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -50,8 +65,8 @@ class Paper:
         Gives the output torques that the paper has for a design, if it is one of the paper's.
     stress_references
         Gives what the paper has on the stress of a design's parts, by their names.
-    vibration
-        Where it ranks the vibration of pin and nonpin designs, if it does.
+    judged_runs
+        Answers the paper's question by the runs of a comparison, and by the same with one thing varied at a time.
     stress_claims
         Judges what the paper claims of stress by studies of several designs.
     """
@@ -61,7 +76,7 @@ class Paper:
     command: str
     examples: str
     torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
-    vibration: PublishedVibration | None = None
+    judged_runs: "Callable[[Sequence[Trial], Varied], RunsJudged] | None" = None
     stress_references: Callable[["Design"], "Mapping[str, Reference]"] = lambda design: {}
     stress_claims: Callable[["Sequence[StressStudy]"], "Sequence[Claim]"] = lambda studies: ()
 
@@ -82,9 +97,15 @@ def published_torques(reducer: "Reducer") -> "list[Published]":
     return [torque for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for torque in torques]
 
 
-def vibration() -> PublishedVibration:
-    """Find where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
-    return next((paper.vibration for paper in papers() if paper.vibration), PublishedVibration())
+def judged_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
+    """Answer the question of a paper by the runs of a comparison; nothing where no paper asks one.
+
+    `varied` is what was varied -> the same runs with it.
+    """
+    for _, judged in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
+        if judged:
+            return judged
+    return RunsJudged()
 
 
 def stress_references(reducer: "Reducer") -> "dict[str, Reference]":

@@ -1,4 +1,4 @@
-"""Figures of a run, as the paper has them (Figs 5-9), and a drawing of the mechanism.
+"""Figures of the motion of a run, and a drawing of the mechanism.
 
 The only room that knows matplotlib. Every figure is a `Figure` of its own: no window, no global state.
 """

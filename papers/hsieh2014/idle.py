@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import RANKED, StartSpread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settled
 from cycloid_mj.design import Design, override
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
+from hsieh2014.ranking import RANKED
 from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import Runs
 from hsieh2014.verdicts import rank_order

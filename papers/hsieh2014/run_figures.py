@@ -9,9 +9,10 @@ from cycloid_mj.analysis import Series, judge
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import RANKED, measure, settled
+from cycloid_mj.comparison import measure, settled
 from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
 from hsieh2014.pin_motion import PinMotion, pin_motion
+from hsieh2014.ranking import RANKED
 from hsieh2014.stated import ORDER
 
 PRESSED = (*ORDER, OUTPUT, PIN_1)

@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from cycloid_mj.comparison import Ranked, StartSpread
+from cycloid_mj.comparison import StartSpread
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import WIDTH, keys, styled
+from hsieh2014.ranking import Ranked
 
 ROW, HEAD = 1.3, 1.4
 """Height of a panel, and of what stands above and below them [in]."""

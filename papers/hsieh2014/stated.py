@@ -4,7 +4,6 @@ import math
 from typing import TYPE_CHECKING
 
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.papers import PublishedVibration
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -20,9 +19,7 @@ TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated
 GEAR_SPEED = 4.907
 """Speed of the gear at 1640 rpm of the crank [rad/s] (Eq. 12, Fig. 6)."""
 
-VIBRATION = PublishedVibration(
-    "Hsieh 2014, Figs 6-8", {"gear speed": "Fig. 6", "path of q": "Fig. 7", "velocity of q": "Fig. 8"}
-)
+FLUCTUATIONS = {"gear speed": "Fig. 6", "path of q": "Fig. 7", "velocity of q": "Fig. 8"}
 """Where the paper finds that the pin design fluctuates more, by quantity."""
 
 FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from cycloid_mj.base.result import Claim, Condition, Range, Removal, Value, Verdict
 from hsieh2014.plan import no_load, torque_test
-from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES, VIBRATION
+from hsieh2014.stated import FIGURES, FLUCTUATIONS, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES
 
 BY_DESIGN = "nonpin / pin"
 AHEAD = "N m, nonpin - pin"
@@ -117,7 +117,7 @@ PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 tur
 
 def fluctuation(key: str, name: str) -> Statement:
     """Figs 6-8, and the text on vibration without one: which design fluctuates more in a quantity."""
-    figure, part = VIBRATION.figures.get(name, "vibration"), PARTS.get(key, "gear")
+    figure, part = FLUCTUATIONS.get(name, "vibration"), PARTS.get(key, "gear")
     claim = f"{name} fluctuates more with pins than without"
     return _idle(key, figure, part, "both", "order", claim, Value("pin > nonpin"))
 

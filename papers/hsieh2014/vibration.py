@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
-from cycloid_mj.comparison import RANKED, Ranked, StartSpread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settled
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
@@ -36,6 +36,7 @@ from hsieh2014.plan import (
     varied_idle_runs,
     varied_rated_runs,
 )
+from hsieh2014.ranking import RANKED, Ranked
 from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.statements import fluctuation

@@ -1,65 +1,47 @@
-"""Measures of synthetic runs with known waves, verdicts on known levels, and every comparison that must be refused."""
+"""Measures of synthetic runs with known waves, and every comparison that must be refused."""
 
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from ideal import ideal_mechanism
+from trials import (
+    DT,
+    HOLE,
+    LOBES,
+    SPEED,
+    TURNS,
+    designed,
+    motion_of,
+    pair,
+    started_pair,
+    trial_of,
+    waving,
+)
 
-from cycloid_mj.analysis import Series
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.comparison import (
     STARTS,
     SWEEP,
-    StartSpread,
     Trial,
-    Variation,
     all_started,
     compare,
     gravity_turn,
     measure,
-    rankings,
     settled,
     settling,
     under,
-    varied,
 )
 from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
-from cycloid_mj.comparison.ranking import FEWEST_TURNS, SIGNIFICANCE, Ranking, summary
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, SensitivityPoint, sensitivities
 from cycloid_mj.comparison.vibration import acceleration, spectrum
-from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.papers import vibration
-from cycloid_mj.plots.sweep import sweep_figure
+from cycloid_mj.design import PRESETS, override
 from cycloid_mj.reducer import Reducer
-
-DT = 1e-4
-SPEED = math.radians(1.0) / DT
-"""1 deg of crank in a sample, so that turns and waves end on samples."""
-TURNS, LOBES, ECCENTRICITY, HOLE = 6, 35, 1e-3, 26e-3
-
-
-def designed(preset: str, *changes: str, turns: float = TURNS + 1) -> Design:
-    """A turn to settle, then whole turns."""
-    hold = turns * 360 * DT + 0.01 + DT
-    drive = ["drive.speed_rpm=1666.6666666666667", "drive.ramp_s=0.0", f"drive.hold_s={hold!r}"]
-    return override(PRESETS[preset], [*drive, *changes])
-
-
-def motion_of(preset: str = "pin", *changes: str, **added) -> Series:
-    return settled(ideal_mechanism(designed(preset, *changes), **added))
-
-
-def trial_of(preset: str, *changes: str, **added) -> Trial:
-    motion = motion_of(preset, *changes, **added)
-    return Trial(motion.design, measure(motion, f"{preset}.mcap"))
-
 
 # --- fluctuation
 
@@ -218,140 +200,10 @@ def test_differences_are_told_in_the_words_of_the_file():
     assert differences([first, second]) == {"ring.kind": ("pin", "nonpin"), "clearance.tooth_um": (1.0, 2.0)}
 
 
-# --- verdicts
-
-
-def ranking(pin: tuple[float, ...], nonpin: tuple[float, ...], figure: str = "Fig. 6", load: float = 36.0) -> Ranking:
-    levels = [Level(float(np.sqrt(np.mean(np.square(values)))), values) for values in (pin, nonpin)]
-    starts = (StartSpread.of([level.rms]) for level in levels)
-    return Ranking("gear speed", figure, "rad/s", load, "pin", "nonpin", *levels, *starts)
-
-
-def idle_ranking(pin: Sequence[float], nonpin: Sequence[float]) -> Ranking:
-    """Starts without load; their turns, of which none is like another's, must not matter."""
-    levels = Level(9.0, (9.0, 9.1, 9.2, 9.3)), Level(1.0, (1.0, 1.1, 1.2, 1.3))
-    return Ranking(
-        "gear speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, StartSpread.of(pin), StartSpread.of(nonpin)
-    )
-
-
-def eight(low: float, high: float, count: int = STARTS) -> list[float]:
-    return list(np.linspace(low, high, count))
-
-
-@pytest.mark.parametrize(
-    ("pin", "nonpin", "verdict"),
-    [
-        (eight(2.0, 3.0), eight(1.0, 1.9), "confirmed"),
-        (eight(1.0, 1.9), eight(2.0, 3.0), "contradicted"),
-        # the spreads exceed the difference, by one start or by the 5 % that the time step may change
-        (eight(2.0, 3.0), eight(1.0, 2.1), "not determined"),
-        (eight(2.0, 3.0), eight(1.0, 1.95), "not determined"),
-        # too few starts, far apart though they are, and one that is copied
-        (eight(20.0, 30.0, STARTS - 1), eight(1.0, 1.9), "not determined"),
-        ([20.0], [1.0], "not determined"),
-        ([20.0] * STARTS, [1.0] * STARTS, "not determined"),
-        (eight(20.0, 30.0), [1.0] * STARTS, "not determined"),
-    ],
-)
-def test_an_idle_verdict_rests_on_independent_starts(pin, nonpin, verdict):
-    found = idle_ranking(pin, nonpin)
-    assert found.verdict == verdict
-    assert found.ratio == pytest.approx(np.mean(pin) / np.mean(nonpin))
-
-
-def test_idle_sentences_say_the_starts():
-    confirmed = idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)).sentence
-    assert confirmed == (
-        "no load, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 to 3 rad/s (mean 2.5), "
-        "nonpin 1 to 1.9 rad/s (mean 1.45), ratio of the means 1.72"
-    )
-    overlapping = idle_ranking(eight(2.0, 3.0), eight(1.0, 2.5)).sentence
-    assert "NOT DETERMINED, 8 starts spread by more than their difference" in overlapping
-    assert "NOT DETERMINED, 1 start of the 8" in idle_ranking([20.0] * STARTS, [1.0] * STARTS).sentence
-    assert "NOT DETERMINED, 2 starts of the 8" in idle_ranking([20.0, 21.0], [1.0, 2.0]).sentence
-    unnamed = replace(idle_ranking([2.0], [1.0]), figure="").sentence
-    assert "(not in the paper): 1 start of the 8" in unnamed
-
-
-@pytest.mark.parametrize(
-    ("pin", "nonpin", "verdict"),
-    [
-        ((2.0, 2.1, 2.2, 2.3), (1.0, 1.1, 1.2, 1.9), "confirmed"),
-        ((1.0, 1.1, 1.2, 1.9), (2.0, 2.1, 2.2, 2.3), "contradicted"),
-        ((1.0, 1.0, 1.0, 1.0), (1.04, 1.04, 1.04, 1.04), "alike"),
-        ((2.0, 2.1, 2.2, 2.3), (1.0, 1.1, 1.2, 2.01), "undecided"),
-        ((2.0, 2.1, 2.2), (1.0, 1.1, 1.2), "undecided"),
-        ((3.0, 3.1, 3.2, 3.3, 3.4, 1.55), (1.0, 1.1, 1.2, 1.3, 1.4, 2.0), "confirmed"),
-        ((1.0, 1.1, 1.2, 1.3), (0.0,) * 4, "confirmed"),
-    ],
-)
-def test_verdict(pin, nonpin, verdict):
-    assert ranking(pin, nonpin).verdict == verdict
-
-
-def test_chance_counts_orders_of_the_turns():
-    """Without a difference all C(2n, n) orders of n and n turns are equally likely, and two of them are extreme."""
-    for n in (FEWEST_TURNS - 1, FEWEST_TURNS):
-        chance = ranking(tuple(range(n, 2 * n)), tuple(range(n))).chance
-        assert chance == pytest.approx(2 / math.comb(2 * n, n))
-        assert (chance < SIGNIFICANCE) == (n == FEWEST_TURNS)
-
-
-def test_sentences_say_verdict_and_numbers():
-    confirmed = ranking((2.0,) * 4, (1.0,) * 4)
-    assert confirmed.sentence.startswith("36 N m, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 rad/s")
-    assert confirmed.sentence.endswith("ratio 2.00")
-    contradicted = ranking((1.0,) * 4, (2.0,) * 4)
-    assert "36 N m, gear speed (Fig. 6): NOT CONFIRMED, nonpin fluctuates more" in contradicted.sentence
-    assert "(not in the paper): nonpin fluctuates more" in ranking((1.0,) * 4, (2.0,) * 4, figure="").sentence
-    assert "NOT CONFIRMED, both are alike" in ranking((1.0,) * 4, (1.0,) * 4).sentence
-    assert "UNDECIDED" in ranking((1.0,), (2.0,)).sentence
-
-
-def test_summary_says_for_each_load_what_is_confirmed():
-    ranked = [
-        idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)),
-        replace(idle_ranking([2.0], [1.0]), figure="Fig. 7"),
-        ranking((1.0,) * 4, (2.0,) * 4, "Fig. 6"),
-        ranking((2.0,) * 4, (1.0,) * 4, "Fig. 7"),
-        ranking((2.0,) * 4, (1.0,) * 4, ""),
-        ranking((2.0,), (1.0,), "Fig. 8"),
-    ]
-    assert summary(ranked) == [
-        "no load, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 6); "
-        "not determined for gear speed (Fig. 7)",
-        "36 N m, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 7); "
-        "not confirmed for gear speed (Fig. 6); undecided for gear speed (Fig. 8)",
-    ]
-
-
 # --- comparison
 
 
-def waving(size: float):
-    return lambda theta: size * np.cos(20 * theta)
-
-
-def pair(load: float = 0.0, pin: float = 0.002, nonpin: float = 0.001) -> list[Trial]:
-    change = f"load.torque_nm={load!r}"
-    return [
-        trial_of("pin", change, gear_speed=waving(pin), output_speed=waving(pin)),
-        trial_of("nonpin", change, gear_speed=waving(nonpin), output_speed=waving(2 * nonpin)),
-    ]
-
-
-def test_rankings_carry_the_figures_of_the_paper_that_is_held_against():
-    trials = pair(20.0)
-    figures = {"gear speed": "Fig. 6"}
-    given = compare(trials, [varied(SWEEP[0], trials, figures)], figures=figures)
-    for ranked in (given.rankings, given.sweep[0].rankings):
-        assert [r.figure for r in ranked] == ["Fig. 6", "", "", "", ""]
-    assert {r.figure for r in compare(trials).rankings} == {""}
-    assert vibration().figures.keys() < {r.quantity for r in given.rankings}
-
-
-def test_comparison_orders_its_runs_and_judges_them():
+def test_comparison_orders_its_runs():
     trials = pair(20.0) + pair(0.0, pin=0.001, nonpin=0.002)
     found = compare(trials)
     assert found.designs == ("pin", "nonpin")
@@ -360,25 +212,10 @@ def test_comparison_orders_its_runs_and_judges_them():
         (load, name) for load in (0.0, 20.0) for name in ("pin", "nonpin")
     ]
     assert found.differences == {"ring.kind": ("pin", "nonpin")}
-    verdicts = {(r.quantity, r.load_nm): r.verdict for r in found.rankings}
-    assert verdicts["gear speed", 20.0] == "confirmed"
-    assert verdicts["gear speed", 0.0] == "not determined"
-    assert verdicts["acceleration of the output", 20.0] == "alike"
-
-
-def started_pair() -> list[Trial]:
-    """Idle designs with eight starts each, of which each fluctuates a little more than the one before it."""
-    starts = [pair(0.0, pin=0.004 + 1e-4 * number, nonpin=0.001 + 1e-4 * number) for number in range(STARTS)]
-    return [replace(starts[0][one], others=tuple(each[one].measures for each in starts[1:])) for one in (0, 1)]
 
 
 def test_idle_figures_are_stated_over_the_starts():
     found = compare([*started_pair(), *pair(20.0)])
-    verdicts = {(r.quantity, r.load_nm): (r.verdict, r.starts) for r in found.rankings}
-    assert verdicts["gear speed", 0.0] == ("confirmed", STARTS)
-    assert verdicts["gear speed", 20.0] == ("confirmed", 1)
-    # the same motion of every start in both designs
-    assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
     rows = found.tables[0].cells
     least, mean, most = (value / math.sqrt(2) for value in (0.004, 0.00435, 0.0047))
     words = next(row[1] for row in rows if row[0] == "gear speed error, rms")
@@ -388,15 +225,6 @@ def test_idle_figures_are_stated_over_the_starts():
     assert (spread["unit"], len(spread["values"])) == ("rad/s", STARTS)
     assert [spread[key] for key in ("least", "mean", "largest")] == pytest.approx([least, mean, most])
     assert (idle["starts"], loaded["starts"], loaded["spreads"]) == (STARTS, 1, [])
-    judged = found.as_json()["rankings"][0]
-    assert judged["starts"] == STARTS
-    assert judged["pin_starts"]["values"] == spread["values"]
-
-
-def test_what_decides_an_order_that_is_not_determined_is_not_either():
-    trials = pair(0.0)
-    found = compare(trials, [varied(SWEEP[0], trials)])
-    assert all(words.endswith("not determined, as the order of the designs is not") for words in found.decisions)
 
 
 def test_idle_runs_may_be_shorter_but_all_of_one_load_alike():
@@ -443,17 +271,13 @@ def test_without_gravity_in_its_plane_a_design_has_one_start():
 
 
 def test_json_of_a_comparison_is_plain_and_complete():
-    trials = pair(20.0)
-    found = compare(trials, [varied(each, trials) for each in SWEEP]).as_json()
+    found = compare(pair(20.0)).as_json()
     again = json.loads(json.dumps(found, allow_nan=False))
     assert again == found
     run = found["runs"][0]
     assert (run["design"], run["load_nm"], run["findings"]["log"]) == ("pin", 20.0, "pin.mcap")
     assert run["fluctuation"]["gear_speed_rad_s"]["rms"] == pytest.approx(0.002 / math.sqrt(2), rel=1e-6)
     assert {"gear_centre_m_s2", "output_rad_s2", "band_hz", "octaves"} == set(run["vibration"])
-    assert found["rankings"][0]["verdict"] == "confirmed"
-    assert len(found["sweep"]) == len(SWEEP)
-    assert len(found["decisions"]) == len(found["rankings"])
 
 
 def test_table_has_a_column_for_each_design_and_no_empty_row():
@@ -467,18 +291,10 @@ def test_table_has_a_column_for_each_design_and_no_empty_row():
     assert all(any(row[1:-1]) for row in rows)
 
 
-def test_designs_of_one_kind_are_compared_without_the_papers_findings():
+def test_designs_of_one_kind_are_compared():
     other = trial_of("pin", "name=rough", "friction.pin_gear=0.1", gear_speed=waving(0.001))
     found = compare([trial_of("pin"), other])
-    assert found.rankings == ()
-    assert found.summary == []
     assert found.differences == {"friction.pin_gear": (0.05, 0.1)}
-
-
-def test_every_pin_design_is_ranked_against_every_nonpin_design():
-    fixed = trial_of("pin", "name=fixed", 'ring.pins="fixed"')
-    ranked = rankings([*pair(), fixed])
-    assert {(r.pin, r.nonpin) for r in ranked} == {("pin", "nonpin"), ("fixed", "nonpin")}
 
 
 @pytest.mark.parametrize(
@@ -553,30 +369,3 @@ def test_variations_change_what_they_name_only():
         assert changed
         assert all(key.startswith(("contact.damping", "friction.", "ring.pins")) for key in changed)
         assert (variation.of(Reducer(nonpin)) == nonpin) == (variation.parameter == "pins")
-
-
-def test_decisions_name_what_closes_the_gap():
-    """The ratio is 2; damping leaves 1.9, the fixed pins 1.1: log 1.1 / log 2 = 0.14 of the difference."""
-    base = pair(20.0)
-    damped, fixed = pair(20.0, pin=0.0019), pair(20.0, pin=0.0011)
-    points = [varied(Variation("damping", "1.0", ()), damped), varied(Variation("pins", "fixed", ()), fixed)]
-    found = compare(base, points)
-    decision = next(text for text in found.decisions if "gear speed" in text)
-    assert decision == (
-        "20 N m, gear speed, pin / nonpin: ratio 2.00; damping 1.0: 1.90; pins fixed: 1.10: decided by pins"
-    )
-    assert compare(base).decisions == []
-    assert "decided by none" in compare(base, points[:1]).decisions[0]
-    alike = next(text for text in found.decisions if "acceleration of the output" in text)
-    assert alike.endswith("the designs are alike")
-
-
-def test_sweep_figure_marks_every_ratio():
-    base = pair(20.0) + pair(0.0)
-    found = compare(base, [varied(Variation("pins", "fixed", ()), pair(20.0, pin=0.0011) + pair(0.0, pin=0.003))])
-    panels = sweep_figure(found).axes
-    assert [panel.get_title(loc="left") for panel in panels] == ["no load, 1666.67 rpm", "20 N m, 1666.67 rpm"]
-    marks = sorted(line.get_ydata()[0] for panel in panels for line in panel.lines if line.get_marker() != "None")
-    ratios = [r.ratio for r in (*found.rankings, *found.sweep[0].rankings) if math.isfinite(r.ratio)]
-    assert marks == pytest.approx(sorted(ratios))
-    assert len(marks) > 4

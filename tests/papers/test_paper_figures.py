@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from hsieh2014.paper_figures import cam_figure, heights_figure, picture_figure, torques_figure
+from hsieh2014.ranking import RANKED
 from hsieh2014.starts_figure import TICKS, starts_figure
 
-from cycloid_mj.comparison import RANKED, StartSpread
+from cycloid_mj.comparison import StartSpread
 
 
 def drawn(figure):

@@ -1,19 +1,18 @@
-"""Whether a pin design fluctuates more than a nonpin one, as a paper finds, and what runs say of it.
+"""Whether a pin design fluctuates more than a nonpin one, as the paper finds, and what runs of `compare` say of it.
 
 At no load the motion is chaotic, and independent starts decide whether two designs differ; under load it is regular,
 and the crank turns of one run do.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from cycloid_mj.base.result import load_words
+from cycloid_mj.comparison import STARTS, Measures, StartSpread, Trial, order
 from cycloid_mj.comparison.fluctuation import Level
-from cycloid_mj.comparison.measures import Measures
-from cycloid_mj.comparison.starts import ALIKE, STARTS, StartSpread, order
-from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.comparison.starts import ALIKE
+from hsieh2014.stated import FLUCTUATIONS
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
 
@@ -52,8 +51,6 @@ RANKED = (
     ),
     Ranked("output_acceleration", "acceleration of the output", "rad/s^2", lambda m: m.vibration.output_rad_s2),
 )
-
-NO_FIGURES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -168,20 +165,16 @@ def summary(ranked: Sequence[Ranking]) -> list[str]:
     return lines
 
 
-def rankings(trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -> list[Ranking]:
-    """Rank every pin design against every nonpin design under each load.
-
-    `figures` are a paper's that find the pin design to fluctuate more: name of a quantity -> figure.
-    """
+def rankings(trials: Sequence[Trial]) -> list[Ranking]:
+    """Rank every pin design against every nonpin design under each load."""
     pins = [trial for trial in trials if trial.design.ring.kind == "pin"]
     others = [trial for trial in trials if trial.design.ring.kind == "nonpin"]
     pairs = [(pin, nonpin) for pin in pins for nonpin in others if pin.load == nonpin.load]
-    return [
-        _ranking(quantity, figures.get(quantity.name, ""), pin, nonpin) for pin, nonpin in pairs for quantity in RANKED
-    ]
+    return [_ranking(quantity, pin, nonpin) for pin, nonpin in pairs for quantity in RANKED]
 
 
-def _ranking(quantity: Ranked, figure: str, pin: Trial, nonpin: Trial) -> Ranking:
+def _ranking(quantity: Ranked, pin: Trial, nonpin: Trial) -> Ranking:
     pins, others = ([quantity.level(start) for start in trial.starts] for trial in (pin, nonpin))
     spreads = (StartSpread.of(level.rms for level in levels) for levels in (pins, others))
+    figure = FLUCTUATIONS.get(quantity.name, "")
     return Ranking(quantity.name, figure, quantity.unit, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)

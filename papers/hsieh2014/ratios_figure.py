@@ -1,28 +1,33 @@
 """What decides the rankings of a comparison: pin over nonpin, as parameters are varied one at a time."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from cycloid_mj.comparison import Comparison, Ranking
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, styled
+from hsieh2014.decisions import Varied
+from hsieh2014.ranking import Ranking
 
 MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v"))
 
 
 @styled
-def sweep_figure(comparison: Comparison) -> Figure:
-    """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation."""
+def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Figure:
+    """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation.
+
+    `conditions` are the words for each load [N m], which has a panel.
+    """
     figure = sheet(3.6)
-    panels = figure.subplots(1, len(comparison.loads), sharey=True, squeeze=False)[0]
-    first = comparison.rankings[0]
-    points = [("as it is", comparison.rankings)]
-    points += [(f"{point.parameter} {point.value}", point.rankings) for point in comparison.sweep]
-    names = list(dict.fromkeys(ranking.quantity for ranking in comparison.rankings))
-    for panel, load in zip(panels, comparison.loads, strict=True):
+    loads = sorted(conditions)
+    panels = figure.subplots(1, len(loads), sharey=True, squeeze=False)[0]
+    first = ranked[0]
+    points: list[tuple[str, Sequence[Ranking]]] = [("as it is", ranked)]
+    points += [(f"{point.parameter} {point.value}", point.rankings) for point in sweep]
+    names = list(dict.fromkeys(ranking.quantity for ranking in ranked))
+    for panel, load in zip(panels, loads, strict=True):
         for place, (_, rankings) in enumerate(points):
             chosen = [r for r in rankings if (r.pin, r.nonpin, r.load_nm) == (first.pin, first.nonpin, load)]
             _mark(panel, place, chosen, names)
@@ -33,7 +38,7 @@ def sweep_figure(comparison: Comparison) -> Figure:
         panel.yaxis.set_minor_formatter(FuncFormatter(_few))
         panel.set_xlim(-0.6, len(points) - 0.4)
         panel.set_xticks(range(len(points)), [words for words, _ in points], rotation=60, ha="right")
-        panel.set_title(str(comparison.at(load)[0].measures.findings.condition))
+        panel.set_title(conditions[load])
     panels[0].set_ylabel(f"rms of {first.pin} / rms of {first.nonpin}")
     looks = [
         (name, {"color": color, "marker": mark, "linestyle": "none", "markersize": 4.5})

@@ -1,46 +1,11 @@
-"""What decides a ranking: the same comparison with contact damping, friction and the pins' freedom varied in turn."""
+"""What decides a ranking: the same runs with contact damping, friction and the pins' freedom varied in turn."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.base.result import load_words
-from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings
-from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.design import Design, override
-from cycloid_mj.reducer import Reducer
-
-
-@dataclass(frozen=True)
-class Variation:
-    """One value of a parameter that is varied for every design; `changes` are in the words of design files."""
-
-    parameter: str
-    value: str
-    changes: tuple[str, ...]
-    pins_only: bool = False
-
-    @property
-    def words(self) -> str:
-        """Parameter and value, as a case of a table is called."""
-        return f"{self.parameter} {self.value}"
-
-    def of(self, reducer: Reducer) -> Design:
-        """Return the design with the change, or as it is where it does not concern it."""
-        design = reducer.design
-        return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
-
-
-TOOTH_PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
-SWEEP = (
-    *(Variation("damping", value, (f"contact.damping_ratio={value}",)) for value in ("0.1", "1.0")),
-    *(
-        Variation("friction", value, tuple(f"friction.{pair}={value}" for pair in TOOTH_PAIRS))
-        for value in ("0.0", "0.1")
-    ),
-    Variation("pins", "fixed", ('ring.pins="fixed"',), pins_only=True),
-)
-"""Contact damping ratio (0.5 in the presets), friction of teeth and sockets (0.05) and the pins' freedom."""
+from hsieh2014.ranking import Ranking
 
 DECISIVE = 1 / 3
 """A parameter decides where it leaves less than this share of the designs' difference, the logarithm of the ratio."""
@@ -53,11 +18,6 @@ class Varied:
     parameter: str
     value: str
     rankings: tuple[Ranking, ...]
-
-
-def varied(variation: Variation, trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -> Varied:
-    """Rank the runs with one variation."""
-    return Varied(variation.parameter, variation.value, tuple(rankings(trials, figures)))
 
 
 def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:

@@ -1,0 +1,59 @@
+"""The paper's question, put to the runs of ``cycloid-mj compare``: whether the pin design fluctuates more."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from cycloid_mj.base.result import plain
+from cycloid_mj.comparison import Trial, Variation
+from cycloid_mj.papers import RunsJudged
+from hsieh2014.decisions import Varied, decisions
+from hsieh2014.ranking import Ranking, rankings, summary
+
+SOURCE = "Hsieh 2014, Figs 6-8"
+
+
+def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Trial]]) -> RunsJudged:
+    """Rank every pin design against every nonpin design by their runs, as they are and with one thing varied."""
+    ranked = rankings(trials)
+    sweep = [Varied(one.parameter, one.value, tuple(rankings(runs))) for one, runs in varied.items()]
+    decided, told = decisions(ranked, sweep), summary(ranked)
+    content = {
+        "rankings": [_json(one) for one in ranked],
+        "summary": told,
+        "sweep": [{**vars(point), "rankings": [_json(one) for one in point.rankings]} for point in sweep],
+        "decisions": decided,
+    }
+    if not ranked:
+        words = "the paper's findings on vibration set a pin against a nonpin design: not judged here"
+        return RunsJudged(notes=[words], content=content)
+    return RunsJudged(
+        told,
+        [
+            f"the paper ({SOURCE}) finds that the pin design fluctuates more; these runs are judged "
+            f"{' and '.join(_bases(trials))}, path and velocity of q without steady shifts:",
+            *(one.sentence for one in ranked),
+            *(f"what decides, by the ratio of the rms values: {sentence}" for sentence in decided),
+        ],
+        dict(plain(content)),
+        {"compare_sweep": partial(_sweep_figure, trials, ranked, sweep)} if sweep else {},
+    )
+
+
+def _bases(trials: Sequence[Trial]) -> list[str]:
+    """List by what runs are judged, at no load and under load."""
+    loads = {trial.load for trial in trials}
+    idle = ["at no load by their independent starts"] if 0.0 in loads else []
+    return idle + (["under load by their crank turns"] if any(loads) else [])
+
+
+def _json(ranking: Ranking) -> dict[str, Any]:
+    derived = ("ratio", "verdict", "sentence", "starts")
+    return plain(ranking) | {key: getattr(ranking, key) for key in derived}
+
+
+def _sweep_figure(trials: Sequence[Trial], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Any:
+    from hsieh2014.ratios_figure import ratios_figure
+
+    conditions = {trial.load: str(trial.measures.findings.condition) for trial in trials}
+    return ratios_figure(conditions, ranked, sweep)
