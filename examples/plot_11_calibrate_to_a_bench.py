@@ -5,8 +5,8 @@ Calibrate to a bench
 A measured hysteresis loop, and the clearance, stiffness and friction that explain it: a published loop of the printed
 drive, whose clearances were drawn as 0.05 mm.
 
-`play` is one clearance for teeth and holes; `tooth_stiffness` is that of the teeth and of all that carries them, over
-that of the contacts alone. What the loop does not determine, the search says.
+`play` is one clearance for teeth and holes; `structure_stiffness` is that of what carries them; `drag` is friction that
+comes on at once, `hysteresis` one that comes on little by little. What the loop does not determine, the search says.
 """
 
 from pathlib import Path
@@ -18,8 +18,7 @@ import cycloid_mj as cm
 
 here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
 loop = cm.read_loop(here.parent / "tests" / "data" / "bench" / "stiffness_loop.csv")
-keys = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
-found = cm.calibrate(cm.load("printed"), [loop], keys=keys)
+found = cm.calibrate(cm.load("printed"), [loop])
 for key, one in found.estimates.items():
     unsure = "" if one.identified else ": not determined"
     print(f"{key}: {one.value:.4g} {one.unit}, 95 % {one.ci95[0]:.4g} to {one.ci95[1]:.4g}{unsure}")

@@ -16,7 +16,7 @@ from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
-from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
+from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
 from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
 from cycloid_mj.bench.search import STEP, FitProblem
 from cycloid_mj.design import Design, Friction
@@ -43,7 +43,8 @@ RESIDUAL = (
 """How the residual of a calibration is read."""
 
 UNEXPLAINED = (
-    "twist of housing, shafts and output pins is not told apart from the teeth: tooth_stiffness stands for all of it",
+    "twist of housing, discs, shafts and mounting is not told apart: structure_stiffness stands for all of it",
+    "friction of the crank is not told apart from that of the wind-up: drag and hysteresis stand for both",
     "creep is left out: where the torque rests, a plastic part turns on, and the model does not",
     "contacts are linear springs at one working force: what stiffens with the load is the number of teeth alone",
 )
@@ -322,7 +323,7 @@ def calibrate(
     if not loops:
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
-    model, bench = Model(reducer, Losses(drag)), LoopCondition(held, crank)
+    model, bench = Model(reducer, Losses(drag), rub(keys)), LoopCondition(held, crank)
     _require_units(model, loops, bench)
     chosen, counted = parameters(reducer, keys, loops), _counting(progress)
     _require_answers(FitProblem(model, chosen, tuple(loops), bench, counted))
@@ -349,7 +350,12 @@ def compare_losses(
         No static balance was found.
     """
     fitted = calibration.fitted
-    common = [parameter.key for parameter in fitted.parameters if parameter.key not in ("friction", "material_loss")]
+    # contacts rub only where they give
+    common = [
+        "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
+        for parameter in fitted.parameters
+        if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
+    ]
     smooth, counted = _smooth(fitted.model.reducer), _counting(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in (
@@ -358,7 +364,7 @@ def compare_losses(
         ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
         ("both", "and both", ("friction", "material_loss"), True),
     ):
-        base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth))
+        base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), rubs=True)
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
         calibration = replace(calibration, variants=variants(fits))
@@ -455,7 +461,7 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
         half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
         angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
         told.append(f"play: a loop at a second crank angle, {angle:.4g} deg, where other teeth and holes carry")
-    if {"drag", "drag_travel", "friction", "material_loss"} & open_keys:
+    if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
         small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * most
         told.append(
             f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, beside one of "
@@ -465,7 +471,7 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
         told.append(
             f"friction: the same loop with the {other} held (--held {other}): friction acts the other way there"
         )
-    if "tooth_stiffness" in open_keys:
+    if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:
         told.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, in which play and friction are a smaller part")
     return tuple(told)
 

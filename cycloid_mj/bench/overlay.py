@@ -13,10 +13,14 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
+from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
 from cycloid_mj.statics.sliding import Held, course_along
 
 GRID, LEAD = 24, 8
 """Torques of a branch of the model, and of each that only leads to the loop."""
+
+LOCKED_GRID = 96
+"""Torques of a branch where contacts do not rub: there are no more where the output leaps."""
 
 REACH = 0.05
 """Turn between two points of the model, as a share of the loop's height, from which on there are more between them."""
@@ -49,15 +53,22 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     RunError
         There is no balance.
     """
-    ends = [end - shift for end in loop.turns]
+    ends, points = [end - shift for end in loop.turns], GRID if model.rubs else LOCKED_GRID
     ways = list(pairwise(ends))
     lead = [np.linspace(a, b, LEAD, endpoint=False) for a, b in ((0.0, ends[1]), (ends[1], ends[0]))]
     first = [way for place, way in enumerate(ways) if ways.index(way) == place]
-    each = [np.linspace(a, b, GRID) for a, b in first]
+    each = [np.linspace(a, b, points) for a, b in first]
     course = np.concatenate([*lead, *each])
-    when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, REACH * loop.height)
+    if model.rubs:
+        when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, REACH * loop.height)
+    else:
+        curve = locked_curve(model.reducer, max(map(abs, ends)), bench.crank)
+        when, turn = (
+            np.arange(len(course), dtype=np.float64),
+            locked_course(curve, slip_elements(model.reducer), course),
+        )
     load = np.interp(when, np.arange(len(course)), course)
-    parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(each) + 1))
+    parts = np.searchsorted(when, 2 * LEAD + points * np.arange(len(each) + 1))
     branches = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
     # a closed loop takes the same way again
     return [branches[first.index(way)] for way in ways]

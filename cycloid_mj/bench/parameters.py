@@ -17,18 +17,34 @@ from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.sliding import Losses
+from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
 from cycloid_mj.statics.working import at_rated_load
 
 MOST_PLAY = 900.0
 """Largest clearance that is looked for [um]."""
 
+STIFFEST = 0.95
+"""Stiffness of the structure that is looked for at most, over that of carrier and shaft alone."""
+
 
 @dataclass(frozen=True)
 class Model:
-    """A design, and the losses of a loop that a design file does not hold."""
+    """A design, and the losses of a loop that a design file does not hold.
+
+    Attributes
+    ----------
+    reducer
+        As the values that are fitted make it.
+    losses
+        Beside those of contacts that rub.
+    rubs
+        Whether the contacts' own friction is followed (`statics.sliding`); else the friction of the wind-up stands for
+        all of it (`statics.locked`).
+    """
 
     reducer: Reducer
     losses: Losses
+    rubs: bool = True
 
 
 @dataclass(frozen=True)
@@ -69,11 +85,35 @@ class Parameter:
         return min(max(value, self.least), self.most)
 
 
-DEFAULT = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
+DEFAULT = ("play", "structure_stiffness", "drag", "drag_travel", "hysteresis", "hysteresis_travel")
 """What is fitted unless something else is asked for: a loop shows the sum of the clearances, not each of them."""
 
-NAMED = (*DEFAULT, "mesh_play", "output_play", "cam_play", "material_loss")
+RUBBING = ("friction", "material_loss")
+"""Names that need contacts that rub."""
+
+STANDS_FOR_RUBBING = ("hysteresis", "hysteresis_travel")
+"""Names that stand for what contacts that rub hold back."""
+
+NAMED = (*DEFAULT, *RUBBING, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
 """Every name that is no key of the design file."""
+
+
+def rub(keys: Sequence[str]) -> bool:
+    """Tell whether values are those of contacts that rub.
+
+    Raises
+    ------
+    UsageError
+        Others of them stand for what such contacts hold back.
+    """
+    rubbing = [key for key in keys if key in RUBBING or key.startswith("friction.")]
+    standing = [key for key in keys if key in STANDS_FOR_RUBBING]
+    if rubbing and standing:
+        raise UsageError(
+            f"--fit: {standing[0]} stands for what {rubbing[0]} would hold back, so that one loop tells neither: "
+            "leave one of them out"
+        )
+    return bool(rubbing)
 
 
 def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
@@ -94,7 +134,8 @@ def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLo
 
 def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
     design = reducer.design
-    most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
+    loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
+    most, widest = loaded.most, loaded.height / DEGREE
     turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
     drag = coulomb if 0.0 < coulomb < 0.5 * most else 0.02 * most
     tooth, clearance = design.tooth_pair, design.clearance
@@ -106,6 +147,7 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
 
     mated = (tooth, *([design.seat_pair] if design.seat_pair else []))
     friction = design.friction_of(tooth) or 0.05
+    stiffness, most_stiff = 2.0 * loaded.most / loaded.height, _most_structure(reducer)
     named = (
         play("mesh_play", "clearance between gear and ring, that of pins in their seats counted in", mesh, *mated),
         play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
@@ -120,6 +162,17 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             1e-3,
             20.0,
             _stiffness(mated),
+            by_factor=True,
+        ),
+        Parameter(
+            "structure_stiffness",
+            "N m/rad",
+            "torsional stiffness at the output of what carries the contacts: housing, discs, shafts, mounting",
+            min(stiffness, 0.5 * most_stiff),
+            0.1,
+            1e-2 * stiffness,
+            most_stiff,
+            _structure,
             by_factor=True,
         ),
         Parameter(
@@ -141,7 +194,27 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             0.05 * turn,
             1e-4 * turn,
             turn,
-            lambda model, value: replace(model, losses=replace(model.losses, travel=DEGREE * value)),
+            _drag_travel,
+        ),
+        Parameter(
+            "hysteresis",
+            "N m",
+            "friction at the output that comes on little by little, as of loaded seats and of plastics",
+            0.1 * most,
+            0.02 * most,
+            0.0,
+            2.0 * most,
+            lambda model, value: _of_springs(model, "hysteresis", value),
+        ),
+        Parameter(
+            "hysteresis_travel",
+            "deg",
+            "turn of the output over which that comes on",
+            0.2 * widest,
+            0.05 * widest,
+            0.2 * turn,
+            2.0 * widest,
+            lambda model, value: _of_springs(model, "hysteresis_travel", DEGREE * value),
         ),
         Parameter(
             "material_loss",
@@ -180,6 +253,21 @@ def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     return put
 
 
+def _structure(model: Model, value: float) -> Model:
+    """Put into the housing what the structure gives beyond carrier and shaft: all that twists turns the output."""
+    reducer = Reducer(model.reducer.design.but(structure="springs"))
+    stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
+    rest = 1.0 / value - compliance["carrier"] - compliance["shaft"]
+    housing = stiffness["housing"] * compliance["housing"] / rest
+    return replace(model, reducer=Reducer(reducer.design.but(springs={"housing": housing})))
+
+
+def _most_structure(reducer: Reducer) -> float:
+    """Compute the stiffness [N m/rad] that a structure has whose housing hardly gives."""
+    compliance = twisting_compliance(Reducer(reducer.design.but(structure="springs")))
+    return STIFFEST / (compliance["carrier"] + compliance["shaft"])
+
+
 def _friction(model: Model, value: float) -> Model:
     kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
     return replace(model, reducer=Reducer(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
@@ -191,8 +279,20 @@ def _rolling(reducer: Reducer) -> set[str]:
 
 
 def _drag(model: Model, value: float) -> Model:
+    if not model.rubs:
+        return _of_springs(model, "friction", value)
     design = model.reducer.design.but(drag={"output": value})
     return replace(model, reducer=Reducer(design), losses=replace(model.losses, drag=value))
+
+
+def _drag_travel(model: Model, value: float) -> Model:
+    if not model.rubs:
+        return _of_springs(model, "friction_travel", DEGREE * value)
+    return replace(model, losses=replace(model.losses, travel=DEGREE * value))
+
+
+def _of_springs(model: Model, name: str, value: float) -> Model:
+    return replace(model, reducer=Reducer(model.reducer.design.but(springs={name: value})))
 
 
 def _of_file(reducer: Reducer, key: str) -> Parameter:

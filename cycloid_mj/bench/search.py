@@ -31,9 +31,14 @@ STEP = 0.05
 SHORT, LONG = 12, 60
 """Most steps of a search from each of the starts, and of the one that goes on from the best of them."""
 
-STARTS: tuple[dict[str, float], ...] = ({}, {"friction": 2.5, "drag": 0.5})
-"""Where searches start, in factors on what a loop suggests: friction of contacts and constant friction, which make a
-loop wide, are told apart by little, so that there is a valley between them in which a single search stops."""
+STARTS: tuple[dict[str, float], ...] = (
+    {},
+    {"friction": 2.5, "drag": 0.5},
+    {"hysteresis": 3.0, "hysteresis_travel": 3.0},
+)
+"""Where searches start, in factors on what a loop suggests: friction of contacts, or one that comes on little by
+little, and constant friction, which make a loop wide, are told apart by little, so that there is a valley between them
+in which a single search stops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +111,15 @@ class FitProblem:
         keys = {parameter.key for parameter in self.parameters}
         shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
-        softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if "tooth_stiffness" in keys else (1.0,)
+        softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
         starts = []
         for wide in STARTS:
             if not set(wide) <= keys:
                 continue
             tried = []
             for play, stiffness in product(plays, softer):
-                factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness} | wide
+                factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
+                factors |= {"structure_stiffness": stiffness} | wide
                 start = [
                     parameter.place(
                         min(max(parameter.start * factors.get(parameter.key, 1.0), parameter.least), parameter.most)

@@ -39,9 +39,9 @@ FitFlag = Annotated[
     str,
     Parameter(
         metavar="KEY,...",
-        help="What to fit: play (teeth and holes alike), mesh_play, output_play, cam_play, tooth_stiffness, friction, "
-        "drag, drag_travel, material_loss, or numbers of the design file, such as clearance.output_um. Default: "
-        "play,tooth_stiffness,friction,drag,drag_travel.",
+        help="What to fit: play (teeth and holes alike), structure_stiffness, drag, drag_travel, hysteresis, "
+        "hysteresis_travel (the default); mesh_play, output_play, cam_play, tooth_stiffness; in place of hysteresis "
+        "friction of the contacts and material_loss; or numbers of the design file, such as clearance.output_um.",
     ),
 ]
 HeldFlag = Annotated[
@@ -112,9 +112,10 @@ def calibrate(
 ) -> int:
     """Fit clearances, stiffness and friction to measured loops.
 
-    The model is static: contacts with their clearances, friction at teeth, holes
-    and cam that grows with the load and remembers which way it slid, constant
-    friction, and a lossy material where asked. Each loop has an offset of its own.
+    The model is static: contacts with their clearances, a structure that gives,
+    friction that remembers and comes on over a travel. With --fit friction it is
+    that of teeth, holes and cam, and grows with the load; with material_loss the
+    material loses some too. Each loop has an offset of its own.
     Written are the calibrated design, a JSON file, a table of residuals, a figure
     and a page: play, stiffness and Coulomb friction as the measured loop and the
     fitted one show them, every value with its interval of 95 %, which of them the

@@ -472,15 +472,27 @@ def _of_structure(part: str) -> Any:
     return quantity(0.0, f"{part}; 0: from its shape and material", u.TORSION, ge=0.0, le=1e9)
 
 
-class StructureSprings(Section):
-    """Torsional stiffness of what stands between contacts and foundation, where structure is springs; see `structure`.
+def _of_wind_up(what: str) -> Any:
+    return quantity(0.0, f"{what}, for calibrate and reduce alone", u.NEWTON_METRE, ge=0.0, le=1e6)
 
-    What the output pins bend by follows from their shape.
+
+def _travel(what: str) -> Any:
+    return quantity(0.1, what, u.DEGREE, gt=0.0, le=90.0)
+
+
+class StructureSprings(Section):
+    """What stands between contacts and foundation: its torsional stiffness, where structure is springs, and friction.
+
+    What the output pins bend by follows from their shape. Friction, of a wind-up at a locked crank, is what loops show.
     """
 
     carrier: float = _of_structure("of the output disc, from its pins to the driven machine")
     shaft: float = _of_structure("of the crank, from the motor to its cams")
     housing: float = _of_structure("of the ring, from its pins or lobes to the foundation")
+    friction: float = _of_wind_up("friction that holds the output's turn at a locked crank")
+    friction_travel: float = _travel("turn of the output over which springs.friction comes on")
+    hysteresis: float = _of_wind_up("a second such friction, as of seats that slip little by little")
+    hysteresis_travel: float = _travel("turn of the output over which springs.hysteresis comes on")
 
 
 def _ratio(pair: str) -> Any:

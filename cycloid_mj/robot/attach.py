@@ -9,10 +9,13 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.robot.mjcf import (
     NEXT_TO_NOTHING,
     ROTOR_SIZE,
+    SLIP_TIME,
     STICKING_IMPEDANCE,
     STICKING_TIME,
     reducer_name,
     rotor_name,
+    slip_armature,
+    slip_name,
 )
 from cycloid_mj.robot.reducer import ReducedJoint
 
@@ -58,6 +61,8 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     hinge.damping = first(0.0)
     _add_rotor(hinge, model, reduced)
     tendons = [_add_spring(spec, reduced, joint, number) for number in range(len(reduced.springs))]
+    for number in range(len(reduced.slips)):
+        _add_slip(spec, hinge, model, reduced, number)
     _hold_together(spec, reduced, joint, tendons)
     _move_actuators(spec, reduced, joint)
     if before:
@@ -115,6 +120,32 @@ def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> st
     tendon.stiffness, tendon.damping = first(spring.stiffness), first(0.0 if number else reduced.damping)
     tendon.frictionloss = tendon.armature = 0.0
     return name
+
+
+def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: int) -> None:
+    """Add what slips, a body where that of the joint is, and the spring between it and the wind-up."""
+    slip, name = reduced.slips[number], slip_name(joint.name, number)
+    carried = model.body(int(model.joint(joint.name).bodyid[0]))
+    body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
+    body.explicitinertial = True
+    body.mass, body.inertia = NEXT_TO_NOTHING, [1e-12] * 3
+    slipping = body.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=model.joint(joint.name).axis,
+        armature=slip_armature(slip.stiffness),
+        frictionloss=slip.limit,
+        solref_friction=[STICKING_TIME, 1.0],
+        solimp_friction=STICKING_IMPEDANCE,
+        limited=mujoco.mjtLimited.mjLIMITED_FALSE,
+    )
+    slipping.damping = slipping.stiffness = first(0.0)
+    tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
+    for wrapped, share in ((rotor_name(joint.name), reduced.coefficient), (joint.name, 1.0), (name, -1.0)):
+        tendon.wrap_joint(wrapped, share)
+    tendon.springlength = [0.0, 0.0]
+    tendon.stiffness, tendon.damping = first(slip.stiffness), first(slip.stiffness * SLIP_TIME)
+    tendon.frictionloss = tendon.armature = 0.0
 
 
 def _hold_together(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str]) -> None:

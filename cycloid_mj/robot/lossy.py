@@ -89,9 +89,10 @@ def shoe_of(reduced: ReducedJoint) -> Shoe:
 def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     """Write `joint_xml` with a shoe; at the level `rigid`, which has no springs, without one.
 
-    The model that includes it needs elliptic friction cones.
+    The model that includes it needs elliptic friction cones, and the integrator of `lossy_scene_xml`, under which what
+    slips (`ReducedJoint.slips`) does not hold still: it is left out.
     """
-    text = joint_xml(reduced, joint)
+    text = joint_xml(replace(reduced, slips=()), joint)
     if reduced.level == "rigid":
         return text
     shoe, crank, name = shoe_of(reduced), rotor_name(joint), f"{joint}_shoe"

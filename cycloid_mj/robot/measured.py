@@ -25,9 +25,10 @@ from cycloid_mj.parts import mass_properties, turning_inertia
 from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.robot.friction import FrictionMap
-from cycloid_mj.robot.reducer import Level, ReducedJoint, Spring
+from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import ripple, works
 from cycloid_mj.statics.balance import loads, powers
+from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import driven, self_locking
 from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.windup import STRAIGHT, windups
@@ -104,6 +105,7 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
         output_inertia=output,
         friction=friction,
         ripple=ripple(reducer, counted.one_more),
+        slips=tuple(Slip(*one) for one in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
     counted.one_more()
     return replace(joint.at(level), quantities=keyed(_quantities(reducer, joint, fine, coarse)))

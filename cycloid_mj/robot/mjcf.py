@@ -17,6 +17,9 @@ STICKING_TIME, STICKING_IMPEDANCE = 0.004, (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """Parameters of friction, `solreffriction` and `solimpfriction`: by MuJoCo's own, a crank that sticks would creep at
 some rad/s, and a reducer that locks itself would let its load down."""
 
+SLIP_TIME = 2e-3
+"""Time of a swing of what slips, over 2 pi [s]: long enough for steps of 2 ms. It is damped by half of critical."""
+
 PEAK = 3.0
 """Largest torque of the motor in the scene, in rated input torques."""
 
@@ -29,6 +32,16 @@ def rotor_name(joint: str) -> str:
 def reducer_name(joint: str, number: int = 0) -> str:
     """Name the springs of a joint's reducer, and what holds them together; the first has no number."""
     return f"{joint}_reducer_{number + 1}" if number else f"{joint}_reducer"
+
+
+def slip_name(joint: str, number: int) -> str:
+    """Name a spring of a joint's reducer that slips, with the body that slips."""
+    return f"{joint}_slip_{number + 1}"
+
+
+def slip_armature(stiffness: float) -> float:
+    """Compute the armature of what slips on a spring of this stiffness [N m/rad]: as little as its steps bear."""
+    return stiffness * SLIP_TIME**2
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
@@ -83,6 +96,21 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
             f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/></fixed>\n'
         )
         elements.append(f'<element objtype="tendon" objname="{name}"/>')
+    slipping = []
+    for number, slip in enumerate(reduced.slips):
+        name = slip_name(joint, number)
+        slipping.append(
+            f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" '
+            f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '
+            f'armature="{_number(slip_armature(slip.stiffness))}" frictionloss="{_number(slip.limit)}" {_sticking()} '
+            'damping="0" limited="false"/>\n    </body>\n'
+        )
+        tendons.append(
+            f'    <fixed name="{name}" springlength="0" stiffness="{_number(slip.stiffness)}" '
+            f'damping="{_number(slip.stiffness * SLIP_TIME)}">'
+            f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/>'
+            f'<joint joint="{name}" coef="-1"/></fixed>\n'
+        )
     radius, length = ROTOR_SIZE
     return f"""  <default>
     <default class="{reducer_name(joint)}">
@@ -98,7 +126,7 @@ frictionloss="{_number(reduced.no_load_torque)}" {_sticking()} damping="0" limit
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
 mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
     </body>
-  </worldbody>
+{"".join(slipping)}  </worldbody>
   <tendon>
 {"".join(tendons)}  </tendon>
   <actuator>

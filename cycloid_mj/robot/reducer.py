@@ -46,6 +46,14 @@ class Spring:
     stiffness: float
 
 
+@dataclass(frozen=True)
+class Slip:
+    """A spring on L that slips at a limit [N m]: its stiffness [N m/rad]. What it holds back is hysteresis."""
+
+    limit: float
+    stiffness: float
+
+
 class JointAddresses(NamedTuple):
     """Where a model has one joint with this reducer: addresses of crank and output, and the tendons between them."""
 
@@ -83,6 +91,8 @@ class ReducedJoint:
         What turns with the crank and with the output, each about its own axis [kg m2].
     friction, ripple
         Torque of friction on the crank; transmission error about its mean.
+    slips
+        Beside the springs, at every L: friction that holds the wind-up, whichever shaft turns.
     quantities
         What was measured, by key, for people and programs.
     """
@@ -102,6 +112,7 @@ class ReducedJoint:
     output_inertia: float
     friction: FrictionMap
     ripple: Ripple
+    slips: tuple[Slip, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -137,7 +148,7 @@ class ReducedJoint:
     @cached_property
     def fingerprint(self) -> int:
         """A number by which a model's joints with this reducer are found, at any level; MJCF keeps all its digits."""
-        values = {key: value for key, value in self._values().items() if key != "level"}
+        values = {key: value for key, value in self._values().items() if key not in ("level", "slips")}
         return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
 
     def stiffness(self, torque: float) -> float:
@@ -337,6 +348,9 @@ class ReducedJoint:
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
             values["springs"] = tuple(Spring(float(one["start"]), float(one["stiffness"])) for one in values["springs"])
+            values["slips"] = tuple(
+                Slip(float(one["limit"]), float(one["stiffness"])) for one in values.get("slips", ())
+            )
             values["friction"] = FrictionMap.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])
             joint = cls(**values)

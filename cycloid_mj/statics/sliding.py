@@ -22,6 +22,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
 from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path
 from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.structure import wind_up
 
 Held = Literal["crank", "output"]
 
@@ -100,7 +101,8 @@ def course_along(
         left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
     if left.force:
         raise RunError(f"no static balance along the loop: {left.force:.3g} of the load is left over")
-    return when[:rows], z[:rows, -1] / radius
+    twisted = wind_up(reducer) * np.interp(when[:rows], np.arange(len(torque)), torque)
+    return when[:rows], z[:rows, -1] / radius + twisted
 
 
 def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, held: Held) -> Rubbing:
@@ -134,17 +136,17 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
             [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * SEALS]
         ),
         drag=drag,
-        stick=np.concatenate([STICK * stiffness, drag / (radius * _travels(losses.travel))]),
+        stick=np.concatenate([STICK * stiffness, drag / (radius * slip_turns(losses.travel))]),
         loss=lossy,
         backing=np.concatenate([BACKING * stiffness, np.zeros(SEALS)]) * (lossy > 0.0),
     )
 
 
-def _travels(travel: float) -> Array:
-    """Compute the turn at which each of the seals' elements slips [rad], shape (``SEALS``,).
+def slip_turns(travel: float, count: int = SEALS) -> Array:
+    """Compute the turn at which each of the elements that share constant friction slips [rad], shape (count,).
 
     Friction that grows as 1 - exp(-x/travel) is that of elements whose limits are spread as x exp(-x/travel) is.
     """
     from scipy.special import gammaincinv
 
-    return np.asarray(max(travel, LEAST_TRAVEL) * gammaincinv(2.0, (np.arange(SEALS) + 0.5) / SEALS))
+    return np.asarray(max(travel, LEAST_TRAVEL) * gammaincinv(2.0, (np.arange(count) + 0.5) / count))

@@ -33,11 +33,16 @@ from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, parameters
 from cycloid_mj.bench.reading import read_figures
 from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
+from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
+from cycloid_mj.robot import ReducedJoint, reduce
+from cycloid_mj.robot.trial import bench as bench_scene
 from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
+from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.statics.sliding import Held, Losses, course_along
 
 DATA = Path(__file__).parents[1] / "data" / "bench"
@@ -201,6 +206,98 @@ def test_known_values_come_back_for_most_seeds() -> None:
     assert all(counts[key] >= 5 for key in FIVE), counts
 
 
+LOCKED = {
+    "play": 80.0,
+    "structure_stiffness": 320.0,
+    "drag": 2.5,
+    "drag_travel": 0.1,
+    "hysteresis": 4.0,
+    "hysteresis_travel": 1.5,
+}
+"""Values of the default fit, near those of the printed drives' loops."""
+
+
+def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
+    """Make a small and a large loop of `LOCKED` with contacts as many times as stiff, noise, and a model that is off.
+
+    The error is a wave along the loop of so large an rms, over its height.
+    """
+    draw, loops = np.random.default_rng(seed), []
+    design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
+    ends = measured_loop("ends", *[course(0.0, 25.0, -25.0, 0.0)] * 2)
+    chosen = parameters(Reducer(design), tuple(LOCKED), [ends])
+    model = put_all(Model(Reducer(design), Losses(), rubs=False), chosen, np.array(list(LOCKED.values())))
+    for most in (4.0, 25.0):
+        torque = course(0.0, most, -most, most, -most, 0.3 * most, count=80)
+        turn = locked_course(locked_curve(model.reducer, most, 0.0), slip_elements(model.reducer), torque)[80:]
+        wave = np.sin(np.linspace(0.0, 2.0 * math.pi * draw.uniform(0.5, 3.0), len(turn)) + draw.uniform(0.0, 6.3))
+        turn = turn + np.ptp(turn) * (0.005 * draw.standard_normal(len(turn)) + off * math.sqrt(2.0) * wave)
+        loops.append(measured_loop(f"loop-{most:g}", torque[80:], turn / DEGREE))
+    return loops
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contacts", [1.0, 0.02])
+@pytest.mark.parametrize("off", [0.0, 0.03])
+def test_what_is_called_identified_is_within_its_interval(contacts: float, off: float) -> None:
+    """Of 20 seeds each value that is called identified is in its interval for 18; here for 4 of 4 of the default fit.
+
+    That of contacts that are soft by the drawing, and with a wave of 3 % in the loops that no model has.
+    """
+    design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
+    for seed in range(4):
+        found = calibrate(design, locked_loops(contacts, off, seed))
+        for key, one in found.estimates.items():
+            assert not one.identified or one.ci95[0] <= LOCKED[key] <= one.ci95[1], (seed, key, one)
+        assert found.estimates["structure_stiffness"].identified
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_a_measured_loop_closes_in_stock_mujoco(kind: str) -> None:
+    """Bench, design, joint, scene: the design passes check, statics and reduce, the scene repeats it within 8 %."""
+    start = "" if kind == "pin" else "nonpin_"
+    loops = [read_loop(DATA / f"{start}{name}_loop.csv") for name in ("play", "stiffness")]
+    found = calibrate(resolve("printed").but(ring={"kind": kind}), loops)
+    reducer = Reducer(found.design)
+    require_sound(reducer)
+    sheet(reducer, 25.0)
+    reduced = reduce(found.design, "backlash")
+    for held in ("crank", "output"):
+        for loop, offset in zip(loops, found.fitted.offsets[:, 0], strict=True):
+            turn = scene_loop(reduced, loop, float(offset), held)
+            left = turn - loop.deflection
+            assert np.std(left) < 0.08 * loop.height, (held, loop.name)
+
+
+def scene_loop(reduced: ReducedJoint, loop: MeasuredLoop, offset: float, held: str) -> Array:
+    """Take the stock scene of a joint slowly round a loop, less an offset of torque [N m]: L at its points [rad]."""
+    on = bench_scene(reduced, 1e-3, 1e-3)
+    output, crank = on.place.output_speed, on.place.crank_speed
+    free, still, gain = (output, crank, 1.0) if held == "crank" else (crank, output, reduced.coefficient)
+    on.model.dof_armature[still] = 1e9
+    on.model.dof_armature[free], on.model.dof_damping[free] = 1e-3 * gain**2, 0.05 * gain**2
+
+    def ramp(begin: float, end: float, parts: int) -> None:
+        for torque in np.linspace(begin, end, parts):
+            on.data.qfrc_applied[free] = gain * (torque - offset)
+            for _ in range(30):
+                on.step()
+
+    first, second, *_ = loop.turns
+    ramp(0.0, second, 30)
+    ramp(second, first, 60)
+    turns, before, branch = [], first, 0
+    for torque, way in zip(loop.torque.tolist(), loop.branch.tolist(), strict=True):
+        if way != branch:
+            ramp(before, loop.turns[way], 4)
+            before, branch = loop.turns[way], way
+        ramp(before, torque, 3)
+        before = torque
+        turns.append(on.length)
+    return np.array(turns)
+
+
 @pytest.mark.slow
 def test_values_of_another_drive_come_back() -> None:
     """A steel one of 6:1 with free pins: play, stiffness and friction, all else known."""
@@ -354,7 +451,7 @@ def test_what_is_found_before_ctrl_c_is_kept(
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag", "--losses"]
     assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
     assert f"stopped by Ctrl-C; the calibration, and the losses so far, are in {tmp_path}" in capsys.readouterr().err
-    assert load(tmp_path / "printed-calibrated.toml").drag.output > 0.0
+    assert load(tmp_path / "printed-calibrated.toml").springs.friction > 0.0
 
 
 @pytest.mark.slow
@@ -479,6 +576,7 @@ def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest
         ("ring.teeth", "only a number"),
         ("play,play", "given twice"),
         ("drive.power_kw", "determines none of these"),
+        ("friction,hysteresis", "hysteresis stands for what friction would hold back"),
         ("clearance.output_mm", "nothing to fit called"),
     ],
 )
@@ -505,7 +603,7 @@ def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pyte
     assert found["unusable"] == []
     calibrated = load(tmp_path / "printed-calibrated.toml")
     assert calibrated.name == found["design"]
-    assert calibrated.drag.output == pytest.approx(found["parameters"]["drag"]["value"])
+    assert calibrated.springs.friction == pytest.approx(found["parameters"]["drag"]["value"])
     page = (tmp_path / "printed-calibrated.html").read_text(encoding="utf-8")
     assert "<svg" in page
     assert ">drag<" in page
@@ -522,7 +620,7 @@ def test_a_design_of_no_use_is_told_with_the_value_to_blame(
     """Statics stops where it finds no balance: here as soon as there is the constant friction that was not drawn."""
 
     def no_balance(reducer: Reducer, torque: float) -> None:
-        if reducer.design.drag.output > 0.0:
+        if reducer.design.springs.friction > 0.0:
             raise RunError("no static balance")
 
     monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", no_balance)

@@ -46,7 +46,15 @@ ASSUMED_HERE = {
     "friction": set(PAIRS),
     "drag": {"crank_nm", "output_nm"},
     "stiffness": {f"{pair}_n_m" for pair in PAIRS},
-    "springs": {"carrier_nm_arcmin", "shaft_nm_arcmin", "housing_nm_arcmin"},
+    "springs": {
+        "carrier_nm_arcmin",
+        "shaft_nm_arcmin",
+        "housing_nm_arcmin",
+        "friction_nm",
+        "friction_travel_deg",
+        "hysteresis_nm",
+        "hysteresis_travel_deg",
+    },
     "damping": set(PAIRS),
     "working_force": {f"{pair}_n" for pair in PAIRS},
     "contact": {

@@ -1,0 +1,126 @@
+"""The output at a locked crank along a course of torque: springs behind a play, and friction beside them.
+
+The contacts carry T_s, and turn the output by x(T_s) without friction (`statics.balance`); beside them friction H holds
+the output's turn, whatever turns it: T = T_s(x) + H(x). H is shared by elements, each a spring that slips at a limit of
+its own (Iwan 1966, J. Appl. Mech. 33, 893-900), so that it comes on over a travel as 1 - exp(-x/travel), and remembers.
+Unlike `statics.sliding`, the contacts themselves do not rub: with stiff ones, a locked crank lets them slide by little.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design.model import StructureSprings
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.balance import loads
+from cycloid_mj.statics.sliding import slip_turns
+from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.structure import wind_up
+
+ELEMENTS = 3
+"""Elements that share one friction: as many joints as a model of MuJoCo gets for it."""
+
+SHARES = (1e-3, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0)
+"""Of the largest torque, at which the turn without friction is solved; between them it is straight."""
+
+SLOPE = 1e-6
+"""Torque across the play, as a share of the largest, so that the turn has one torque everywhere."""
+
+
+class SlipElements(NamedTuple):
+    """Springs in parallel, each of which slips: limits [N m] and stiffness [N m/rad], shape (n,)."""
+
+    limits: Array
+    stiffness: Array
+
+
+def slip_elements(reducer: Reducer) -> SlipElements:
+    """Compute the elements of the friction that holds the wind-up of a design; none where there is none."""
+    springs = reducer.design.springs
+    frictions = [
+        (size, travel)
+        for size, travel in (
+            (springs.friction, springs.friction_travel),
+            (springs.hysteresis, springs.hysteresis_travel),
+        )
+        if size > 0.0
+    ]
+    limits = np.repeat([size / ELEMENTS for size, _ in frictions], ELEMENTS)
+    turns = [slip_turns(travel, ELEMENTS) for _, travel in frictions]
+    return SlipElements(limits, limits / np.concatenate(turns) if turns else limits)
+
+
+@dataclass(frozen=True)
+class LockedCurve:
+    """Turn of the output [rad] over the torque that the contacts carry [N m], both rising, shape (m,)."""
+
+    torque: Array
+    turn: Array
+
+
+def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
+    """Solve the turn of the output without friction and weight under torques of both signs, up to `most` [N m].
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    shaped = reducer.but(springs=StructureSprings().model_dump(), drive={"speed": 0.0})
+    curve = _curve(shaped, 2.0 ** math.ceil(math.log2(most)), crank)
+    return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(shaped)) * curve.torque)
+
+
+@lru_cache(maxsize=16)
+def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
+    """Solve a curve of contacts: what twists behind them is added to it, so that a fit of that solves none anew."""
+    still = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, [crank], friction=False)
+    shares = np.array(SHARES)
+    sides = [
+        np.array([float(loads(still, springs, way * share * most).output_turn[0]) for share in shares.tolist()])
+        for way in (-1.0, 1.0)
+    ]
+    # the line through the two smallest torques leads to where the contacts close
+    stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
+    torque = most * np.concatenate([-shares[::-1], [-SLOPE, SLOPE], shares])
+    turn = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
+    return LockedCurve(torque, np.maximum.accumulate(turn))
+
+
+def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
+    """Compute the turn of the output [rad] along a course of torque [N m], shape (n,) each; it begins at rest.
+
+    Beyond its ends the curve goes on straight. T(x) is straight lines between the curve's points and where elements
+    begin to slip; it rises, and is read backwards.
+    """
+    turn, carried = _extended(curve, float(np.abs(torque).max()) + float(elements.limits.sum()))
+    slip = elements.limits / elements.stiffness
+    # where the spring of each element is at rest
+    origin = np.zeros(len(slip))
+    turns = np.empty(len(torque))
+    for place, pulled in enumerate(torque.tolist()):
+        bends = np.sort(np.concatenate([turn, origin - slip, origin + slip]))
+        stretch = np.minimum(np.maximum(bends[:, np.newaxis] - origin, -slip), slip)
+        reached = float(np.interp(pulled, np.interp(bends, turn, carried) + stretch @ elements.stiffness, bends))
+        origin = np.minimum(np.maximum(origin, reached - slip), reached + slip)
+        turns[place] = reached
+    return turns
+
+
+def _extended(curve: LockedCurve, far: float) -> tuple[Array, Array]:
+    """Draw a curve on to a torque at either end: turns and torques, both rising strictly."""
+    slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
+    ends = [
+        curve.turn[end] + slope * (way * far - curve.torque[end])
+        for end, slope, way in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
+    ]
+    inside = abs(curve.torque[0]) < far
+    torque = np.concatenate([[-far], curve.torque, [far]]) if inside else curve.torque
+    turn = np.concatenate([[ends[0]], curve.turn, [ends[1]]]) if inside else curve.turn
+    rising = np.concatenate([[True], np.diff(turn) > 0.0])
+    return turn[rising], torque[rising]
