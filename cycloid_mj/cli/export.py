@@ -1,15 +1,18 @@
 """``cycloid-mj export``: the parts of a design as files for CAD and printing."""
 
 from dataclasses import asdict
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.parts.export import Casing, Motor
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
@@ -20,7 +23,8 @@ EXAMPLES = """Examples:
 SMALLEST_UM, LARGEST_UM = 0.001, 100.0
 LARGEST_OFFSET_UM = 1000.0
 SMALLEST_BORE_MM, LARGEST_BORE_MM = 0.001, 10000.0
-PLATE, NAMED_PLATE, BILL, ASSEMBLY = "plate.stl", "plate.3mf", "bom.csv", "assembly.step"
+PLATE, NAMED_PLATE, BILL = "plate.stl", "plate.3mf", "bom.csv"
+ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded"
 
 FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "step"],
@@ -49,9 +53,9 @@ PlateFlag = Annotated[
     bool,
     Parameter(
         negative=(),
-        help="Also write plate.stl and plate.3mf, all parts that are made, side by side and flat on z = 0, for a "
-        "printer, in the second by their names; and bom.csv, the bill of materials: item, count, size, material, made "
-        "or bought, designation and fit of what is in stock.",
+        help="Also write plate.stl and plate.3mf, all parts of plastics (where there are none, all that are made), "
+        "side by side and flat on z = 0, for a printer, in the second by their names; and bom.csv, the bill of "
+        "materials: item, count, size, material, made or bought, designation and fit of what is in stock.",
     ),
 ]
 AssemblyFlag = Annotated[
@@ -59,7 +63,8 @@ AssemblyFlag = Annotated[
     Parameter(
         negative=(),
         help="Also write assembly.step: every part in its place at crank angle 0, by its name and in a colour (extra "
-        "cad). It has the design's own clearances, without --offset-um.",
+        "cad), with the design's own clearances, without --offset-um; exploded.png, the drive put together and taken "
+        "apart; and assembly.txt, how it is put together in ten steps.",
     ),
 ]
 OffsetFlag = Annotated[
@@ -69,6 +74,13 @@ OffsetFlag = Annotated[
         validator=within(0.0, LARGEST_OFFSET_UM),
         help="Make every clearance of the outlines this much wider than the design asks for [um], for what the printer "
         "puts on; press fits stay. Default: 0.",
+    ),
+]
+MotorFlag = Annotated[
+    Literal["auto", "nema17", "nema23", "circle"],
+    Parameter(
+        help="Flange of the motor on the drive's cover, with --plate or --assembly: of NEMA 17 or 23 (a journal that "
+        "is thick enough has a bore for its shaft), or a circle of bolts. Default: auto, the largest that fits."
     ),
 ]
 CamFlag = Annotated[
@@ -92,6 +104,7 @@ def export(
     plate: PlateFlag = False,
     assembly: AssemblyFlag = False,
     offset_um: OffsetFlag = 0.0,
+    motor: MotorFlag = "auto",
     cam_bearing_bore_mm: CamFlag = None,
     force: ForceFlag = False,
     json: JsonFlag = False,
@@ -107,12 +120,15 @@ def export(
     is not watertight, or has the wrong volume or clearance, is an error and writes
     nothing.
 
-    On the plate, each part stands on its larger end. Ring pins, sleeves, output
-    pins and the straight shaft of several discs are on it if they are of a
-    plastic, and bought otherwise; output pins that are bought have bores to be
-    pressed into. Bolt holes and seats of bearings in housing and output are
-    not drawn; cams are as thick as the bore of their bearing, or where none in
-    stock has the gear's bore as its outside, and none is given, as that.
+    With --plate and --assembly the drive can be put together: the ring has the
+    holes of screws and dowels, a cover on either side, the motor's with its
+    flange and the shaft's bearing, the other with both bearings of the output's
+    hub, on which its flange is screwed. Where they have no room, a warning says
+    why, and the mechanism comes without them. On the plate, each part stands on
+    its larger end; round parts are on it if they are of a plastic, and bought
+    otherwise; output pins that are bought have bores to be pressed into. Cams are
+    as thick as the bore of their bearing, or where none in stock has the gear's
+    bore as its outside, and none is given, as that.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
@@ -120,7 +136,7 @@ def export(
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
-    from cycloid_mj.parts.export import assembly_step, bill, bill_csv, cam_bearing, stl_bytes, threemf_bytes, widened
+    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
 
@@ -132,14 +148,15 @@ def export(
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)
     files_and_clearances = exported(design, format_, chord_error, offset)
-    printed = laid_out(widened(reducer, offset), chord_error, seat) if plate else None
-    items = bill(reducer, seat) if plate else ()
+    sizes = _casing(reducer, motor) if plate or assembly else None
+    printed = laid_out(widened(reducer, offset), chord_error, seat, sizes) if plate else None
+    items = bill(reducer, seat, sizes) if plate else ()
     parts = dict(files_and_clearances.files)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}
     if assembly:
-        parts |= {ASSEMBLY: assembly_step(reducer)}
+        parts |= _assembly(reducer, sizes)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
     files = {into / name: content for name, content in parts.items()}
     write_whole(files)
@@ -172,3 +189,30 @@ def export(
         lines = [tuple(str(value) for value in asdict(item).values())[:-1] for item in items]
         say_table("bill of materials", columns, lines, words=(2, 3, 4, 5))
     return 0
+
+
+def _casing(reducer: Reducer, motor: "Motor") -> "Casing | None":
+    """Choose the sizes of covers and flanges; where they have no room, warn, unless a motor is asked for."""
+    from cycloid_mj.parts.export import casing
+
+    try:
+        return casing(reducer, motor)
+    except DesignError as error:
+        if motor != "auto":
+            raise
+        warn(reducer.design.name, (f"without covers: {error}",))
+        return None
+
+
+def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
+    """Encode the assembly, and where there are covers its picture and the order of its steps."""
+    from cycloid_mj.parts.export import assembly_order, assembly_step
+
+    files = {ASSEMBLY: assembly_step(reducer, 0.0, sizes)}
+    if not sizes:
+        return files
+    from cycloid_mj.plots.exploded import exploded
+    from cycloid_mj.plots.save import drawn
+
+    steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, sizes), start=1))
+    return files | {f"{EXPLODED}.png": drawn(exploded(reducer, sizes), "png"), ORDER: "".join(steps).encode()}

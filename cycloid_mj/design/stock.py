@@ -74,6 +74,16 @@ _BALL_BEARINGS = """
 """
 """ISO 15:2017, deep groove ball bearings: number, bore, outside, width, dynamic and static load rating [kN]."""
 
+_THIN_BALL_BEARINGS = """
+618/3 3 7 2     618/4 4 9 2.5    618/5 5 11 3     618/6 6 13 3.5    618/7 7 14 3.5   618/8 8 16 4      618/9 9 17 4
+61800 10 19 5   61801 12 21 5    61802 15 24 5    61803 17 26 5     61804 20 32 7    61805 25 37 7     61806 30 42 7
+61807 35 47 7   61808 40 52 7    61809 45 58 7    61810 50 65 7     61811 55 72 9    61812 60 78 10    61813 65 85 10
+61814 70 90 10  61815 75 95 10   61816 80 100 10  61817 85 110 13   61818 90 115 13  61819 95 120 13   61820 100 125 13
+61822 110 140 16  61824 120 150 16  61826 130 165 18  61828 140 175 18  61830 150 190 20  61832 160 200 20
+61834 170 215 22  61836 180 225 22  61838 190 240 24  61840 200 250 24
+"""
+"""ISO 15:2017, dimension series 18, deep groove ball bearings: number, bore, outside, width; for an output's hub."""
+
 _BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, 20, 25, 30, 35, 40, 45, 50, 55, 60, 80)
 """Diameters of shafts of hardened and ground steel, h6, by the metre (ISO 13012-1 has bushings for most of them)."""
 
@@ -81,6 +91,15 @@ _BOLTS = """
 1.6 3 1.6   2 3.8 2   2.5 4.5 2.5   3 5.5 3   4 7 4   5 8.5 5   6 10 6   8 13 8   10 16 10   12 18 12   16 24 16
 """
 """ISO 4762:2004, hexagon socket head cap screws: thread, diameter and height of the head."""
+
+_BOLT_LENGTHS: tuple[int, ...] = (
+    *(3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160),
+    *(180, 200, 220, 240, 260, 280, 300),
+)
+"""Lengths of screws of ISO 4762 [mm]."""
+
+_BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}
+"""ISO 273:1979, medium: thread -> clearance hole [mm]."""
 
 _INSERTS = """
 2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7
@@ -186,6 +205,27 @@ def ball_bearings() -> tuple[StockBearing, ...]:
         for number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
     ]
     return tuple(sorted(found, key=lambda one: (one.bore, one.outside)))
+
+
+@cache
+def thin_ball_bearings() -> tuple[StockBearing, ...]:
+    """List thin deep groove ball bearings, the smallest first; their load ratings are those of their balls, ISO 281."""
+    rows = (line for line in _THIN_BALL_BEARINGS.split("\n") if line)
+    fields = [field for row in rows for field in row.split()]
+    sizes = zip(fields[0::4], fields[1::4], fields[2::4], fields[3::4], strict=True)
+    return tuple(
+        StockBearing(number, *_si(float(bore), float(outside), float(width))) for number, bore, outside, width in sizes
+    )
+
+
+def bolt_length(reach: float) -> float | None:
+    """Find the shortest screw in stock that is at least so long [m]; none if none is."""
+    return next((round(length * MM, 9) for length in _BOLT_LENGTHS if length * MM >= reach - ROUNDING), None)
+
+
+def bolt_hole(thread: float) -> float:
+    """Return the diameter of the hole that a thread passes through [m]."""
+    return round(_BOLT_HOLES[round(thread / MM, 3)] * MM, 9)
 
 
 @cache

@@ -55,8 +55,8 @@ NO_BALANCE = "its teeth snap over within their clearances of {0:g} um under any 
 
 NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bearings"
 
-MOST_WAYS, LOOKED_FOR = 3, 40.0
-"""Ways out beside a larger diameter, and the budget within which all are looked for."""
+MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 24.0, 36.0
+"""Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
 
 TOLD = 1e-2
 """Relative accuracy of the rated torque in a shortlist."""
@@ -315,7 +315,7 @@ def _borne(path: list[Step]) -> float:
 
 def _together(asked: Requirement) -> Iterator[Way]:
     """Yield a larger diameter together with another process, two discs or slower cranks, where none alone is enough."""
-    budget, processes = Budget(LOOKED_FOR), list(_processes(asked))
+    budget, processes = Budget(TOGETHER), list(_processes(asked))
     changes = [*processes, ("two discs", asked.but(discs=2))]
     also, strongest = processes[-1] if processes else ("", asked)
     for share in SLOWER:

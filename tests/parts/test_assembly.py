@@ -13,11 +13,23 @@ import numpy as np
 import pytest
 from designs import cases
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import family
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.parts import Prism
-from cycloid_mj.parts.export import Arc, LineSegment, Place, Spline, assembly_step, places
+from cycloid_mj.parts.export import (
+    Arc,
+    Casing,
+    LineSegment,
+    Place,
+    Spline,
+    assembly_order,
+    assembly_step,
+    bill,
+    casing,
+    places,
+)
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.curve import Curve
 from cycloid_mj.parts.parts import tinted
@@ -27,7 +39,11 @@ from cycloid_mj.sizing.proportions import Proportions, shaped
 from cycloid_mj.sizing.requirement import Requirement
 
 ANGLES = 2.0 * np.pi * np.arange(36) / 36.0
-BODIES = {"pressed_pin": "housing", "cam": "shaft", "spacer": "shaft", "output_roller": "output"}
+BODIES = {
+    **dict.fromkeys(("pressed_pin", "motor_cover", "output_cover", "screw", "dowel"), "housing"),
+    **dict.fromkeys(("cam", "cam_bearing", "spacer"), "shaft"),
+    **dict.fromkeys(("output", "output_roller", "output_pin", "output_flange", "flange_screw"), "output"),
+}
 """Family of a part -> the body that it is fixed to, or turns on without a gap."""
 
 
@@ -66,12 +82,12 @@ def points_of(loop: tuple[Curve, ...], sagitta: float) -> np.ndarray:
     return np.concatenate(found)
 
 
-def drawn_of(reducer: Reducer) -> dict[str, list[Prism]]:
+def drawn_of(reducer: Reducer, sizes: Casing | None = None) -> dict[str, list[Prism]]:
     """Draw the sections of every part, as finely as the tightest clearance asks for."""
     design = reducer.design
     sagitta = 0.2 * min(getattr(design.clearance, pair) for pair in design.pair_kinds)
     found = {}
-    for part, sections in assembly_sections(reducer).items():
+    for part, sections in assembly_sections(reducer, sizes).items():
         loops = [[points_of(loop, sagitta) for loop in section.loops] for section in sections]
         found[part] = [Prism(one[0], tuple(one[1:]), at.z0, at.z1) for one, at in zip(loops, sections, strict=True)]
     return found
@@ -117,13 +133,16 @@ def intersect(one: Prism, other: Prism) -> bool:
 def collisions(design: Design, angles: np.ndarray, phase: float = 0.0) -> list[str]:
     """Name what intersects at crank angles, gears turned by a phase [rad]."""
     reducer = Reducer(design)
-    drawn = drawn_of(reducer)
+    sizes = casing(reducer)
+    drawn = drawn_of(reducer, sizes)
     still = {"pin"} if design.seat_pair else {"pin", "housing"}  # pins that are pressed in fill their sockets
     found = []
     for angle in angles:
         bodies: dict[str, list[Prism]] = {}
-        for place in places(reducer, angle):
+        for place in places(reducer, angle, sizes):
             kind = family(place.part)
+            if kind in ("shaft_bearing", "output_bearing"):
+                continue  # they touch what turns and what stands: OpenCASCADE tells
             at = replace(place, angle=place.angle + phase) if kind == "gear" else place
             body = bodies.setdefault(BODIES.get(kind, place.name), [])
             body.extend(placed(at, prism) for prism in drawn[place.part])
@@ -173,6 +192,43 @@ def opened(content: bytes, folder: Path) -> Iterator[dict[str, tuple[int, int]]]
         gmsh.finalize()
 
 
+@pytest.mark.parametrize("name", cases(("new", "new_of_two", "printed", "pin", "twodisc"), "new"))
+def test_no_two_solids_of_a_whole_drive_meet(name: str, tmp_path: Path) -> None:
+    """One of each like parts; teeth and pins, which splines make slow, are tried as polygons."""
+    reducer = Reducer(design_of(name))
+    several = ("pin", "screw", "dowel", "output_pin", "output_roller", "flange_screw", "pressed_pin")
+    with opened(assembly_step(reducer, 0.0, casing(reducer)), tmp_path) as found:
+        solids = {label.split("/")[2]: solid for label, solid in found.items()}
+        solids = {one: solid for one, solid in solids.items() if family(one) not in several or one.endswith("_1")}
+        boxes = {one: np.reshape(gmsh.model.occ.getBoundingBox(*solid), (2, 3)) for one, solid in solids.items()}
+        for one, other in combinations(solids, 2):
+            (low, high), (bottom, top) = boxes[one], boxes[other]
+            if {family(one), family(other)} <= {"gear", "pin", "housing"} or (low > top).any() or (bottom > high).any():
+                continue
+            common, _ = gmsh.model.occ.intersect([solids[one]], [solids[other]], removeObject=False, removeTool=False)
+            volume = sum(gmsh.model.occ.getMass(*entity) for entity in common if entity[0] == 3)
+            assert volume < 1e-3, f"{one} and {other} have {volume:.3g} mm3 in common"
+
+
+def test_a_motor_that_has_no_room_is_refused() -> None:
+    with pytest.raises(DesignError, match="a flange NEMA 23 needs a cover"):
+        casing(Reducer(design_of("new")), "nema23")
+    assert casing(Reducer(design_of("new")), "nema17").motor.name == "NEMA 17"
+
+
+@pytest.mark.parametrize("name", cases(NAMES, "new"))
+def test_all_that_a_whole_drive_buys_is_in_stock_and_its_steps_are_ten(name: str) -> None:
+    reducer = Reducer(design_of(name))
+    sizes = casing(reducer)
+    lines = {line.item: line for line in bill(reducer, 0.0, sizes) if line.made_or_bought == "bought"}
+    assert {"output_bearing", "screw", "flange_screw"} <= set(lines)
+    if name.startswith("new"):
+        assert all(line.designation for line in lines.values())
+    counts = Counter(place.part for place in places(reducer, 0.0, sizes))
+    assert all(lines[item].count == counts[item] for item in ("output_bearing", "screw", "flange_screw"))
+    assert len(assembly_order(reducer, sizes)) == 10
+
+
 @pytest.mark.parametrize("name", cases(NAMES, "new_of_two"))
 def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp_path: Path) -> None:
     reducer, crank = Reducer(design_of(name)), 0.7
@@ -206,5 +262,8 @@ def test_the_command_writes_the_assembly(tmp_path: Path, monkeypatch, capsys) ->
     Path("mine.toml").write_text(dump(design_of("new")))
     assert main(["export", "--design", "mine.toml", "--assembly", "--out", "made"]) == 0
     assert str(Path("made") / "assembly.step") in capsys.readouterr().out
+    reducer = Reducer(design_of("new"))
     with opened(Path("made/assembly.step").read_bytes(), tmp_path) as found:
-        assert len(found) == len(places(Reducer(design_of("new"))))
+        assert len(found) == len(places(reducer, 0.0, casing(reducer)))
+    assert len(Path("made/assembly.txt").read_text().splitlines()) == 10
+    assert Path("made/exploded.png").read_bytes().startswith(b"\x89PNG")

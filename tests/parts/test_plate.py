@@ -57,7 +57,7 @@ DESIGNS = {
 ON_PLATE = {
     "pin": {"housing": 1, "gear": 1, "shaft": 1, "output": 1},
     "nonpin": {"housing": 1, "gear": 1, "shaft": 1, "output": 1},
-    "printed": {"housing": 1, "gear": 1, "shaft": 1, "output": 1, "output_2": 1},
+    "printed": {"housing": 1, "gear": 1, "output": 1, "output_2": 1},
     "sleeved": {"housing": 1, "gear": 1, "shaft": 1, "output": 1},
     "plastic": {"housing": 1, "gear": 1, "shaft": 1, "output": 1, "pin": 36, "pressed_pin": 36},
     "plastic_three": {
@@ -252,14 +252,14 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     told = json.loads(capsys.readouterr().out)
     assert told["offset"] == pytest.approx(OFFSET)
     assert told["plate"]["file"] == str(out / "plate.stl")
-    assert told["plate"]["parts"] == ON_PLATE["pin"]
+    assert told["plate"]["parts"] == ON_PLATE["pin"] | {"motor_cover": 1, "output_cover": 1, "output_flange": 1}
     extent = read_stl((out / "plate.stl").read_bytes()).reshape(-1, 3).max(axis=0)
     assert told["plate"]["size"] == pytest.approx(1e-3 * extent, abs=SINGLE)
     for one in told["clearances"]:
         assert one["least"] == pytest.approx(one["asked"] + told["offset"], abs=2e-8)
     rows = list(csv.DictReader(io.StringIO((out / "bom.csv").read_text())))
     assert [{**row, "count": int(row["count"])} for row in rows] == told["bom"]
-    assert Counter(row["made_or_bought"] for row in rows) == {"made": 4, "bought": 6}
+    assert Counter(row["made_or_bought"] for row in rows) == {"made": 7, "bought": 9}
     assert {str(path) for path in out.iterdir()} == set(told["files"])
     assert main([*arguments, "--out", str(out), "--force"]) == 0
     shown = capsys.readouterr().out

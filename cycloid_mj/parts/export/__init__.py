@@ -14,9 +14,11 @@ from cycloid_mj.design import Design
 from cycloid_mj.parts import Solid, fused, mass_properties, parts
 from cycloid_mj.parts.export.assembly import Place, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
+from cycloid_mj.parts.export.casing import Casing, Motor, casing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
+from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.printing import PRESSED_PIN, widened
 from cycloid_mj.parts.export.section import PartSection, part_sections
@@ -31,19 +33,23 @@ __all__ = [
     "FORMATS",
     "Arc",
     "BillLine",
+    "Casing",
     "Circle",
     "Export",
     "Format",
     "LineSegment",
+    "Motor",
     "OutlineClearance",
     "PartSection",
     "Place",
     "PrintPlate",
     "Spline",
+    "assembly_order",
     "assembly_step",
     "bill",
     "bill_csv",
     "cam_bearing",
+    "casing",
     "dxf_bytes",
     "export",
     "obj_bytes",

@@ -2,24 +2,40 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.design.stock import bearings_on
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import carried, crank_stretches, pin_radius, sleeve_core_radius
+from cycloid_mj.parts import carried, output_centres, pin_radius, sleeve_core_radius
+from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.casing import (
+    DOWEL,
+    FLANGE,
+    FLANGE_SCREW,
+    MOTOR_COVER,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    SCREW,
+    SHAFT_BEARING,
+    Casing,
+    CasingPart,
+    casing_parts,
+    casing_places,
+    cut_sections,
+)
 from cycloid_mj.parts.export.curve import Circle
-from cycloid_mj.parts.export.printing import PRESSED_PIN
+from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, output_pin_span
 from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, tinted
-from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import gear_angle, ring_angle
+
+CAM_BEARING = "cam_bearing"
 
 COLOURS: Mapping[str, Colour] = {
     names.HOUSING: (0.55, 0.58, 0.62, 1.0),
@@ -31,14 +47,18 @@ COLOURS: Mapping[str, Colour] = {
     names.SPACER: (0.6, 0.6, 0.55, 1.0),
     names.OUTPUT: (0.4, 0.6, 0.45, 1.0),
     names.ROLLER: (0.7, 0.8, 0.7, 1.0),
+    OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),
+    MOTOR_COVER: (0.6, 0.62, 0.7, 1.0),
+    OUTPUT_COVER: (0.65, 0.62, 0.6, 1.0),
+    FLANGE: (0.35, 0.55, 0.4, 1.0),
+    SCREW: (0.2, 0.2, 0.22, 1.0),
+    FLANGE_SCREW: (0.2, 0.2, 0.22, 1.0),
+    DOWEL: (0.45, 0.45, 0.45, 1.0),
+    SHAFT_BEARING: (0.8, 0.82, 0.85, 1.0),
+    OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
+    CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
 }
 """Part by its family -> colour."""
-
-USUAL_OUTSIDE = 1.4
-"""Radius of a shaft's bearing outside over the shaft's, where none in stock has its size (as its rollers are rated)."""
-
-TOUCHING = 1e-9
-"""Within which faces are the same [m]."""
 
 _NUMBER = re.compile(r"#(\d+)")
 
@@ -53,25 +73,32 @@ class Place:
     angle: float
 
 
-def places(reducer: Reducer, crank: float = 0.0) -> tuple[Place, ...]:
-    """Place every part at a crank angle [rad], all clearances even: teeth, cams and rollers touch nothing."""
-    return tuple(_places(reducer, crank))
+def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[Place, ...]:
+    """Place every part at a crank angle [rad], all clearances even: teeth and rollers touch nothing."""
+    return tuple(_places(reducer, crank, sizes))
 
 
-def _places(reducer: Reducer, crank: float) -> Iterator[Place]:
-    design = reducer.design
+def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Place]:
+    design, origin = reducer.design, np.zeros(3)
     ring, carrier = float(ring_angle(design, crank)), float(gear_angle(design, crank))
-    yield Place(names.HOUSING, names.HOUSING, (0.0, 0.0, 0.0), ring)
-    yield Place(names.SHAFT, names.SHAFT, (0.0, 0.0, 0.0), crank)
-    for name, (part, place) in carried(reducer, names.SHAFT).items():
-        yield _carried(name, part, place, crank)
+    turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
+    for body, angle in turned.items():
+        yield _carried(body, body, origin, angle)
+    for by in (names.SHAFT, names.OUTPUT):
+        for name, (part, place) in carried(reducer, by).items():
+            yield _carried(name, part, place, turned[by])
+    if not in_one_piece(reducer):
+        if design.output.support == "both_ends":
+            yield _carried(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier)
+        for number, centre in enumerate(output_centres(reducer), start=1):
+            yield _carried(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, np.array([*centre, 0.0]), carrier)
     discs = zip(names.gears(design.gear.discs), reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
         yield Place(gear, gear, (float(x), float(y), plane), carrier)
-    yield Place(names.OUTPUT, names.OUTPUT, (0.0, 0.0, 0.0), carrier)
-    for name, (part, place) in carried(reducer, names.OUTPUT).items():
-        yield _carried(name, part, place, carrier)
+        if cam_bearing(reducer):
+            bearing = gear.replace(names.GEAR, CAM_BEARING)
+            yield Place(bearing, CAM_BEARING, (float(x), float(y), plane), carrier)
     if design.ring.kind == "pin":
         angles = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth - ring
         for number, (x, y) in enumerate(design.ring.pin_circle_radius * unit(angles), start=1):
@@ -79,6 +106,8 @@ def _places(reducer: Reducer, crank: float) -> Iterator[Place]:
             yield Place(names.pin(number), names.PIN, at, ring)
             if design.ring.has_sleeves:
                 yield Place(f"{PRESSED_PIN}_{number}", PRESSED_PIN, at, ring)
+    for one in casing_places(reducer, sizes) if sizes else ():
+        yield _carried(one.name, one.part, np.array(one.origin), turned[one.body])
 
 
 def _carried(name: str, part: str, place: Array, angle: float) -> Place:
@@ -87,63 +116,84 @@ def _carried(name: str, part: str, place: Array, angle: float) -> Place:
     return Place(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle)
 
 
-def assembly_step(reducer: Reducer, crank: float = 0.0) -> bytes:
+def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
     """Encode the whole reducer as one STEP file: an assembly of named, coloured parts, each drawn once.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be made, or has no room.
     CycloidError
         The package gmsh is not installed, or OpenCASCADE cannot make a part.
     """
-    drawn = {name: step_part(name, sections) for name, sections in assembly_sections(reducer).items()}
-    return _assembled(reducer.design.name, drawn, places(reducer, crank))
+    drawn = {name: step_part(name, sections) for name, sections in assembly_sections(reducer, sizes).items()}
+    return _assembled(reducer.design.name, drawn, places(reducer, crank, sizes))
 
 
-def assembly_sections(reducer: Reducer) -> dict[str, tuple[PartSection, ...]]:
-    """Build the sections of every part as it is put together.
+def assembly_sections(reducer: Reducer, sizes: Casing | None = None) -> dict[str, tuple[PartSection, ...]]:
+    """Build the sections of every part as it is put together, with covers and all they need if their sizes are given.
 
-    Pins that are pressed into the housing are parts of their own, and the output disc has the seat of the bearing in
-    its hub, where a shaft straddles the discs.
+    Pins that are pressed into housing or output are parts of their own; cams are as thick as the bore of their bearing,
+    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be made, or has no room.
     """
     sections = part_sections(reducer, SPLINES)
     if reducer.design.ring.has_sleeves:
         wheel, core, *_ = sections[names.HOUSING]
-        circle = Circle((0.0, 0.0), sleeve_core_radius(reducer))
         sections[names.HOUSING] = (wheel,)
-        sections[PRESSED_PIN] = (PartSection(PRESSED_PIN, ((circle,),), core.z0, core.z1),)
-    if reducer.design.shaft.mounting == "straddle":
-        sections[names.OUTPUT] = tuple(_with_seat(reducer, sections[names.OUTPUT]))
-    return sections
+        sections[PRESSED_PIN] = (_round(PRESSED_PIN, sleeve_core_radius(reducer), core.z0, core.z1),)
+    sections |= _output(reducer, sections[names.OUTPUT])
+    sections |= _seated(reducer, sections)
+    added = casing_parts(reducer, sizes) if sizes else {}
+    return sections | {name: cut_sections(name, part, sections.get(name, ())) for name, part in added.items()}
 
 
-def _with_seat(reducer: Reducer, output: tuple[PartSection, ...]) -> Iterator[PartSection]:
-    """Yield the sections of the output, its disc beyond the gears with a hole for the bearing at the shaft's end."""
-    low, high = bearing_seats(reducer, crank_stretches(reducer))[0]
-    seat = Circle((0.0, 0.0), _seat_radius(reducer, high - low))
-    for section in output:
-        if section.z0 < low - TOUCHING or section.z0 > high:
-            yield section
-            continue
-        end = min(high, section.z1)
-        yield PartSection(section.name, (*section.loops, (seat,)), section.z0, end)
-        if end < section.z1 - TOUCHING:
-            yield PartSection(section.name, section.loops, end, section.z1)
+def _round(name: str, radius: float, z0: float, z1: float) -> PartSection:
+    return PartSection(name, ((Circle((0.0, 0.0), radius),),), z0, z1)
 
 
-def _seat_radius(reducer: Reducer, width: float) -> float:
-    """Find the radius of the seat in the hub [m]: of the bearing in stock, or as thick as its rollers usually are."""
-    design = reducer.design
-    stocked = bearings_on(2.0 * design.shaft.radius, width)
-    outside = 0.5 * stocked[0].outside if stocked else USUAL_OUTSIDE * design.shaft.radius
-    room = design.output.pin_circle_radius - pin_radius(reducer)
-    return min(outside, 0.5 * (design.shaft.radius + room) if outside >= room else outside)
+def _output(reducer: Reducer, drawn: tuple[PartSection, ...]) -> dict[str, tuple[PartSection, ...]]:
+    """Split the output into its discs, with bores, and the pins pressed into them; nothing where it is one piece."""
+    if in_one_piece(reducer):
+        return {}
+    radius, (disc, *others) = pin_radius(reducer), drawn
+    pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
+    pins = output_pin_span(reducer)
+    found = {
+        names.OUTPUT: cut_sections(names.OUTPUT, pressed, (disc,)),
+        OUTPUT_PIN: (_round(OUTPUT_PIN, radius, *pins),),
+    }
+    if reducer.design.output.support == "both_ends":
+        found[SECOND_OUTPUT] = cut_sections(SECOND_OUTPUT, pressed, others[-1:])
+    return found
+
+
+def _seated(reducer: Reducer, sections: Mapping[str, tuple[PartSection, ...]]) -> dict[str, tuple[PartSection, ...]]:
+    """Draw cams as thick as the bore of their bearing, and the bearing; nothing where none in stock fits."""
+    found = cam_bearing(reducer)
+    if not found:
+        return {}
+    bearing, count = found
+    seat, outside, half = 0.5 * bearing.bore, 0.5 * bearing.outside, 0.5 * bearing.width * count
+    slim = {}
+    for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
+        slim[name] = tuple(_slimmed(one, seat) for one in sections.get(name, ()))
+    tube = ((Circle((0.0, 0.0), outside),), (Circle((0.0, 0.0), seat),))
+    slim[CAM_BEARING] = (PartSection(CAM_BEARING, tube, -half, half),)
+    return {name: one for name, one in slim.items() if one}
+
+
+def _slimmed(section: PartSection, seat: float) -> PartSection:
+    """Draw a cam with the radius of its bearing's seat [m]; other stretches stay."""
+    if section.name != names.CAM:
+        return section
+    (outline,), *holes = section.loops
+    assert isinstance(outline, Circle)
+    return replace(section, loops=((replace(outline, radius=seat),), *holes))
 
 
 @dataclass(frozen=True)

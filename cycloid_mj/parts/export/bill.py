@@ -13,30 +13,33 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches, parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.export.casing import (
+    DOWEL,
+    FLANGE_SCREW,
+    OUTPUT_BEARING,
+    SCREW,
+    Casing,
+    casing_places,
+    flange_screw_length,
+)
 from cycloid_mj.parts.export.printing import (
     OUTPUT_PIN,
     PRESSED_PIN,
     PrintedPart,
     in_one_piece,
     is_printed,
+    made_parts,
+    material_part,
     output_pin_length,
-    printed_parts,
 )
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
-
-MADE_OF = {
-    names.CAM: names.SHAFT,
-    names.SPACER: names.SHAFT,
-    OUTPUT_PIN: names.OUTPUT,
-    PRESSED_PIN: names.PIN,
-}
-"""Part -> the one whose material it has, where that is another."""
 
 PRESSED, FREE = "m6 in H7", "m6, free in its socket"
 """Fits of dowels (m6, ISO 8734)."""
 
 NEEDLES, BALLS = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
+BALLS_OF_HUB = "H7 outside, k6 on the hub"
 """Fits of drawn cups and the shaft under their needles (ISO 3245), and of ball bearings whose shaft turns."""
 
 
@@ -56,12 +59,13 @@ class BillLine:
     fit: str = ""
 
 
-def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
-    """List the bill of materials of a design: what is made, as `printing.printed_parts` has it, then what is bought.
+def bill(reducer: Reducer, cam_seat: float = 0.0, sizes: Casing | None = None) -> tuple[BillLine, ...]:
+    """List the bill of materials of a design: what is made, as `printing.made_parts` has it, then what is bought.
 
-    `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
+    `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet. `sizes` are those of covers,
+    screws and the output's bearings; None: without them.
 
-    Covers, seals, motor and lubricant are not part of the design. A bearing has the size of the seat that the design
+    Seals, motor and lubricant are not part of the design. A bearing has the size of the seat that the design
     gives it; the other diameter is the catalogue's.
 
     Raises
@@ -69,7 +73,7 @@ def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[BillLine, ...]:
     DesignError
         A part cannot be made.
     """
-    return (*_manufactured(reducer, cam_seat), *_bought(reducer, cam_seat))
+    return (*_manufactured(reducer, cam_seat, sizes), *_bought(reducer, cam_seat, sizes))
 
 
 def bill_csv(items: tuple[BillLine, ...]) -> bytes:
@@ -81,26 +85,41 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
     return text.getvalue().encode()
 
 
-def _manufactured(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    for name, part in printed_parts(reducer, VISUAL_CHORD_ERROR, cam_seat).items():
-        family = "output" if name.startswith(f"{names.OUTPUT}_") and name != OUTPUT_PIN else names.family(name)
-        material = _material(reducer, MADE_OF.get(family, family))
+def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+    for name, part in made_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
-        yield BillLine(item, part.count, _extent(part), material, "made")
+        yield BillLine(item, part.count, _extent(part), _material(reducer, material_part(reducer, name)), "made")
 
 
-def _bought(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
+def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     yield from _pins(reducer)
     yield from _rollers(reducer)
     yield from _bearings(reducer, cam_seat)
-    design = reducer.design
-    if design.housing.support == "bolts":
+    if sizes:
+        yield from _of_casing(reducer, sizes)
+    elif reducer.design.housing.support == "bolts":
+        design = reducer.design
         size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
         screw = stock.bolt_under(2.0 * design.bolt_radius)
         yield BillLine("bolt", design.housing.bolts, size, "", "bought", screw.designation if screw else "")
-        if screw and is_printed(reducer, names.HOUSING) and (insert := stock.insert_of(screw.thread)):
+
+
+def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
+    """List bearings of the output, screws, dowels and threaded inserts."""
+    hub, places = sizes.hub, [place.part for place in casing_places(reducer, sizes)]
+    yield BillLine(OUTPUT_BEARING, 2, _sizes_of(hub), "", "bought", hub.designation, BALLS_OF_HUB)
+    flange = sizes.flange_bolt, flange_screw_length(sizes)
+    for item, (bolt, length) in ((SCREW, (sizes.screws.bolt, sizes.screws.length)), (FLANGE_SCREW, flange)):
+        size = f"thread {_mm(bolt.thread)} x length {_mm(length)} mm"
+        name = f"{bolt.designation} x {_mm(length)}"
+        yield BillLine(item, places.count(item), size, "steel 8.8", "bought", name)
+        insert = stock.insert_of(bolt.thread)
+        if insert and is_printed(reducer, names.HOUSING):
             size = f"hole {_mm(insert.hole)} x length {_mm(insert.length)} mm"
-            yield BillLine("insert", design.housing.bolts, size, "brass", "bought", insert.designation)
+            yield BillLine(f"{item}_insert", places.count(item), size, "brass", "bought", insert.designation)
+    if dowel := sizes.dowel:
+        size = _round(("diameter", 0.5 * dowel.diameter), length=dowel.length)
+        yield BillLine(DOWEL, places.count(DOWEL), size, "steel", "bought", dowel.designation, PRESSED)
 
 
 def _pins(reducer: Reducer) -> Iterator[BillLine]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, fused
+from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
@@ -70,8 +71,8 @@ class PrintPlate:
         return {part: parts.count(part) for part in dict.fromkeys(parts)}
 
 
-def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintPlate:
-    """Lay all parts that are made on a plate, each on its end with the larger face.
+def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
+    """Lay all parts that are printed on a plate, each on its end with the larger face.
 
     Parameters
     ----------
@@ -81,15 +82,16 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> PrintP
         Largest distance of a chord from its curve [m].
     cam_seat
         Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+    sizes
+        Those of covers and flanges, if these are to lie there too.
 
     Raises
     ------
     DesignError
         A part cannot be made, or its mesh is not watertight.
     """
-    lying = [
-        (name, part.count, *_lying(part.solid)) for name, part in printed_parts(reducer, chord_error, cam_seat).items()
-    ]
+    printed = printed_parts(reducer, chord_error, cam_seat, sizes)
+    lying = [(name, part.count, *_lying(part.solid)) for name, part in printed.items()]
     meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [fused(solid)] * count]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)

@@ -6,6 +6,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.parts import Prism, Solid, circle, crank_stretches, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing_parts, cut_solid
 from cycloid_mj.parts.polygon import turned
 from cycloid_mj.reducer import Reducer
 
@@ -59,7 +60,35 @@ def in_one_piece(reducer: Reducer) -> bool:
     return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def printed_parts(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, PrintedPart]:
+def material_part(reducer: Reducer, made: str) -> str:
+    """Name the part of the mechanism that a part is made of the material of.
+
+    Discs and flange of the output are printed with the housing, whatever its pins are of.
+    """
+    family = names.family(made)
+    if family in (names.CAM, names.SPACER):
+        return names.SHAFT
+    if family == PRESSED_PIN:
+        return names.PIN
+    if family in (MOTOR_COVER, OUTPUT_COVER):
+        return names.HOUSING
+    if family in (names.OUTPUT, FLANGE):
+        return names.HOUSING if is_printed(reducer, names.HOUSING) else names.OUTPUT
+    return names.OUTPUT if family == OUTPUT_PIN else family
+
+
+def printed_parts(
+    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
+) -> dict[str, PrintedPart]:
+    """Collect the parts that a printer makes: of `made_parts` those of a plastic, or all where none is of one."""
+    made = made_parts(reducer, chord_error, cam_seat, sizes)
+    plastic = {name: part for name, part in made.items() if is_printed(reducer, material_part(reducer, name))}
+    return plastic or made
+
+
+def made_parts(
+    reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
+) -> dict[str, PrintedPart]:
     """Collect every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
@@ -74,6 +103,8 @@ def printed_parts(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -
         Largest distance of a chord from its curve [m].
     cam_seat
         Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+    sizes
+        Those of covers and flanges, if these are to be made too.
 
     Raises
     ------
@@ -99,13 +130,32 @@ def printed_parts(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -
             core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
             solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
             printed[PRESSED_PIN] = PrintedPart(design.ring.teeth, solid)
-    return printed | _output(reducer, solids[names.OUTPUT], chord_error)
+    printed |= _output(reducer, solids[names.OUTPUT], chord_error)
+    return _cased(reducer, printed, sizes, chord_error) if sizes else printed
+
+
+def _cased(reducer: Reducer, made: dict[str, PrintedPart], sizes: Casing, chord_error: float) -> dict[str, PrintedPart]:
+    """Add covers and flange, and to the parts of the mechanism what these need: holes, the hub, seats."""
+    cased = dict(made)
+    for name, part in casing_parts(reducer, sizes).items():
+        if part.bought or (name == names.SHAFT and name not in made):
+            continue
+        base = made[name].solid.prisms if name in made else ()
+        density = reducer.design.material_of(material_part(reducer, name)).density
+        cased[name] = PrintedPart(1, cut_solid(name, part, chord_error, density, base))
+    return cased
+
+
+def output_pin_span(reducer: Reducer) -> tuple[float, float]:
+    """Compute from where to where an output pin reaches [m], with what is pressed into each output disc."""
+    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
+    return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
 
 
 def output_pin_length(reducer: Reducer) -> float:
     """Compute the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
-    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
-    return drawn.height + output.disc_thickness * (2 if output.support == "both_ends" else 1)
+    low, high = output_pin_span(reducer)
+    return high - low
 
 
 def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:

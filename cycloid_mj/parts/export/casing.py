@@ -1,0 +1,616 @@
+"""What makes of a mechanism a drive to bolt together: covers, bearings, screws, dowels and flanges.
+
+The mechanism's own sizes stay; what is chosen here are those of the usual design (assumed), and of stock. Along z: the
+motor, the cover on its side with its flange and the shaft's bearing, the ring, the cover on the output's side with the
+two bearings of the output's hub, and the output's flange.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import stock
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import Prism, Solid, circle, crank_stretches
+from cycloid_mj.parts.export.curve import Circle, Curve
+from cycloid_mj.parts.export.section import PartSection
+from cycloid_mj.parts.output import AXIAL_GAP, RIM
+from cycloid_mj.parts.shaft import bearing_seats
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.sockets import wall_radius
+
+MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
+SCREW, FLANGE_SCREW, DOWEL = "screw", "flange_screw", "dowel"
+SHAFT_BEARING, OUTPUT_BEARING = "shaft_bearing", "output_bearing"
+
+Motor = Literal["auto", "nema17", "nema23", "circle"]
+
+WALL_SHARE, LEAST_WALL = 0.02, 0.5e-3
+"""Least wall around holes, as a share of the outer radius, and at least [m]."""
+
+USUAL_OUTSIDE = 1.4
+"""Radius of a shaft's bearing outside over the shaft's, where none in stock has its size (as its rollers are rated)."""
+
+PILOT = 2.5e-3
+"""Depth of the recess for a motor's pilot [m]."""
+
+SAME = 1e-9
+"""Within which faces are the same [m]."""
+
+THREAD_SHARE = 0.09
+"""Thread of the housing's screws in the outer radius, about."""
+
+MOST_SCREWS = 8
+ENGAGED = 1.5
+"""Length of a thread in its part, in its diameters."""
+
+FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = 6, 0.66, 0.16
+"""Screws of the output's flange, radius of their circle and their thread in the hub's radius."""
+
+SHOULDER = 0.3
+"""Of a bearing's section: how high a shoulder stands before its rings."""
+
+
+@dataclass(frozen=True)
+class MotorFlange:
+    """Where a motor is bolted on: radii of its pilot and its bolts' circle, thread, radius and length of its shaft [m].
+
+    A shaft of no radius: that of the motor is not given, and it is coupled to the end of the journal.
+    """
+
+    name: str
+    pilot: float
+    circle: float
+    thread: float
+    shaft: float = 0.0
+    shaft_length: float = 0.0
+
+
+NEMA = {
+    "nema17": MotorFlange("NEMA 17", 11.0e-3, 15.5e-3 * math.sqrt(2.0), 3e-3, 2.5e-3, 22e-3),
+    "nema23": MotorFlange("NEMA 23", 19.05e-3, 23.57e-3 * math.sqrt(2.0), 5e-3, 3.175e-3, 20.6e-3),
+}
+"""NEMA ICS 16: pilots 22 and 38.1 mm, holes in squares of 31 and 47.14 mm, shafts of 5 and 6.35 mm."""
+
+
+@dataclass(frozen=True)
+class Screws:
+    """The screws that hold the covers: bolt, length, how many, radius of their circle [m], and their angles [rad].
+
+    Angles are clockwise from +y. Outside of the ring they leave it a seat in the cover of the motor's side.
+    """
+
+    bolt: stock.Bolt
+    length: float
+    circle: float
+    angles: tuple[float, ...]
+    outside: bool
+
+    @property
+    def hole(self) -> float:
+        """Radius of the hole that they pass through [m]."""
+        return 0.5 * stock.bolt_hole(self.bolt.thread)
+
+    def centres(self) -> Array:
+        """Compute the middles of the screws (n, 2) [m]."""
+        return self.circle * unit(np.array(self.angles))
+
+
+@dataclass(frozen=True)
+class Casing:
+    """Sizes of what holds a mechanism together [m]; heights are along z, what is `_radius` or in `Screws` is beside it.
+
+    Attributes
+    ----------
+    outer, wall
+        Outer radius of both covers, and the least wall around holes.
+    screws, dowel, dowel_angles
+        What holds the covers, and the pins that place them (none where none fits), with their angles clockwise from +y.
+    motor, face
+        The motor's flange, and its plane.
+    near, far, seat
+        From where to where the shaft's bearings stand in the cover, and the one in the output's hub; their radius.
+    cavity, floor
+        Radius and bottom of the room for the crank in the cover on the motor's side.
+    hub, hub_floor, spacing
+        Bearing of the output, of which there are two, where the first stands, and their distance.
+    rim
+        Radius of the output's disc.
+    flange_bolt, flange_thickness
+        Screws of the output's flange, and its thickness.
+    """
+
+    outer: float
+    wall: float
+    screws: Screws
+    dowel: stock.Dowel | None
+    dowel_angles: tuple[float, ...]
+    motor: MotorFlange
+    face: float
+    near: tuple[float, float]
+    far: tuple[float, float] | None
+    seat: float
+    cavity: float
+    floor: float
+    hub: stock.StockBearing
+    hub_floor: float
+    spacing: float
+    rim: float
+    flange_bolt: stock.Bolt
+    flange_thickness: float
+
+    @property
+    def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where the two bearings of the output stand along z [m]."""
+        first, width = self.hub_floor, self.hub.width
+        return (first, first + width), (first + width + self.spacing, self.top)
+
+    @property
+    def top(self) -> float:
+        """Where cover and hub end on the output's side, and its flange begins [m]."""
+        return self.hub_floor + 2.0 * self.hub.width + self.spacing
+
+    @property
+    def grip(self) -> float:
+        """Thickness of the cover below the heads of its screws [m]."""
+        return max(self.screws.bolt.thread, 2.0 * self.wall)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Where the drive begins and ends along z, the motor left out [m]."""
+        return self.face, self.top + self.flange_thickness
+
+
+@once
+def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
+    """Choose the sizes of covers, bearings, screws and flanges around a mechanism, for a motor.
+
+    Raises
+    ------
+    DesignError
+        The motor's flange, the output's bearing, the crank or the screws have no room.
+    """
+    design = reducer.design
+    radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
+    wall = max(LEAST_WALL, WALL_SHARE * radius)
+    screws = _screws(reducer, wall)
+    outer = screws.circle + 0.5 * screws.bolt.head + wall if screws.outside else radius
+    rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
+    prisms, straddles = crank_stretches(reducer), design.shaft.mounting == "straddle"
+    far, near = bearing_seats(reducer, prisms)
+    seat = seat_radius(reducer, near[1] - near[0])
+    weight = prisms.get("counterweight")
+    second = -half - AXIAL_GAP - output.disc_thickness if output.support == "both_ends" else -half
+    cavity = _cavity(reducer, screws, rim if second < -half else 0.0, wall)
+    floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
+    flange = _motor_flange(motor, outer, seat, wall)
+    tapped, first = ENGAGED * flange.thread + wall, near[0] if straddles else far[0]
+    through = _grip(screws.bolt, wall) + (0.0 if screws.outside else 2.0 * half)
+    tip = (half if screws.outside else -half) - (screws.length - through) - wall
+    face = min(prisms["journal"].z0 - AXIAL_GAP, first - PILOT - wall, floor - tapped, tip - tapped)
+    dowel, dowel_angles = _dowel(reducer, screws, wall)
+    room = screws.circle - 0.5 * screws.bolt.head - 2.0 * wall
+    hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
+    bolt = _thickest(FLANGE_THREAD * hub.bore / 2.0)
+    hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
+    deepest = max(far[1] if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGED * bolt.thread
+    return Casing(
+        outer=outer,
+        wall=wall,
+        screws=screws,
+        dowel=dowel,
+        dowel_angles=dowel_angles,
+        motor=flange,
+        face=face,
+        near=(first, near[1]),
+        far=far if straddles else None,
+        seat=seat,
+        cavity=cavity,
+        floor=floor,
+        hub=hub,
+        hub_floor=hub_floor,
+        spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
+        rim=rim,
+        flange_bolt=bolt,
+        flange_thickness=bolt.head_height + max(bolt.thread, wall),
+    )
+
+
+def seat_radius(reducer: Reducer, width: float) -> float:
+    """Find the radius of the seat of the shaft's bearings [m]: of those in stock, or as their rollers are rated."""
+    radius = reducer.design.shaft.radius
+    stocked = stock.bearings_on(2.0 * radius, width)
+    return 0.5 * stocked[0].outside if stocked else USUAL_OUTSIDE * radius
+
+
+def _thickest(thread: float) -> stock.Bolt:
+    """Find the thickest screw of at most a thread [m], or the thinnest of all."""
+    bolts = stock.bolts()
+    return max((one for one in bolts if one.thread <= thread), key=lambda one: one.thread, default=bolts[0])
+
+
+def _grip(bolt: stock.Bolt, wall: float) -> float:
+    return max(bolt.thread, 2.0 * wall)
+
+
+def _screws(reducer: Reducer, wall: float) -> Screws:
+    """Place the screws in the ring's wall, or between its pins, or where neither has room outside of it."""
+    design = reducer.design
+    ring, housing = design.ring, design.housing
+    for bolt in _candidates(housing.outer_radius):
+        hole, head = 0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head
+        if housing.support == "bolts":
+            angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
+            circle = design.bolt_circle_radius
+            outside = max(hole + wall, head + 0.5 * wall)
+            fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside
+        else:
+            circle, angles = housing.outer_radius - max(hole, head) - 0.5 * wall, _lands(ring.teeth)
+            apart = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
+            fits = (
+                ring.kind == "pin"
+                and math.dist(*apart.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
+                and circle - hole - wall >= wall_radius(design)
+            )
+        if fits:
+            return _of_length(bolt, circle, angles, wall, design.gear.stack_width)
+    bolt = _thickest(THREAD_SHARE * housing.outer_radius)
+    circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head) + wall
+    angles = tuple(2.0 * math.pi * number / MOST_SCREWS for number in range(MOST_SCREWS))
+    return _of_length(bolt, circle, angles, wall, 0.0)
+
+
+def _candidates(radius: float) -> Iterator[stock.Bolt]:
+    most = _thickest(THREAD_SHARE * radius)
+    yield from (bolt for bolt in reversed(stock.bolts()) if bolt.thread <= most.thread)
+
+
+def _lands(teeth: int) -> tuple[float, ...]:
+    """Choose the lands between pins that have screws, two at least left for dowels; their angles clockwise from +y."""
+    count = max(min(MOST_SCREWS, teeth - 2), 2)
+    return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
+
+
+def _of_length(bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float) -> Screws:
+    reach = _grip(bolt, wall) + through + ENGAGED * bolt.thread
+    length = stock.bolt_length(reach)
+    if not length:
+        raise DesignError(
+            f"the housing needs screws of {1e3 * reach:.4g} mm; those in stock are shorter: lower gear.face_width_mm"
+        )
+    return Screws(bolt, length, circle, angles, outside=not through)
+
+
+def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...]]:
+    """Choose two dowels for each face that covers meet at, opposite each other between the screws."""
+    design = reducer.design
+    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= screws.bolt.thread]
+    pins = [found[0] for size in sizes if (found := stock.pins(size, 2.0 * size))]
+    pin = next((one for one in pins if one.length <= design.gear.stack_width - wall), None)
+    if not pin:
+        return None, ()
+    if screws.outside or design.housing.support == "bolts":
+        step = math.pi / len(screws.angles)
+        return pin, (step, step + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles))
+    teeth = design.ring.teeth
+    free = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
+    other = min(free[1:], key=lambda land: abs(land - free[0] - 0.5 * teeth))
+    return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other))
+
+
+def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> float:
+    """Find the radius of the room for crank and second disc [m] in the cover, which keeps the ring's pins in."""
+    design = reducer.design
+    weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
+    cavity = max(weight, second) + wall
+    room = screws.circle - 0.5 * screws.bolt.thread if not screws.outside else design.housing.outer_radius
+    most = min(room - wall, design.ring_root_radius)
+    if not cavity <= most:
+        raise DesignError(
+            f"the crank needs {2e3 * cavity:.4g} mm in the cover on the motor's side, which has room for "
+            f"{2e3 * most:.4g} mm; lower shaft.counterweight_radius_mm, or output.pin_circle_radius_mm"
+        )
+    return cavity
+
+
+def _motor_flange(motor: Motor, outer: float, seat: float, wall: float) -> MotorFlange:
+    """Choose a flange: that asked for, or the largest of NEMA's that fits, or a circle of bolts."""
+
+    def fits(one: MotorFlange) -> bool:
+        return one.circle - 0.5 * one.thread - wall >= seat and one.circle + 0.5 * one.thread + wall <= outer
+
+    if motor in NEMA and not fits(NEMA[motor]):
+        one = NEMA[motor]
+        raise DesignError(
+            f"a flange {one.name} needs a cover with an outer radius of {1e3 * (one.circle + one.thread):.4g} mm and a "
+            f"bearing of {2e3 * (one.circle - one.thread):.4g} mm; the cover has {1e3 * outer:.4g} mm, the bearing "
+            f"{2e3 * seat:.4g} mm: take another motor"
+        )
+    wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
+    if found := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
+        return found
+    thread = _thickest(THREAD_SHARE * outer).thread
+    circle = outer - 0.5 * thread - 2.0 * wall
+    return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
+
+
+def _hub(room: float, most: float, least: float) -> stock.StockBearing:
+    """Choose the widest bearing for the hub in a room [m], its bore from a least radius to a most [m]."""
+    for bearing in reversed(stock.thin_ball_bearings()):
+        if bearing.outside <= 2.0 * room and 2.0 * least <= bearing.bore <= 2.0 * most:
+            return bearing
+    raise DesignError(
+        f"no bearing in stock fits the output's hub: its bore is to be {2e3 * least:.4g} to {2e3 * most:.4g} mm, its "
+        f"outside at most {2e3 * room:.4g} mm; take a larger diameter, or a thinner shaft (shaft.radius_mm)"
+    )
+
+
+Round = tuple[float, float, float]
+"""Radius about the part's axis, from z0 to z1 [m]."""
+
+Hole = tuple[Array, float, float, float]
+"""Middles (n, 2), radius, from z0 to z1 [m]."""
+
+AXIS = np.zeros((1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class CasingPart:
+    """A part of rounds with round holes, of the material of a part of the mechanism; or the holes that one has here."""
+
+    material: str
+    rounds: tuple[Round, ...] = ()
+    holes: tuple[Hole, ...] = ()
+    bought: bool = False
+
+
+@dataclass(frozen=True)
+class CasingPlace:
+    """Where a part of the casing is: its name there, the part, its origin [m], and the body that it moves with."""
+
+    name: str
+    part: str
+    origin: tuple[float, float, float]
+    body: str
+
+
+def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
+    """Build all parts of the casing by name, those bought in frames of their own; of the mechanism's what is added."""
+    screws, bolt, hub = sizes.screws, sizes.screws.bolt, sizes.hub
+    found = {
+        names.HOUSING: _ring(reducer, sizes),
+        names.OUTPUT: _output(reducer, sizes),
+        MOTOR_COVER: _motor_cover(reducer, sizes),
+        OUTPUT_COVER: _output_cover(reducer, sizes),
+        FLANGE: _flange(sizes),
+        SCREW: _screw(bolt, screws.length),
+        FLANGE_SCREW: _screw(sizes.flange_bolt, flange_screw_length(sizes)),
+        OUTPUT_BEARING: _tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
+        SHAFT_BEARING: _tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
+    }
+    if bore := _motor_bore(reducer, sizes):
+        found[names.SHAFT] = bore
+    if sizes.dowel:
+        half = 0.5 * sizes.dowel.length
+        found[DOWEL] = CasingPart(names.PIN, ((0.5 * sizes.dowel.diameter, -half, half),), bought=True)
+    return found
+
+
+def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
+    """Yield where each part of the casing is, beside ring and output, at the crank angle 0."""
+    half, screws = reducer.design.gear.stack_width / 2.0, sizes.screws
+    for name in (MOTOR_COVER, OUTPUT_COVER):
+        yield CasingPlace(name, name, (0.0, 0.0, 0.0), names.HOUSING)
+    yield CasingPlace(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
+    for number, centre in enumerate(screws.centres(), start=1):
+        yield CasingPlace(names.numbered(SCREW, number), SCREW, _place(centre, half + sizes.grip), names.HOUSING)
+    for number, centre in enumerate(_flange_centres(sizes)[::2], start=1):
+        at = _place(centre, sizes.top + sizes.flange_thickness - sizes.flange_bolt.head_height)
+        yield CasingPlace(names.numbered(FLANGE_SCREW, number), FLANGE_SCREW, at, names.OUTPUT)
+    for number, (low, high) in enumerate(sizes.bearings, start=1):
+        yield CasingPlace(
+            names.numbered(OUTPUT_BEARING, number), OUTPUT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.HOUSING
+        )
+    for number, (low, high) in enumerate(bearing_seats(reducer, crank_stretches(reducer)), start=1):
+        yield CasingPlace(
+            names.numbered(SHAFT_BEARING, number), SHAFT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.SHAFT
+        )
+    if sizes.dowel:
+        faces = (half,) if screws.outside else (-half, half)
+        spots = [(centre, z) for z in faces for centre in _dowel_centres(sizes)]
+        for number, (centre, z) in enumerate(spots, start=1):
+            yield CasingPlace(names.numbered(DOWEL, number), DOWEL, _place(centre, z), names.HOUSING)
+
+
+def bearing_width_of(reducer: Reducer) -> float:
+    """Compute the width of each bearing of the shaft [m]."""
+    low, high = bearing_seats(reducer, crank_stretches(reducer))[0]
+    return high - low
+
+
+def flange_screw_length(sizes: Casing) -> float:
+    """Return the length of the screws of the output's flange [m]."""
+    bolt = sizes.flange_bolt
+    return stock.bolt_length(sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread) or 0.0
+
+
+def cut_sections(name: str, part: CasingPart, base: Sequence[PartSection] = ()) -> tuple[PartSection, ...]:
+    """Draw a part of the casing by circles, or its holes in the sections of a part of the mechanism."""
+    shells = [
+        *((one.loops, one.z0, one.z1) for one in base),
+        *(((_loop(AXIS[0], radius),), *ends) for radius, *ends in part.rounds),
+    ]
+    return tuple(PartSection(name, loops, low, high) for loops, low, high in _cut(shells, part.holes, _loop))
+
+
+def cut_solid(name: str, part: CasingPart, chord_error: float, density: float, base: Sequence[Prism] = ()) -> Solid:
+    """Draw a part of the casing by polygons, or its holes in the prisms of a part of the mechanism."""
+
+    def ring(centre: Array, radius: float) -> Array:
+        return circle(radius, chord_error, (float(centre[0]), float(centre[1])))
+
+    shells = [
+        *(((one.outline, *one.holes), one.z0, one.z1) for one in base),
+        *(((ring(AXIS[0], radius),), *ends) for radius, *ends in part.rounds),
+    ]
+    return Solid(
+        name,
+        tuple(Prism(loops[0], loops[1:], low, high) for loops, low, high in _cut(shells, part.holes, ring)),
+        density,
+    )
+
+
+def _loop(centre: Array, radius: float) -> tuple[Curve, ...]:
+    return (Circle((float(centre[0]), float(centre[1])), radius),)
+
+
+def _cut(
+    shells: Sequence[tuple[Any, ...]], holes: Sequence[Hole], drawn: Callable[[Array, float], Any]
+) -> Iterator[tuple[Any, float, float]]:
+    """Yield the stretches of a part between all faces of it and of its holes: loops, z0, z1."""
+    faces = sorted({z for *_, z0, z1 in (*shells, *holes) for z in (z0, z1)})
+    for loops, z0, z1 in shells:
+        for low, high in pairwise([z0, *(z for z in faces if z0 + SAME < z < z1 - SAME), z1]):
+            if high - low < SAME:
+                continue
+            through = [
+                drawn(at, radius)
+                for at_all, radius, start, end in holes
+                if start < 0.5 * (low + high) < end
+                for at in at_all
+            ]
+            yield (*loops, *through), low, high
+
+
+def _motor_bore(reducer: Reducer, sizes: Casing) -> CasingPart | None:
+    """Build the bore of the journal for the motor's shaft, up to what carries the crank; none in too thin a shaft."""
+    radius, motor = reducer.design.shaft.radius, sizes.motor
+    if not motor.shaft or motor.shaft > radius - 2.0 * sizes.wall:
+        return None
+    journal = crank_stretches(reducer)["journal"]
+    return CasingPart(
+        names.SHAFT, holes=((AXIS, motor.shaft, journal.z0, min(sizes.face + motor.shaft_length, journal.z1)),)
+    )
+
+
+def _ring(reducer: Reducer, sizes: Casing) -> CasingPart:
+    half, screws = reducer.design.gear.stack_width / 2.0, sizes.screws
+    if screws.outside:
+        return CasingPart(names.HOUSING)
+    holes: list[Hole] = [(screws.centres(), screws.hole, -half, half)]
+    if sizes.dowel:
+        size, deep = 0.5 * sizes.dowel.diameter, 0.5 * sizes.dowel.length
+        holes += [(_dowel_centres(sizes), size, -half, -half + deep), (_dowel_centres(sizes), size, half - deep, half)]
+    return CasingPart(names.HOUSING, holes=tuple(holes))
+
+
+def _motor_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
+    design, screws, motor = reducer.design, sizes.screws, sizes.motor
+    half, (first, _) = design.gear.stack_width / 2.0, sizes.near
+    end = half if screws.outside else -half
+    depth = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
+    corners = motor.circle * unit(np.array([0.25, 0.75, 1.25, 1.75]) * math.pi)
+    holes: list[Hole] = [
+        (AXIS, motor.pilot, sizes.face, sizes.face + PILOT),
+        (AXIS, _shoulder(sizes.seat, design.shaft.radius), sizes.face + PILOT, first),
+        (AXIS, sizes.seat, first, sizes.floor),
+        (AXIS, sizes.cavity, sizes.floor, -half),
+        (screws.centres(), 0.5 * screws.bolt.thread, end - depth, end),
+        (corners, 0.5 * motor.thread, sizes.face, sizes.face + ENGAGED * motor.thread),
+    ]
+    if screws.outside:
+        holes.append((AXIS, design.housing.outer_radius, -half, half))
+    if sizes.dowel:
+        holes.append((_dowel_centres(sizes), 0.5 * sizes.dowel.diameter, end - 0.5 * sizes.dowel.length, end))
+    return CasingPart(names.HOUSING, ((sizes.outer, sizes.face, end),), tuple(holes))
+
+
+def _output_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
+    screws, hub, half = sizes.screws, sizes.hub, reducer.design.gear.stack_width / 2.0
+    (first, inner), (outer, top) = sizes.bearings
+    seat = 0.5 * hub.outside
+    room = max(sizes.rim + sizes.wall, seat)
+    flush = half + sizes.grip + screws.bolt.head_height
+    slim = room + 2.0 * sizes.wall
+    stepped = slim < screws.circle - 0.5 * screws.bolt.head and flush < first
+    rounds = ((sizes.outer, half, flush), (slim, flush, top)) if stepped else ((sizes.outer, half, top),)
+    holes: list[Hole] = [
+        (AXIS, room, half, first),
+        (AXIS, seat, first, inner),
+        (AXIS, _shoulder(seat, 0.5 * hub.bore), inner, outer),
+        (AXIS, seat, outer, top),
+        (screws.centres(), screws.hole, half, half + sizes.grip),
+        (screws.centres(), 0.5 * screws.bolt.head, half + sizes.grip, flush if stepped else top),
+    ]
+    if sizes.dowel:
+        deep = 0.5 * sizes.dowel.length
+        holes.append((_dowel_centres(sizes), 0.5 * sizes.dowel.diameter, half, half + deep))
+    return CasingPart(names.HOUSING, rounds, tuple(holes))
+
+
+def _output(reducer: Reducer, sizes: Casing) -> CasingPart:
+    """Build what stands on the output's disc: a floor over its bores, the shoulder, the hub; and the holes in them."""
+    disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
+    floor, hub = disc + reducer.design.output.disc_thickness, 0.5 * sizes.hub.bore
+    shoulder = floor + 0.5 * AXIAL_GAP
+    rounds = (
+        (sizes.rim, floor, shoulder),
+        (_shoulder(hub, 0.5 * sizes.hub.outside), shoulder, sizes.hub_floor),
+        (hub, sizes.hub_floor, sizes.top),
+    )
+    bolt = sizes.flange_bolt
+    depth = flange_screw_length(sizes) - sizes.flange_thickness + bolt.head_height
+    holes: list[Hole] = [(_flange_centres(sizes)[::2], 0.5 * bolt.thread, sizes.top - depth, sizes.top)]
+    if sizes.far:
+        holes.append((AXIS, sizes.seat, disc, sizes.far[1]))
+    return CasingPart(names.OUTPUT, rounds, tuple(holes))
+
+
+def _flange(sizes: Casing) -> CasingPart:
+    """Build the output's flange: it clamps the inner rings, and has threads for the load between its screws."""
+    bolt, top, thickness = sizes.flange_bolt, sizes.top, sizes.flange_thickness
+    under, centres = top + thickness - bolt.head_height, _flange_centres(sizes)
+    holes: tuple[Hole, ...] = (
+        (centres[::2], 0.5 * stock.bolt_hole(bolt.thread), top, under),
+        (centres[::2], 0.5 * bolt.head, under, top + thickness),
+        (centres[1::2], 0.5 * bolt.thread, top, top + thickness),
+    )
+    radius = _shoulder(0.5 * sizes.hub.bore, 0.5 * sizes.hub.outside)
+    return CasingPart(names.OUTPUT, ((radius, top, top + thickness),), holes)
+
+
+def _screw(bolt: stock.Bolt, length: float) -> CasingPart:
+    """Build a screw that points along -z, its head above z = 0."""
+    return CasingPart(
+        names.SHAFT, ((0.5 * bolt.thread, -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)), bought=True
+    )
+
+
+def _tube(bore: float, outside: float, width: float) -> CasingPart:
+    half = 0.5 * width
+    return CasingPart(names.SHAFT, ((outside, -half, half),), ((AXIS, bore, -half, half),), bought=True)
+
+
+def _shoulder(ring: float, other: float) -> float:
+    """Compute the radius of a shoulder before a bearing [m]: it stands before its ring of one radius alone."""
+    return ring + SHOULDER * (other - ring)
+
+
+def _flange_centres(sizes: Casing) -> Array:
+    """Compute the middles of the flange's holes (n, 2) [m]: its screws, and between them the threads for the load."""
+    return FLANGE_CIRCLE * 0.5 * sizes.hub.bore * unit(math.pi * np.arange(2 * FLANGE_SCREWS) / FLANGE_SCREWS)
+
+
+def _dowel_centres(sizes: Casing) -> Array:
+    return sizes.screws.circle * unit(np.array(sizes.dowel_angles))
+
+
+def _place(centre: Array, z: float) -> tuple[float, float, float]:
+    return float(centre[0]), float(centre[1]), z

@@ -1,0 +1,90 @@
+"""How a drive is put together: ten steps, and its parts in the order along its axis."""
+
+from cycloid_mj.base import names
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.export.casing import (
+    DOWEL,
+    FLANGE,
+    FLANGE_SCREW,
+    FLANGE_SCREWS,
+    MOTOR_COVER,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    SCREW,
+    SHAFT_BEARING,
+    Casing,
+)
+from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, is_printed
+from cycloid_mj.reducer import Reducer
+
+ALONG = (
+    MOTOR_COVER,
+    SHAFT_BEARING,
+    names.SHAFT,
+    names.SPACER,
+    names.CAM,
+    "cam_bearing",
+    names.GEAR,
+    names.PIN,
+    PRESSED_PIN,
+    names.HOUSING,
+    DOWEL,
+    names.ROLLER,
+    OUTPUT_PIN,
+    names.OUTPUT,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    SCREW,
+    FLANGE,
+    FLANGE_SCREW,
+)
+"""Families of parts from the motor to the load; the second disc of the output counts with the first."""
+
+
+def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
+    """Tell how a drive is put together, in ten steps, with what each of them takes."""
+    design, screws, hub = reducer.design, sizes.screws, sizes.hub.designation
+    printed, free = is_printed(reducer, names.HOUSING), design.ring.has_sockets
+    dowels = ", its dowels in their holes," if sizes.dowel else ""
+    return (
+        "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
+        "Set the threaded inserts with a hot iron." if printed else "Try each screw in its thread.",
+        _output_pins(reducer),
+        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
+        f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
+        f"through both, and screw the {FLANGE} on ({FLANGE_SCREWS} x {sizes.flange_bolt.designation}): it clamps them.",
+        f"Lay the {names.HOUSING} on it{dowels if not screws.outside else ''} and "
+        f"{'put the pins into their sockets' if free else 'see that all pins are flush'}.",
+        _discs(reducer),
+        _crank(reducer),
+        f"Press the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten {len(screws.angles)} x "
+        f"{screws.bolt.designation} x {MILLIMETRES * screws.length:g} crosswise from the output's side.",
+        f"Turn the crank by hand for a turn of it; bolt the motor on ({sizes.motor.name}, 4 x "
+        f"M{MILLIMETRES * sizes.motor.thread:g} on a circle of {2.0 * MILLIMETRES * sizes.motor.circle:.4g} mm).",
+    )
+
+
+def _output_pins(reducer: Reducer) -> str:
+    if in_one_piece(reducer):
+        return "See that the output pins, one piece with their disc, are round and smooth."
+    return (
+        f"Press {reducer.design.output.pins} output pins into the disc of the {names.OUTPUT}, flush with its far face."
+    )
+
+
+def _discs(reducer: Reducer) -> str:
+    """Tell how the discs go on; where a second disc of the output holds the pins, it comes last."""
+    design = reducer.design
+    rollers = "Put a roller on each output pin, and the" if design.output.has_roller_parts else "Put the"
+    gears = f"{names.GEAR} over them"
+    if design.gear.discs > 1:
+        gears = f"{design.gear.discs} gears over them, gear {design.gear.discs} first, a {names.SPACER} between two"
+    second = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+    return f"{rollers} {gears}{second}."
+
+
+def _crank(reducer: Reducer) -> str:
+    if reducer.design.gear.discs > 1:
+        return "Push the shaft through, and with it each cam with its bearing into its gear, as marked by their turn."
+    bearing = "Press the cam's bearing into the gear, and push" if reducer.design.gear.bearing == "rolling" else "Push"
+    return f"{bearing} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
