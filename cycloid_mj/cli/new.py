@@ -216,6 +216,7 @@ def _flags(way: "Way", asked: "Requirement") -> list[str]:
 
     flags = {
         "diameter": ("--diameter-mm", 1e3 * way.asked.diameter),
+        "length": ("--length-mm", 1e3 * way.asked.length),
         "speed": ("--speed-rpm", way.asked.speed / RPM),
         "clearance": ("--clearance-um", 1e6 * way.asked.clearance),
         "fit": ("--fit", way.asked.fit),

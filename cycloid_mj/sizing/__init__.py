@@ -27,8 +27,6 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
     ------
     UsageError
         A value is out of its range.
-    DesignError
-        No gear of that ratio fits into the size at all.
     """
     from cycloid_mj.sizing.answer import answered
     from cycloid_mj.sizing.requirement import required

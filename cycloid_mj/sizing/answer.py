@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base.array import significant
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.units import RPM
+from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import Design
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import length
@@ -120,36 +120,54 @@ class Answer(Presented):
 
 
 def answered(asked: Requirement) -> Answer:
-    """Find drives that hold a requirement, or the most that goes with its other values.
-
-    Raises
-    ------
-    DesignError
-        No gear of that ratio fits into the size at all.
-    """
+    """Find drives that hold a requirement, or the most that goes with its other values."""
     asked, found, path = _searched(asked)
     if found:
         drives = tuple(_shortlist(asked, found))
         exact = tuple(drive for drive in drives if drive.figures["backlash_arcmin"] <= asked.backlash)
-        return Answer(asked, exact) if exact else _too_loose(asked, drives)
+        if exact:
+            return Answer(asked, exact)
+        return _too_loose(asked, min(drive.figures["backlash_arcmin"] for drive in drives))
     if not path:
         free = asked.but(custom=True)
         if not asked.custom and next(climbed(free, Budget()), None):
             ways = (_larger(asked, 0.0, Budget(LOOKED_FOR)), Way(FREE, free) if _held(free, Budget())[0] else None)
             return Answer(asked, (), 0.0, NO_STOCK, tuple(way for way in ways if way))
-        raise DesignError(
-            f"no gear with a ratio of {asked.ratio} fits into {1e3 * asked.diameter:g} mm"
-            f"{f' by {1e3 * asked.length:g} mm' if asked.length < math.inf else ''} with clearances of "
-            f"{1e6 * asked.usual_clearance:g} um ({asked.process}): take a larger diameter, or a smaller ratio"
-        )
+        return _none_fits(asked)
     most, held = _most(asked, path[-1])
+    if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
+        return _too_loose(asked, least)
     limit = held.weakest.name if held.weakest else NO_BALANCE.format(1e6 * asked.usual_clearance)
     return Answer(asked, (), most, limit, tuple(_ways(asked, path[-1], most)))
 
 
-def _too_loose(asked: Requirement, drives: tuple[SizedDrive, ...]) -> Answer:
-    """Answer with tighter clearances where drives have too much backlash; where those are too tight, tell of it."""
-    least = min(drive.figures["backlash_arcmin"] for drive in drives)
+def _none_fits(asked: Requirement) -> Answer:
+    """Answer that no gear of a ratio fits into a size, with a length or a diameter into which one does."""
+    within = f"{1e3 * asked.diameter:g} mm"
+    within += f" by {1e3 * asked.length:g} mm" if asked.length < math.inf else ""
+    limit = (
+        f"no gear with a ratio of {asked.ratio} fits into {within} with clearances of "
+        f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
+    )
+    ways = []
+    found = _held(asked.but(length=math.inf), Budget())[0] if asked.length < math.inf else None
+    if found:
+        longer = asked.but(length=math.ceil(length(found[1].reducer)) / MILLIMETRES)
+        ways.append(Way(f"a length of {MILLIMETRES * longer.length:g} mm", longer))
+    else:
+        larger = _larger(asked, 0.0, Budget(LOOKED_FOR))
+        ways += [larger] if larger else []
+    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if _exact(way.asked)))
+
+
+def _exact(asked: Requirement) -> bool:
+    """Tell whether a requirement is held, its backlash included."""
+    asked, found, _ = _searched(asked)
+    return found is not None and figure("backlash_arcmin").value(found[1].reducer) <= asked.backlash
+
+
+def _too_loose(asked: Requirement, least: float) -> Answer:
+    """Answer with tighter clearances where drives have too much backlash [arcmin]; where those are too tight, tell."""
     share, finest = asked.backlash / least, PROCESSES[asked.process].finest
     if asked.tightened and asked.usual_clearance > finest:
         return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
@@ -160,7 +178,7 @@ def _too_loose(asked: Requirement, drives: tuple[SizedDrive, ...]) -> Answer:
     ways += [Way(f"{1e3 * larger.diameter:g} mm", larger)] if larger.diameter <= LARGEST else []
     looser = asked.but(backlash=math.ceil(100.0 * least) / 100.0)
     ways.append(Way(f"a backlash of {looser.backlash:g} arcmin", looser))
-    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if answered(way.asked).drives))
+    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if _exact(way.asked)))
 
 
 def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:

@@ -95,10 +95,11 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
     if drawn is None:
         return None
     reducer = _balanced(Reducer(drawn.design))
-    if asked.length < math.inf and length(reducer) > MILLIMETRES * asked.length:
-        return None
     failed = (item for item in soundness(reducer) if not item.passed)
-    return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
+    if any(item.severity == "error" or item.name in WALLS for item in failed):
+        return None
+    too_long = asked.length < math.inf and length(reducer) > MILLIMETRES * asked.length
+    return None if too_long else reducer
 
 
 @dataclass(frozen=True)

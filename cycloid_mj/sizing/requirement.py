@@ -48,11 +48,17 @@ def required(
         discs=discs,
         length=math.inf if length_mm is None else 1e-3 * length_mm,
         backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
-        material=material,
+        material=_named(material),
         clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
         fit=fit,
         custom=custom,
     )
+
+
+def _named(material: str) -> str:
+    """Return the only material of the library that has a word in its name, as 16MnCr5; what is none stays as it is."""
+    found = [name for name in MATERIALS if material.lower() in name.lower().split()]
+    return found[0] if len(found) == 1 and material not in MATERIALS else material
 
 
 @dataclass(frozen=True)

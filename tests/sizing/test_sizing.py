@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from requirements import drawn
 
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
@@ -23,7 +23,7 @@ from cycloid_mj.parts.export import bill
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered, best_ratio
 from cycloid_mj.sizing.proportions import Proportions, rounded, shaped
-from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.requirement import Requirement, required
 from cycloid_mj.statics.sheet import sheet
 
 SMALL = Requirement(20, 0.06, 10.0)
@@ -46,14 +46,14 @@ def require_held(drive: SizedDrive, asked: Requirement, told: float = 0.02) -> N
     assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.05)  # of fewer angles
 
 
-def require_kept(answer: Answer, ways: int = 9) -> None:
+def require_kept(answer: Answer, ways: int = 9, least_ways: int = 1) -> None:
     """Fail unless drives hold what was asked, or the most that goes and so many ways out do when they are asked for."""
     if answer.drives:
         for drive in answer.drives:
             require_held(drive, answer.asked)
         return
     assert answer.most < answer.asked.torque
-    assert answer.ways, answer.refusal
+    assert len(answer.ways) >= least_ways, answer.refusal
     if answer.most:
         less = answered(answer.asked.but(torque=answer.most))
         assert less.drives
@@ -248,9 +248,27 @@ def test_no_parts_in_stock_is_told_with_what_goes() -> None:
     require_kept(refused, ways=1)
 
 
-def test_no_room_for_a_gear_is_said() -> None:
-    with pytest.raises(DesignError, match="no gear with a ratio of 119 fits into 20 mm"):
-        answered(Requirement(119, 0.02, 0.1, process="printed"))
+def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
+    refused = answered(Requirement(119, 0.02, 0.1, process="printed"))
+    assert "no gear with a ratio of 119 fits into 20 mm" in refused.refusal
+    assert refused.most == 0.0
+
+
+@pytest.mark.slow
+def test_too_little_length_is_told_with_one_that_goes() -> None:
+    refused = answered(Requirement(10, 0.0765, 0.77, process="milled", length=0.02))
+    assert [way.asked.length > 0.02 for way in refused.ways] == [True]
+    require_kept(refused)
+
+
+@pytest.mark.slow
+def test_the_most_that_goes_keeps_the_backlash_too() -> None:
+    require_kept(answered(Requirement(46, 0.0824, 4.1, process="printed", backlash=9.18)), least_ways=0)
+
+
+def test_a_material_is_found_by_a_word_of_its_name() -> None:
+    asked = required(ratio=20, diameter_mm=60.0, torque_nm=1.0, material="16mncr5")
+    assert asked.material == "case-hardened 16MnCr5"
 
 
 def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
