@@ -44,6 +44,9 @@ LENGTH = 0.004
 BLOCKS = 6
 """Parts of a picture's width and height that are looked at."""
 
+PRINTED = rb"^<!-- printed by .*?^```$"
+"""What a command printed, on a page."""
+
 MOST_REASONS = 3
 """Figures of one probe that are told, of those that moved."""
 
@@ -109,6 +112,20 @@ ARTEFACTS: Mapping[str, Artefact] = {
         ((PYTHON, "scripts/picture.py", "report", "{pin}/pin.mcap", "{nonpin}/nonpin.mcap"),),
         ("run free", "run nonpin", "words of the report"),
         0.2,
+    ),
+    "datasheet": Artefact(
+        ("docs/datasheet.png",),
+        {"sheet": Step((*CLI, "datasheet", "--design", "pin", "--out", "{out}", "--quiet"))},
+        ((PYTHON, "scripts/picture.py", "datasheet", "{sheet}/pin-datasheet.html"),),
+        ("statics pin",),
+        0.5,
+    ),
+    "tutorial": Artefact(
+        ("docs/tutorial.md#printed", *(f"docs/tutorial/{name}.png" for name in ("review", "tolerance", "joint"))),
+        {},
+        ((PYTHON, "scripts/tutorial.py"),),
+        ("drive of the tutorial",),
+        3.0,
     ),
     "models": Artefact(
         ("models/agreement.json", "models/free_running.json", "models/plain_coacd.json"),
@@ -230,12 +247,20 @@ def numbers_of_the_paper() -> dict[str, Value]:
     return {"digest": hashlib.sha256(repr(values).encode()).hexdigest()[:16]}
 
 
+def drive_of_the_tutorial() -> dict[str, Value]:
+    """Collect the figures of the drive that the tutorial's first command writes."""
+    from cycloid_mj.sizing import new
+
+    return dict(new(20, 60.0, 10.0).drives[0].figures)
+
+
 PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
     **{f"statics {name}": partial(statics_of, name) for name in PRESETS},
     **{f"run {kind}": partial(run_of, kind) for kind in ("free", "massless", "nonpin")},
     "words of the report": words_of_the_report,
     "look of the animation": look_of_the_animation,
     "numbers of the paper": numbers_of_the_paper,
+    "drive of the tutorial": drive_of_the_tutorial,
 }
 
 
@@ -291,8 +316,15 @@ def _shortened(value: Value | None) -> str:
 
 
 def _digest(name: str) -> str:
-    path = ROOT / name
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16] if path.exists() else "missing"
+    """Compute the digest of a file, or of what a page has of `printed` text."""
+    place, _, part = name.partition("#")
+    path = ROOT / place
+    if not path.exists():
+        return "missing"
+    content = path.read_bytes()
+    if part:
+        content = b"".join(re.findall(PRINTED, content, flags=re.DOTALL | re.MULTILINE))
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def write(name: str, artefact: Artefact) -> None:

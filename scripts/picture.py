@@ -1,9 +1,10 @@
-"""Make the pictures of the documentation: the README's moving one, and the top of a report.
+"""Make the pictures of the documentation: the README's moving one, the top of a report, and that of a data sheet.
 
 python scripts/picture.py animation                      # models/mechanism.gif: the pin reducer under load
 python scripts/picture.py report PIN.mcap NONPIN.mcap    # models/report.png, with Chromium
+python scripts/picture.py datasheet PAGE.html            # docs/datasheet.png, with Chromium
 
-`scripts/docs_figures.py` calls both.
+`scripts/docs_figures.py` calls them.
 """
 
 import shutil
@@ -16,6 +17,7 @@ from tempfile import TemporaryDirectory
 from cycloid_mj.cli import main as cycloid_mj
 
 MODELS = Path(__file__).parent.parent / "models"
+DOCS = MODELS.parent / "docs"
 RUN = ("simulate", "--design", "pin", "--set", 'ring.pins="massless"', "--load-nm", "36", "--ramp-s", "0")
 LENGTH = ("--hold-s", "0.06")
 LOOK = ("--magnify", "200", "--frames", "36", "--width", "520")
@@ -35,25 +37,38 @@ def animation(path: Path = MODELS / "mechanism.gif") -> int:
 
 def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
     """Write the top of the report of some runs to a picture; give the exit code."""
+    with TemporaryDirectory() as folder:
+        page = Path(folder) / "report.html"
+        if code := cycloid_mj(["report", *logs, "--out", str(page)]):
+            return code
+        screenshot(page, path, WIDTH, HEIGHT)
+    return 0
+
+
+def screenshot(page: Path, path: Path, width: int, height: int) -> None:
+    """Write the top of a page to a picture of a size [px]; exit with 1 where there is no Chromium."""
     from PIL import Image
 
     chromium = shutil.which("chromium")
     if not chromium:
-        print("error: the picture of a report needs Chromium (Debian: chromium)", file=sys.stderr)
-        return 1
+        sys.exit("error: the picture of a page needs Chromium (Debian: chromium)")
     with TemporaryDirectory() as folder:
-        page, taken = Path(folder) / "report.html", Path(folder) / "report.png"
-        if code := cycloid_mj(["report", *logs, "--out", str(page)]):
-            return code
-        look = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={WIDTH},{HEIGHT}"]
+        taken = Path(folder) / "taken.png"
+        look = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={width},{height}"]
         # the charts of the page are drawn by its own script, which is given this time [ms]
         look += ["--virtual-time-budget=10000", f"--screenshot={taken}"]
-        subprocess.run([chromium, *look, page.as_uri()], check=True, capture_output=True)
+        subprocess.run([chromium, *look, page.resolve().as_uri()], check=True, capture_output=True)
         with Image.open(taken) as picture:
             picture.convert("RGB").quantize(COLOURS).save(path, optimize=True)
+
+
+def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
+    """Write the top of the page of a data sheet to a picture; give the exit code."""
+    screenshot(Path(page), path, WIDTH, HEIGHT)
     return 0
 
 
 if __name__ == "__main__":
     what, *given = sys.argv[1:] or ["animation"]
-    sys.exit(report(given) if what == "report" else animation(*map(Path, given)))
+    made = {"report": lambda: report(given), "datasheet": lambda: datasheet(given[0])}
+    sys.exit(made[what]() if what in made else animation(*map(Path, given)))
