@@ -192,6 +192,6 @@ def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
 
 def _reach(freedom: float) -> float:
     """Compute how many standard errors an interval reaches to either side: Student's t."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
-    return float(t.ppf(0.5 + 0.5 * COVERED, freedom))
+    return float(stdtrit(freedom, 0.5 + 0.5 * COVERED))

@@ -74,13 +74,13 @@ class FitUncertainty:
         point has in it (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat.
         98, 2016, 701-712).
         """
-        from scipy.stats import t
+        from scipy.special import stdtrit
 
         shares = (self.influence @ direction) ** 2
         squares = float(self.alike @ shares**2)
         most = max(float(np.sum(1.0 / self.alike)) - np.count_nonzero(np.diag(self.inverse)), 1.0)
         freedom = float(shares.sum()) ** 2 / squares if squares else most
-        return float(t.ppf(0.5 + 0.5 * covered, min(max(freedom, 1.0), most)))
+        return float(stdtrit(min(max(freedom, 1.0), most), 0.5 + 0.5 * covered))
 
 
 def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> FitUncertainty:

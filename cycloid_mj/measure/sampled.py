@@ -35,13 +35,13 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
     float or None
         In the unit of the values; None where it is not known: one value, and no closed form.
     """
-    from scipy.stats import t as student
+    from scipy.special import stdtrit
 
     explained, rest = _parted(np.asarray(values, float), known)
     if rest.size == 1:
         return None if known is None else abs(explained(np.mean))
     spread = float(rest.std(ddof=1)) / np.sqrt(rest.size)
-    return abs(explained(np.mean)) + float(student.ppf(0.5 + 0.5 * TWO_SIDED, rest.size - 1)) * spread
+    return abs(explained(np.mean)) + float(stdtrit(rest.size - 1, 0.5 + 0.5 * TWO_SIDED)) * spread
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:

@@ -84,6 +84,7 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
     powers = late["crank_torque"] * late["crank_speed"], late["load_torque"] * late["output_speed"]
     speed = late[f"{gear}_speed"] + late["crank_speed"] / design.lobes
+    speed = speed - speed.mean()  # where the ring turns, gears do not
     return _figures(output_error(late, reducer), late.forces("cam")[:, 0], powers, speed)
 
 
