@@ -15,7 +15,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
+from browser import CHROMIUM, MISSING, OVERHANG, UNDRAWN, show, tab
 from cyclopts import CycloptsError
 
 from cycloid_mj.cli import main
@@ -160,18 +160,18 @@ def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
+@pytest.mark.skipif(not CHROMIUM, reason=MISSING)
 def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tutored)
     run("", ["rate", "--design", "drive.toml", "--html", "rating.html"])
     pages = {page.name: page for page in tutored.rglob("*.html")}
     assert pages.keys() == {"drive-review.html", "drive-tolerance.html", "reducer.html", "rating.html"}
-    with browser() as driver:
+    with tab() as screen:
         for page in pages.values():
-            show(driver, page)
-            assert not driver.execute_script(OVERHANG), page.name
-            assert not driver.execute_script(UNDRAWN), page.name
-            assert not errors(driver), page.name
+            show(screen, page)
+            assert not screen.run(OVERHANG), page.name
+            assert not screen.run(UNDRAWN), page.name
+            assert not screen.errors, page.name
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
+from browser import CHROMIUM, MISSING, OVERHANG, UNDRAWN, show, tab
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -74,22 +74,22 @@ def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
+@pytest.mark.skipif(not CHROMIUM, reason=MISSING)
 def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_path: Path) -> None:
     concepts = next(page for page in site if page.stem == "concepts")
-    with browser() as driver:
+    with tab() as screen:
         for page in site:
-            show(driver, page)
-            assert not driver.execute_script(OVERHANG), page.name
-            assert not driver.execute_script(UNDRAWN), page.name
-            assert not errors(driver), page.name
+            show(screen, page)
+            assert not screen.run(OVERHANG), page.name
+            assert not screen.run(UNDRAWN), page.name
+            assert not screen.errors, page.name
         for scheme in ("light", "dark"):
-            show(driver, concepts, scheme=scheme)
+            show(screen, concepts, scheme=scheme)
             drawing = 'getComputedStyle(document.querySelector("article img")).filter'
-            assert (driver.execute_script(f"return {drawing}") == "none") == (scheme == "light")
+            assert (screen.run(drawing) == "none") == (scheme == "light")
         (tmp_path / "wide.html").write_text("<!doctype html><p style='width: 500px'>too wide</p>", encoding="utf-8")
-        show(driver, tmp_path / "wide.html")
-        assert driver.execute_script(OVERHANG)
+        show(screen, tmp_path / "wide.html")
+        assert screen.run(OVERHANG)
 
 
 @pytest.mark.slow

@@ -54,7 +54,7 @@ def imports(path: Path) -> tuple[set[str], set[str]]:
 
 
 def test_what_is_imported_is_required_or_of_an_extra() -> None:
-    """What the base does not install is imported where it is used, but by the page, which is an extra of its own."""
+    """What the base does not install is imported where it is used."""
     packages = importlib.metadata.packages_distributions()
     required, *_ = offered = [
         {re.match(r"[\w-]+", one)[0].lower() for one in needs}
@@ -63,12 +63,9 @@ def test_what_is_imported_is_required_or_of_an_extra() -> None:
     required |= {"markupsafe", "pydantic-core", "llvmlite"}  # of jinja2, pydantic and numba
     own = sys.stdlib_module_names | {"cycloid_mj", ""}
     for path in sorted((ROOT / "cycloid_mj").rglob("*.py")):
-        if path.parent.name != "app":
-            for found, allowed in zip(imports(path), (required, set().union(*offered)), strict=True):
-                of = {
-                    name: {one.lower().replace("_", "-") for one in packages.get(name, [name])} for name in found - own
-                }
-                assert [name for name, distributions in of.items() if not distributions & allowed] == [], path
+        for found, allowed in zip(imports(path), (required, set().union(*offered)), strict=True):
+            of = {name: {one.lower().replace("_", "-") for one in packages.get(name, [name])} for name in found - own}
+            assert [name for name, distributions in of.items() if not distributions & allowed] == [], path
 
 
 @pytest.mark.parametrize(

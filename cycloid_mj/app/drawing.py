@@ -1,83 +1,152 @@
-"""The mechanism as SVG, quick enough to be redrawn while a slider moves."""
+"""The section of a reducer as outlines in millimetres, quick enough to be drawn anew while a slider moves.
 
-from collections.abc import Iterator
+The page places them: a disc orbits and turns with the crank at the rates that are told beside it.
+"""
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.names import HOUSING, gears
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import Design
-from cycloid_mj.geometry import kinematics
-from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.parts import Prism, output_centres, parts
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.modification import profile_offset, tooth_profile
+from cycloid_mj.parts import Prism, circle, output_centres, parts
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import phases
-from cycloid_mj.scene import moved, ring_places
-
-LOOKS = {
-    "ring": "#D9DFE4;#54606B",
-    "pin": "#F3C969;#7A5A00",
-    "gear": "#8DBFE3;#134A73",
-    "behind": "#5C93BC;#134A73",
-    "output": "#3FAF8B;#00543C",
-    "cam": "#EDA77C;#8A3B00",
-    "shaft": "#8B9199;#3B4046",
-}
-"""Fill and edge of each part."""
-
-MARGIN = 1.03
+from cycloid_mj.scene import ring_places
 
 FINENESS = 4000.0
 """What is drawn is as fine as half of the picture's width by this: finer than a screen shows."""
 
+POINTS = 40
+"""Of a lobe that cannot be made."""
 
-def mechanism_svg(design: Design, crank: float) -> str:
-    """Draw the ideal mechanism at a crank angle [rad] as an SVG element, one unit a millimetre, +y up.
+PLACES: Mapping[str, str] = {
+    "loops": "gear",
+    "undercut": "gear",
+    "undercut_margin": "gear",
+    "short_width": "gear",
+    "gear_tool": "gear",
+    "tooth_yield": "pin",
+    "tooth_shakedown": "pin",
+    "tooth_hardness": "pin",
+    "neighbouring_pins": "pin",
+    "pin_held": "pin",
+    "pin_in_socket": "pin",
+    "socket": "pin",
+    "sleeve": "pin",
+    "housing": "ring",
+    "housing_ligament": "ring",
+    "bolts": "ring",
+    "bore": "bore",
+    "holes_to_bore": "bore",
+    "bore_to_hole": "bore",
+    "cam_yield": "bore",
+    "holes_to_root": "hole",
+    "hole_to_root": "hole",
+    "hole_to_hole": "hole",
+    "neighbouring_holes": "hole",
+    "hole_size": "hole",
+    "output_pins": "output",
+    "output_core": "output",
+    "output_fillet": "output",
+    "output_yield": "output",
+    "output_shakedown": "output",
+    "output_hardness": "output",
+    "shaft": "shaft",
+    "shaft_fillet": "shaft",
+    "balance": "shaft",
+    "counterweight": "shaft",
+    "counterweight_room": "shaft",
+}
+"""Check -> the part of the section at which it is shown."""
 
-    Raises
-    ------
-    DesignError
-        A part cannot be made.
+
+def section(design: Design, play: float = 1.0) -> dict[str, Any]:
+    """Draw a design as outlines [mm], +y up, with its clearances `play` times as wide.
+
+    Where the design cannot be made its outlines are drawn as they would be, and ``whole`` is false.
     """
-    solids = parts(Reducer(design), design.housing.outer_radius / FINENESS)
-    reach = MARGIN * 1e3 * design.housing.outer_radius
-    body = "".join(
-        _shapes(design, solids[HOUSING].prisms[0], [solids[name].prisms[0] for name in gears(design.gear.discs)], crank)
-    )
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{-reach:.3f} {-reach:.3f} {2 * reach:.3f} {2 * reach:.3f}" '
-        f'role="img" aria-label="the mechanism" stroke-width="{reach / 300:.3f}">'
-        f'<g transform="scale(1,-1)">{body}</g></svg>'
-    )
-
-
-def _shapes(design: Design, ring: Prism, discs: list[Prism], crank: float) -> Iterator[str]:
+    shown = design if play == 1.0 else _loosened(design, play)
+    try:
+        outlines, whole = _made(shown), True
+    except CycloidError:
+        outlines, whole = _unmade(design), False
+    ring, output = design.ring, design.output
     reducer = Reducer(design)
-    gear, axis = tooth_profile(design), np.zeros(3)
-    turn = float(kinematics.gear_rotation(gear, crank))
-    yield _region(ring, axis, "ring")
-    if design.ring.kind == "pin":
-        yield from (_circle(place, design.ring.pin_radius, "pin") for place in ring_places(reducer))
-    for disc, phase in reversed(list(enumerate(phases(design)))):
-        pose = np.array([*kinematics.gear_centre(gear, crank + phase), turn])
-        yield _region(discs[disc], pose, "behind" if disc else "gear")
-    for place in moved(np.array([0.0, 0.0, turn]), output_centres(reducer)):
-        yield _circle(place, design.output.pin_radius, "output")
-    yield _circle(kinematics.gear_centre(gear, crank), design.gear.bore_radius, "cam")
-    yield _circle(np.zeros(2), design.shaft.radius, "shaft")
+    return {
+        "whole": whole,
+        "play": play if shown is not design else 1.0,
+        "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
+        "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
+        "pin_radius": MILLIMETRES * ring.pin_radius,
+        "phases": [float(phase) for phase in reducer.phases],
+        "orbit": MILLIMETRES * design.gear.eccentricity,
+        "gear_rate": -1.0 / design.lobes,
+        "holes": _points(output_centres(reducer)),
+        "hole_radius": MILLIMETRES * (output.hole_radius + design.clearance.output),
+        "output_radius": MILLIMETRES * output.pin_radius,
+        "bore_radius": MILLIMETRES * design.gear.bore_radius,
+        "shaft_radius": MILLIMETRES * design.shaft.radius,
+        "dimensions": _dimensions(design),
+        **outlines,
+    }
 
 
-def _region(prism: Prism, pose: Array, look: str) -> str:
-    loops = (1e3 * moved(pose, loop) for loop in (prism.outline, *prism.holes))
-    path = "".join(f"M{' '.join(f'{x:.5g},{y:.5g}' for x, y in loop.tolist())}Z" for loop in loops)
-    return f'<path fill-rule="evenodd" d="{path}" {_look(look)}/>'
+def _loosened(design: Design, play: float) -> Design:
+    """Widen every clearance, as far as the parts can still be drawn with it."""
+    clearance = {name: play * value for name, value in design.clearance if isinstance(value, float)}
+    try:
+        return design.but(clearance=clearance)
+    except CycloidError:
+        return design
 
 
-def _circle(place: Array, radius: float, look: str) -> str:
-    x, y = (1e3 * place).tolist()
-    return f'<circle cx="{x:.3f}" cy="{y:.3f}" r="{1e3 * radius:.3f}" {_look(look)}/>'
+def _made(design: Design) -> dict[str, Any]:
+    solids = parts(Reducer(design), design.housing.outer_radius / FINENESS)
+    discs = [_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
+    return {"ring": _path(solids[HOUSING].prisms[0]), "discs": discs}
 
 
-def _look(look: str) -> str:
-    fill, edge = LOOKS[look].split(";")
-    return f'fill="{fill}" stroke="{edge}"'
+def _unmade(design: Design) -> dict[str, Any]:
+    """Draw what cannot be made: the wall as a ring, and the gear with the loops or cuts that its teeth would have."""
+    fine = design.housing.outer_radius / FINENESS
+    walls = [circle(radius, fine) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
+    inner = [circle(design.gear.bore_radius, fine)]
+    inner += [circle(design.output.hole_radius, fine) + centre for centre in output_centres(Reducer(design))]
+    try:
+        gear = tooth_profile(design)
+        t = np.linspace(0.0, 2.0 * np.pi, POINTS * gear.lobes, endpoint=False)
+        teeth = [profile.outline(gear, t, profile_offset(design))]
+    except CycloidError:
+        teeth = []
+    discs = ["".join(map(_loop, (*teeth, *inner)))] * design.gear.discs
+    return {"ring": "".join(map(_loop, walls)), "discs": discs}
+
+
+def _dimensions(design: Design) -> list[dict[str, Any]]:
+    """List the circles that are dimensioned: word, and diameter [mm]."""
+    ring, output = design.ring, design.output
+    radii = {
+        "outside": design.housing.outer_radius,
+        "pin circle": ring.pin_circle_radius,
+        "output circle": output.pin_circle_radius,
+        "bore": design.gear.bore_radius,
+    }
+    return [{"name": name, "diameter": 2.0 * MILLIMETRES * radius} for name, radius in radii.items()]
+
+
+def _path(prism: Prism) -> str:
+    return "".join(_loop(loop) for loop in (prism.outline, *prism.holes))
+
+
+def _loop(points: Array) -> str:
+    return f"M{' '.join(f'{x:.5g},{y:.5g}' for x, y in (MILLIMETRES * points).tolist())}Z"
+
+
+def _points(places: Array) -> list[list[float]]:
+    return [[x, y] for x, y in (MILLIMETRES * places).round(5).tolist()]

@@ -1,114 +1,121 @@
-"""The dozen values of a design that matter most, each with the range that its slider goes through."""
+"""The values of a design that the page moves by sliders and lists, each with unit, range and what it is."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design, override, value_of
+from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.units import file_key, unit_of
-
-SHAPES: Mapping[str, Mapping[str, Any]] = {
-    "pin": {"ring.kind": "pin", "gear.discs": 1},
-    "nonpin": {"ring.kind": "nonpin", "gear.discs": 1},
-    "two discs": {"ring.kind": "pin", "gear.discs": 2},
-}
-"""The switch above the sliders -> values of the design."""
 
 
 @dataclass(frozen=True)
 class Knob:
-    """One slider.
+    """One slider, or one list where it has options.
 
     Attributes
     ----------
     key
         ``table.key`` of the design file.
-    label
-        What stands beside it, with its unit.
+    group, label, unit, meaning
+        What stands over, beside and behind it, and in its tooltip.
     value, low, high, step
         In the unit of the file.
+    options
+        Values and their words.
     """
 
     key: str
+    group: str
     label: str
-    value: float
-    low: float
-    high: float
-    step: float
+    unit: str
+    meaning: str
+    value: Any
+    low: float = 0.0
+    high: float = 0.0
+    step: float = 0.0
+    options: tuple[tuple[Any, str], ...] = ()
 
 
-LABELS = {
-    "ring.teeth": "ring teeth",
-    "ring.pin_circle_radius": "pin circle",
-    "ring.pin_radius": "pin radius",
-    "gear.eccentricity": "eccentricity",
-    "gear.face_width": "face width",
-    "gear.bore_radius": "bore radius",
-    "output.pins": "output pins",
-    "output.pin_radius": "output pin",
-    "output.pin_circle_radius": "their circle",
-    "clearance.mesh": "clearance of the teeth",
-    "clearance.cam": "clearance of the cam",
-    "clearance.output": "clearance of the output",
-    "load.torque": "torque at the output",
-    "drive.speed": "crank speed",
+LABELS: Mapping[str, Mapping[str, str]] = {
+    "Gear and ring": {
+        "ring.teeth": "Ring teeth",
+        "ring.pin_circle_radius": "Pin circle radius",
+        "ring.pin_radius": "Pin radius",
+        "gear.eccentricity": "Eccentricity",
+        "gear.face_width": "Face width",
+        "gear.bore_radius": "Bore radius",
+    },
+    "Output": {
+        "output.pins": "Output pins",
+        "output.pin_radius": "Output pin radius",
+        "output.pin_circle_radius": "Output circle radius",
+    },
+    "Crank and housing": {
+        "shaft.radius": "Shaft radius",
+        "housing.outer_radius": "Outer radius",
+    },
+    "Clearances": {
+        "clearance.mesh": "Teeth",
+        "clearance.cam": "Cam",
+        "clearance.output": "Output pins",
+    },
+    "Load": {
+        "load.torque": "Output torque",
+        "drive.speed": "Crank speed",
+        "service.life": "Life asked for",
+    },
 }
-"""``table.name`` of the model -> label; the clearance of the teeth is that of the design's own kind of ring."""
+"""Heading -> ``table.name`` of the model -> label; the clearance of the teeth is that of the design's kind of ring."""
 
-UNITS = {"mm": "mm", "um": "um", "nm": "N\u00a0m", "rpm": "rpm"}
-COUNTS = {"ring.teeth": (4.0, 100.0), "output.pins": (2.0, 24.0)}
-SPAN = 3.0
-"""How many times more, and less, than the value that the page starts with a slider goes."""
+WORDS: Mapping[str, tuple[str, Mapping[Any, str]]] = {
+    "ring.kind": ("Ring", {"pin": "pins", "nonpin": "internal gear"}),
+    "ring.pins": ("Ring pins", {"free": "free to roll", "fixed": "pressed in", "sleeved": "in sleeves"}),
+    "gear.discs": ("Discs", {1: "one", 2: "two", 3: "three", 4: "four"}),
+    "output.member": ("Output", {"carrier": "carrier of the pins", "ring": "ring with housing"}),
+    "output.support": ("Output pins held", {"cantilever": "at one end", "both_ends": "at both ends"}),
+}
+"""Key -> label and options; a value that is none of them is added as it is."""
 
-STEPS = 300
+MADE_OF = {
+    "material": "Gear and housing",
+    "pin_material": "Ring pins",
+    "output_material": "Output",
+    "shaft_material": "Crank",
+}
+"""Tables of materials, and whose they are."""
+
+LAYOUT, MATERIAL = "Layout", "Materials"
+
+SYMBOLS = {"mm": "mm", "um": "µm", "nm": "N m", "rpm": "rpm", "h": "h"}
+
+COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
+"""Whole numbers, and how many times more or less of them a slider reaches."""
+
+SPAN = {"clearance": 3.0, "load": 4.0, "drive": 3.0, "service": 5.0}
+"""How many times more, and less, than the value a slider goes, by table; else `NARROW`."""
+
+NARROW = 1.8
+
+STEPS = 400
 """Steps of a slider, about."""
-
-WIDE_UM = 100.0
-"""A clearance goes from next to nothing up to this, or further."""
 
 
 def knobs(design: Design) -> tuple[Knob, ...]:
-    """List the sliders of a design."""
-    return tuple(_knob(design, name, label) for name, label in LABELS.items())
+    """List the lists and sliders of a design."""
+    return (*_lists(design), *(_slider(design, *one) for one in _rows()))
 
 
-def shape_of(design: Design) -> str | None:
-    """Return which of `SHAPES` a design has; none where it has, say, three discs."""
-    layout = {"ring.kind": design.ring.kind, "gear.discs": design.gear.discs}
-    return next((name for name, values in SHAPES.items() if values == layout), None)
+def label_of(key: str) -> str:
+    """Return the page's word for a key of the design file; the key itself where the page has none."""
+    return _labels().get(key, key)
 
 
-def _knob(design: Design, name: str, label: str) -> Knob:
-    table, _, key = name.partition(".")
-    key = design.tooth_pair if key == "mesh" else key
-    section = getattr(design, table)
-    field, current = type(section).model_fields[key], getattr(section, key)
-    unit = unit_of(field)
-    label = f"{label} [{UNITS[unit.suffix]}]" if unit.suffix in UNITS else label
-    path = f"{table}.{file_key(key, field)}"
-    if name in COUNTS:
-        return Knob(path, label, current, *COUNTS[name], 1.0)
-    value = unit.from_si(current)
-    middle = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
-    high = max(WIDE_UM, SPAN * middle) if table == "clearance" else SPAN * middle
-    step = 10.0 ** math.floor(math.log10(high / STEPS))
-    low = step if table == "clearance" else max(1.0, math.floor(middle / SPAN / step)) * step
-    return Knob(path, label, value, low, math.ceil(high / step) * step, step)
-
-
-def turned(design: Design, values: Mapping[str, Any]) -> Design:
-    """Return a design with values of its knobs; holes stay as wide as output pin and eccentricity make them.
-
-    Raises
-    ------
-    DesignError
-        A value is not allowed.
-    """
-    changed = override(design, {key: _counted(value) if key in COUNTS else value for key, value in values.items()})
-    hole = changed.output.pin_radius + changed.gear.eccentricity
-    return changed.but(output={"hole_radius": hole})
+def turned(design: Design, key: str, value: Any) -> Design:
+    """Return a design with another value of one key, as a slider sets it."""
+    return override(design, {key: value})
 
 
 def angle(degrees: Any) -> float:
@@ -124,6 +131,62 @@ def angle(degrees: Any) -> float:
     raise DesignError(f"crank = {degrees!r} is not allowed: give an angle in degrees")
 
 
-def _counted(value: Any) -> Any:
-    """Return a whole number as one, for a slider's are floats; what is none is left for the validation to tell."""
-    return int(value) if isinstance(value, float) and value.is_integer() else value
+def _rows() -> Iterator[tuple[str, str, str]]:
+    for group, labels in LABELS.items():
+        for name, label in labels.items():
+            yield group, name, label
+
+
+def _labels() -> dict[str, str]:
+    words = {key: label for key, (label, _) in WORDS.items()}
+    for group, name, label in _rows():
+        table, _, key = name.partition(".")
+        named = f"Clearance: {label.lower()}" if table == "clearance" else label
+        for one in ("pin_gear", "tooth") if key == "mesh" else (key,):
+            field = type(getattr(Design(), table)).model_fields[one]
+            words[f"{table}.{file_key(one, field)}"] = named if group else label
+    return words
+
+
+def _lists(design: Design) -> Iterator[Knob]:
+    for key, (label, words) in WORDS.items():
+        if key == "ring.pins" and design.ring.kind != "pin":
+            continue
+        table, _, name = key.partition(".")
+        section = getattr(design, table)
+        value, field = getattr(section, name), type(section).model_fields[name]
+        known = get_args(field.annotation)
+        options = tuple((one, word) for one, word in words.items() if not known or one in known)
+        if value not in words:
+            options += ((value, str(value).replace("_", " ")),)
+        yield Knob(key, LAYOUT, label, "", _sentence(field.description), value, options=options)
+    for table, label in MADE_OF.items():
+        value = value_of(design, f"{table}.name")
+        names = tuple(MATERIALS) if value in MATERIALS else (value, *MATERIALS)
+        options = tuple((name, name) for name in names)
+        yield Knob(f"{table}.name", MATERIAL, label, "", "Its numbers come with its name.", value, options=options)
+
+
+def _slider(design: Design, group: str, name: str, label: str) -> Knob:
+    table, _, key = name.partition(".")
+    key = design.tooth_pair if key == "mesh" else key
+    section = getattr(design, table)
+    field, current = type(section).model_fields[key], getattr(section, key)
+    unit = unit_of(field)
+    path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
+    if name in COUNTS:
+        low = max(4 if name == "ring.teeth" else 2, math.floor(current / COUNTS[name]))
+        return Knob(path, group, label, "", meaning, current, low, math.ceil(current * COUNTS[name]), 1)
+    value = unit.from_si(current)
+    middle = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
+    span = SPAN.get(table, NARROW)
+    high = max(20.0, span * middle) if table == "clearance" else span * middle
+    step = 10.0 ** math.floor(math.log10(high / STEPS))
+    low = step if table == "clearance" else max(1.0, math.floor(middle / span / step)) * step
+    reach = math.ceil(high / step) * step
+    return Knob(path, group, label, SYMBOLS.get(unit.suffix, unit.suffix), meaning, value, low, reach, step)
+
+
+def _sentence(text: str | None) -> str:
+    text = text or ""
+    return f"{text[:1].upper()}{text[1:]}"

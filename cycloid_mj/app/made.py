@@ -1,12 +1,27 @@
-"""The files that the page gives: the design and what is made from it, each as a name and bytes."""
+"""What the page has made of a design: files, pages, a run, each as names and bytes to be fetched."""
 
 import io
+import json
+import math
 import zipfile
 from collections.abc import Callable, Mapping
+from typing import Any
 
+from cycloid_mj.app.jobs import Made
+from cycloid_mj.app.state import design_of
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.result import plain
 from cycloid_mj.design import Design, dump
-from cycloid_mj.parts.export import FORMATS, export
+from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, export, plate, threemf_bytes
 from cycloid_mj.reducer import Reducer
+
+TURNS = 1.25
+"""Crank turns of a run after the load has come on and the start has rung out."""
+
+SETTLING = 0.015
+"""Seconds for that."""
+
+Told = Callable[[Any], None]
 
 
 def design_file(design: Design) -> dict[str, bytes]:
@@ -30,22 +45,79 @@ def data_sheet(design: Design) -> dict[str, bytes]:
     return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
 
 
-def parts_in(file_format: str) -> Callable[[Design], dict[str, bytes]]:
-    """Return the function that makes every part of a design in a format, packed."""
-
-    def pack(design: Design) -> dict[str, bytes]:
-        return _packed(f"{design.name}-{file_format}", export(design, file_format).files)  # type: ignore[arg-type]
-
-    return pack
+def meshes(design: Design) -> dict[str, bytes]:
+    """Pack a mesh of each part."""
+    return _packed(f"{design.name}-stl", export(design, "stl").files)
 
 
-FILES: Mapping[str, Callable[[Design], dict[str, bytes]]] = {
-    "TOML": design_file,
-    **{name.upper(): parts_in(name) for name in FORMATS if name != "obj"},
-    "MJCF": model,
-    "Datasheet": data_sheet,
+def outlines(design: Design) -> dict[str, bytes]:
+    """Pack the outlines of each part as DXF."""
+    return _packed(f"{design.name}-dxf", export(design, "dxf").files)
+
+
+def assembly(design: Design) -> dict[str, bytes]:
+    """Write the reducer put together as one STEP file."""
+    return {f"{design.name}.step": assembly_step(Reducer(design))}
+
+
+def print_plate(design: Design) -> dict[str, bytes]:
+    """Pack the plate for a printer as 3MF, with the bill of materials."""
+    reducer = Reducer(design)
+    files = {"plate.3mf": threemf_bytes(plate(reducer, CHORD_ERROR)), "bom.csv": bill_csv(bill(reducer))}
+    return _packed(f"{design.name}-print", files)
+
+
+def joint(design: Design) -> dict[str, bytes]:
+    """Pack the joint for a robot's model, with its figures."""
+    from cycloid_mj.robot.measured import reduce
+    from cycloid_mj.robot.mjcf import joint_xml
+
+    reduced = reduce(design)
+    figures = json.dumps(plain(reduced.as_json()), indent=1)
+    return _packed(f"{design.name}-joint", {"joint.xml": joint_xml(reduced).encode(), "reducer.json": figures.encode()})
+
+
+FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
+    "toml": ("Design file", design_file),
+    "datasheet": ("Data sheet (PDF)", data_sheet),
+    "step": ("Assembly (STEP)", assembly),
+    "3mf": ("Print plate (3MF)", print_plate),
+    "stl": ("Meshes (STL)", meshes),
+    "dxf": ("Outlines (DXF)", outlines),
+    "mjcf": ("MuJoCo model (MJCF)", model),
+    "joint": ("Joint for a robot", joint),
 }
-"""What a button says -> what it gives."""
+"""Kind -> what its button says, and what makes it."""
+
+
+def make(told: Told, values: Any, kind: str) -> Made:
+    """Make one of `FILES` of the page's design."""
+    told({"doing": f"making: {FILES[kind][0]}"})
+    return Made(files=FILES[kind][1](design_of(values)))
+
+
+def run(told: Told, values: Any) -> Made:
+    """Run a design at full speed under its load, and give the review of the run as a page.
+
+    Raises
+    ------
+    CycloidError
+        The run went wrong, or the crank stands still.
+    """
+    from cycloid_mj.dynamics.run import simulate
+    from cycloid_mj.report import report
+
+    design = design_of(values)
+    if design.drive.speed == 0.0:
+        raise DesignError("the crank stands still: give it a speed")
+    turn = 2.0 * math.pi / abs(design.drive.speed)
+    short = design.but(drive={"ramp": 0.0, "hold": SETTLING + TURNS * turn})
+
+    def note(done: int, whole: int) -> None:
+        told({"doing": "running in MuJoCo", "share": done / whole})
+
+    told({"doing": "building the model", "share": 0.0})
+    return Made(page=report({design.name: simulate(short, progress=note)}))
 
 
 def _packed(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

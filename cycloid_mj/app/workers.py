@@ -1,55 +1,121 @@
-"""Processes beside the page's own that check and solve: it redraws at once whatever they are busy with."""
+"""Processes beside the page's own that solve and make: it redraws at once whatever they are busy with.
 
-import asyncio
+A few are for what takes a moment, and one is for long work, which can be stopped.
+"""
+
 import multiprocessing
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+import queue
+import threading
+from collections.abc import Callable, Iterable
+from multiprocessing.connection import Connection
+from typing import Any
 
-from cycloid_mj.app.shown import FigureLine
 from cycloid_mj.base.engine.housekeeping import serve_parent
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.base.errors import CycloidError
 
-Work = Callable[[Design], tuple[FigureLine, ...]]
+Work = Callable[..., Any]
+Told = Callable[[Any], None]
 
 COUNT = 2
-"""Processes: two share what a page shows of a design about evenly."""
+"""Processes for what takes a moment: two share what a page shows of a design about evenly."""
+
+
+class Died(CycloidError):
+    """A process ended while it was at work, as for want of memory or because it was stopped."""
+
+
+class Worker:
+    """One process, which does one work after the other; it ends with this one, however that ends."""
+
+    def __init__(self, warm: Iterable[tuple[Work, tuple[Any, ...]]] = ()) -> None:
+        """Start it; it does the `warm` works once, for their code to be loaded when somebody waits."""
+        self._warm, self._lock = tuple(warm), threading.Lock()
+        self._start()
+
+    def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
+        """Have a work done; where `told` is given, the work gets a function first that passes things on to it.
+
+        Raises
+        ------
+        CycloidError
+            What the work raises.
+        Died
+            The process ended; another one stands ready.
+        """
+        with self._lock:
+            pipe = self._pipe
+            try:
+                pipe.send((work, args, told is not None))
+                while True:
+                    kind, content = pipe.recv()
+                    if kind == "told" and told:
+                        told(content)
+                    elif kind == "failed":
+                        raise CycloidError(content)
+                    elif kind == "done":
+                        return content
+            except (EOFError, OSError) as error:
+                self._start()
+                raise Died("the work was stopped, or its process ended, as for want of memory") from error
+
+    def stop(self) -> None:
+        """End what it is at: `do` raises then."""
+        self._process.terminate()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, other = context.Pipe()
+        self._process = context.Process(target=_serve, args=(other, self._warm), daemon=False)
+        self._process.start()
+        other.close()
 
 
 class Workers:
-    """A few processes, which all windows share. They end with this one, however it ends."""
+    """A few processes, which all windows share, and one for long work."""
 
-    def __init__(self, works: Sequence[Work]) -> None:
-        """Start them, each of which does the `works` once, for their code to be loaded when somebody waits."""
-        self._works = tuple(works)
-        self._pool = self._started()
+    def __init__(self, warm: Iterable[tuple[Work, tuple[Any, ...]]] = ()) -> None:
+        warm = tuple(warm)
+        self._all = [Worker(warm) for _ in range(COUNT)]
+        self._free: queue.SimpleQueue[Worker] = queue.SimpleQueue()
+        for worker in self._all:
+            self._free.put(worker)
+        self.long = Worker()
 
-    async def do(self, work: Work, design: Design) -> tuple[FigureLine, ...]:
-        """Return what a work makes of a design; if a process has died, as for want of memory, with new ones."""
-        loop, pool = asyncio.get_running_loop(), self._pool
+    def do(self, work: Work, *args: Any) -> Any:
+        """Have a work done by the first process that is free; errors as `Worker.do`."""
+        worker = self._free.get()
         try:
-            return await loop.run_in_executor(pool, work, design)
-        except BrokenProcessPool:
-            if self._pool is pool:  # else another work has found it broken before
-                self._pool = self._started()
-            return await loop.run_in_executor(self._pool, work, design)
+            return worker.do(work, *args)
+        except Died:  # once more: it may have been another one's want of memory
+            return worker.do(work, *args)
+        finally:
+            self._free.put(worker)
 
     def close(self) -> None:
         """End them at once: nothing is lost with what they are at."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
-        for child in multiprocessing.active_children():
-            child.terminate()
-
-    def _started(self) -> ProcessPoolExecutor:
-        pool = ProcessPoolExecutor(COUNT, multiprocessing.get_context("spawn"), _prepare, (self._works,))
-        for _ in range(COUNT):
-            pool.submit(os.getpid)
-        return pool
+        for worker in (*self._all, self.long):
+            worker.stop()
 
 
-def _prepare(works: Sequence[Work]) -> None:
+def _serve(pipe: Connection, warm: Iterable[tuple[Work, tuple[Any, ...]]]) -> None:
     """Serve the page's process, and load what the works need."""
     serve_parent()
-    for work in works:
-        work(PRESETS["pin"])
+    for work, args in warm:
+        work(*args)
+    while True:
+        try:
+            work, args, tells = pipe.recv()
+        except EOFError:
+            return
+        try:
+            done = work(_teller(pipe), *args) if tells else work(*args)
+        except CycloidError as error:
+            pipe.send(("failed", str(error)))
+        except Exception as error:  # whatever goes wrong with one design, the page goes on
+            pipe.send(("failed", f"{type(error).__name__}: {error}"))
+        else:
+            pipe.send(("done", done))
+
+
+def _teller(pipe: Connection) -> Told:
+    return lambda content: pipe.send(("told", content))

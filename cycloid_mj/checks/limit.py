@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -35,7 +35,8 @@ class Check:
     `got` and `limit` are short texts in the file's units, about the value of the file's `key`; `why` says what the
     limit is there for; `remedy` names the keys to change, in which direction and to which number (empty if passed). A
     failed check of severity "error" means that the design cannot be built; a "warning" is told and stops nothing.
-    `value` and `bound` are what `got` and `limit` tell, in the file's `unit`, where each is one number.
+    `value` and `bound` are what `got` and `limit` tell, in the file's `unit`, where each is one number. `changes` are
+    those single ones of the remedy that help alone, each as a key of the file and the value to give it.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Check:
     value: float | None = None
     bound: float | None = None
     unit: str = ""
+    changes: tuple[tuple[str, float], ...] = ()
 
     def __str__(self) -> str:
         """Tell the check in one line."""
@@ -99,6 +101,10 @@ class Limit:
         table, name = self.key.split(".")
         return f"{table}.{file_key(name, self._field(reducer))}"
 
+    def change(self, reducer: Reducer) -> tuple[str, float] | None:
+        """Return the file's key and the value that keeps the limit; nothing if the file allows none."""
+        return (self.file_key(reducer), float(self._number(reducer))) if self.remedy(reducer) else None
+
     def _number(self, reducer: Reducer) -> str:
         """Return the last number of four digits (or the last integer) inside the limit, in the file's unit."""
         unit, whole = unit_of(self._field(reducer)), self._field(reducer).annotation is int
@@ -136,9 +142,11 @@ def verdict(
     """
     passed = limit.holds(reducer)
     got, allowed = limit.formatted(reducer)
-    remedy = "" if passed else _remedy(reducer, [*([] if tied else [limit]), *instead])
+    helpful = [] if passed else [*([] if tied else [limit]), *instead]
+    remedy = "" if passed else _remedy(reducer, helpful)
     value, bound, unit = limit.numbers(reducer)
-    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(reducer), value, bound, unit)
+    key, changes = limit.file_key(reducer), single_changes(reducer, helpful)
+    return Check(name, passed, got, allowed, why, remedy, severity, key, value, bound, unit, changes)
 
 
 def wall_verdict(
@@ -166,7 +174,12 @@ def wall_verdict(
     needed = f"{where} a wall of at least {millimetres(assumed * E)} is wanted ({assumed:.0%} of E, assumed)"
     check = verdict(reducer, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
     there = verdict(reducer, name, limits(0.0)[0], f"{where} no wall is left")
-    return check if there.passed else replace(there, remedy=check.remedy)
+    return check if there.passed else replace(there, remedy=check.remedy, changes=check.changes)
+
+
+def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[tuple[str, float], ...]:
+    """List the changes, each of which keeps one of some limits alone."""
+    return tuple(change for limit in limits if (change := limit.change(reducer)))
 
 
 def _remedy(reducer: Reducer, limits: list[Limit]) -> str:

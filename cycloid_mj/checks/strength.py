@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.checks.limit import Check, Limit, value_and_limit
+from cycloid_mj.checks.limit import Check, Limit, single_changes, value_and_limit
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
@@ -114,6 +114,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             remedy=_alternatives(reducer, remedies),
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
+            changes=single_changes(reducer, remedies),
             **_numbers(pressure, allowed, MEGAPASCAL),
         )
 
@@ -292,6 +293,7 @@ def _wall(state: Rated, wall: Wall) -> Check:
     enough = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
+    remedies = [] if passed else [_face_width(Reducer(design), acting, strength, 1.0), enough]
     return Check(
         name=wall.name,
         passed=passed,
@@ -299,11 +301,10 @@ def _wall(state: Rated, wall: Wall) -> Check:
         limit=f"{limit} (the yield strength in {kind} over {SAFETY:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the"
         f" {1e3 * wall.thickness:.4g} mm of wall",
-        remedy=""
-        if passed
-        else _alternatives(Reducer(design), [_face_width(Reducer(design), acting, strength, 1.0), enough]),
+        remedy=_alternatives(Reducer(design), remedies),
         severity="warning",
         key=f"the wall {wall.where}",
+        changes=single_changes(Reducer(design), remedies),
         **_numbers(stress, strength, MEGAPASCAL),
     )
 

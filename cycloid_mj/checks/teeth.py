@@ -115,7 +115,7 @@ def _sleeve(reducer: Reducer) -> Check:
         Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
         "the sleeve leaves no pin inside",
     )
-    return check if there.passed else replace(there, remedy=check.remedy)
+    return check if there.passed else replace(there, remedy=check.remedy, changes=check.changes)
 
 
 def _check_sockets_hold(reducer: Reducer) -> Check:

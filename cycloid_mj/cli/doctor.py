@@ -15,7 +15,6 @@ from cycloid_mj.cli.terminal import say, say_json
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
-    "app": ("nicegui",),
     "cad": ("gmsh",),
     "cluster": ("distributed",),
     "dxf": ("ezdxf",),

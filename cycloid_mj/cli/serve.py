@@ -22,21 +22,19 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 def app(
     chosen: Annotated[PresetOptions, FLAT] = PRESET, *, port: PortFlag = PORT, no_browser: BrowserFlag = False
 ) -> int:
-    """Open a page with a design under sliders, solved as they move.
+    """Open a page in the browser on which a drive is designed.
 
-    The page is served on this machine alone, until Ctrl-C. It gives the design as
-    TOML, its parts, its model and its data sheet, and runs it in MuJoCo. Needs
-    the extra app: pip install 'cycloid-mj[app]'.
+    It asks what the drive is to do and shows drives that do it, or the most that
+    goes and ways out; then the design under sliders, drawn, checked and solved as
+    they move, with its forces, transmission error, losses, life, tolerances,
+    stress and its parts in 3-D. It runs the design in MuJoCo and gives its files.
+    The page is served on this machine alone, until Ctrl-C.
     """
     if not 1 <= port <= 65535:
         raise UsageError(f"--port {port}: give 1 to 65535")
     design = chosen.resolved()
-    try:
-        from cycloid_mj.app.page import serve
-    except ModuleNotFoundError as error:
-        if error.name not in {"nicegui", "starlette"}:
-            raise
-        raise CycloidError("the page needs NiceGUI: pip install 'cycloid-mj[app]'") from error
+    from cycloid_mj.app.server import serve
+
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

@@ -1,7 +1,7 @@
 """The answer to a requirement: up to three drives that hold it, or the most that goes and what would help."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base.array import significant
@@ -119,8 +119,11 @@ class Answer(Presented):
         return f"{self.most:g} N m at most here by {self.limit}; {self.asked.torque:g} N m needs {needs}"
 
 
-def answered(asked: Requirement) -> Answer:
-    """Find drives that hold a requirement, or the most that goes with its other values."""
+def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: None) -> Answer:
+    """Find drives that hold a requirement, or the most that goes with its other values.
+
+    `noted` gets a refusal as soon as the most that goes is known, and again with each way out that is found.
+    """
     asked, found, path = _searched(asked)
     if found:
         drives = tuple(_shortlist(asked, found))
@@ -138,7 +141,12 @@ def answered(asked: Requirement) -> Answer:
     if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
         return _too_loose(asked, least)
     limit = held.weakest.name if held.weakest else NO_BALANCE.format(1e6 * asked.usual_clearance)
-    return Answer(asked, (), most, limit, tuple(_ways(asked, path[-1], most)))
+    refused = Answer(asked, (), most, limit)
+    noted(refused)
+    for way in _ways(asked, path[-1], most):
+        refused = replace(refused, ways=(*refused.ways, way))
+        noted(refused)
+    return refused
 
 
 def _none_fits(asked: Requirement) -> Answer:

@@ -1,0 +1,178 @@
+"""What the page says of a design: its head figures, its failed checks with their remedies, statics and life.
+
+Each function takes a design and gives what JSON has; numbers come with their units, as the page writes them.
+"""
+
+import math
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import Any
+
+from cycloid_mj.app.drawing import PLACES
+from cycloid_mj.app.knobs import label_of
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.result import Quantity
+from cycloid_mj.checks import Check, check, soundness
+from cycloid_mj.design import Design, declared, value_of
+from cycloid_mj.design.units import unit_of
+from cycloid_mj.figures import figure
+from cycloid_mj.life import rate
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.hours import hours
+from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.lasting import decides, lasting_checks
+from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import glance
+
+NAMES = {
+    "backlash_arcmin": "Backlash",
+    "lost_motion_arcmin": "Lost motion at ±3 %",
+    "stiffness_nm_per_arcmin": "Torsional stiffness",
+    "te_loaded_forward_arcsec": "Transmission error, peak to peak",
+    "efficiency_percent": "Efficiency",
+    "capacity_nm": "Torque at first yield",
+    "pin_gear_peak_force_n": "Largest force on a pin",
+    "tooth_peak_force_n": "Largest force on a tooth",
+    "pin_gear_pressure_mpa": "Its Hertz pressure",
+    "tooth_pressure_mpa": "Its Hertz pressure",
+    "output_peak_force_n": "Largest force on an output pin",
+    "cam_peak_force_n": "Largest force of the cam",
+}
+"""Keys of the catalogue -> short names, in their order on the page."""
+
+LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "seals"}
+
+POSES, EXACT = 61, 5e-3
+"""Crank angles, and relative accuracy, of the rated torque in the header."""
+
+SYMBOLS = {"um": "µm", "nm": "N m", "mpa": "MPa", "kw": "kW", "kg_m3": "kg/m³", "c": "°C"}
+
+
+def geometry(design: Design) -> dict[str, Any]:
+    """Return the figures of the header that need no load."""
+    mass: float | None = None
+    with suppress(CycloidError):  # a part of it cannot be made: the checks say which
+        mass = figure("mass_kg").value(Reducer(design))
+    return {"ratio": design.reduction, "diameter_mm": 2e3 * design.housing.outer_radius, "mass_kg": mass}
+
+
+def errors(design: Design) -> list[dict[str, Any]]:
+    """List the reasons for which a design cannot be built; none of a sound one."""
+    return _broken(design, (one for one in soundness(Reducer(design)) if one.severity == "error"))
+
+
+def checks(design: Design) -> dict[str, Any]:
+    """List the checks that do not hold, errors before warnings, and how many there are."""
+    found = (*check(design), *lasting_checks(Reducer(design)))
+    ordered = sorted(found, key=lambda one: one.severity != "error")
+    return {"count": len(found), "failed": _broken(design, ordered)}
+
+
+def statics(design: Design) -> dict[str, Any]:
+    """Return the figures of a sound design by statics, at its load; errors as `glance`."""
+    sheet = glance(Reducer(design), abs(design.load.torque) or None)
+    computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
+    powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
+    tooth = design.tooth_pair
+    lost = {
+        "teeth": sheet.quantities[f"{tooth}_friction_power"].value,
+        "cam": sheet.quantities["cam_friction_power"].value,
+        "output": sheet.quantities["output_friction_power"].value,
+        "seals": sheet.quantities["seals_power"].value,
+    }
+    return {
+        "condition": sheet.condition,
+        "backlash_arcmin": computed["backlash_arcmin"].value,
+        "rows": [
+            {"name": name, "value": _written(computed[key]), "note": computed[key].note or figure(key).definition}
+            for key, name in NAMES.items()
+            if key in computed
+        ],
+        "losses": {**powers, "parts": [{"name": LOSSES[key], "watts": watts} for key, watts in lost.items()]},
+        "assumptions": list(sheet.assumptions),
+    }
+
+
+def life(design: Design) -> dict[str, Any]:
+    """Return the rating of a sound design at its load: its items, its life, and the torque for the life asked for."""
+    reducer, asked = Reducer(design), design.service.life
+    rating = rate(design, steady(abs(design.load.torque) or design.rated_torque, design.drive.speed), asked)
+    ends = [item.life for item in rating.items.values() if decides(item) and item.life is not None]
+    shortest = min(ends, default=math.inf)
+    try:
+        rated, weakest = rated_torque(reducer, design.drive.speed, asked, poses=POSES, exact=EXACT)
+        limit = weakest.name
+        if (once := figure("momentary_torque_nm").value(reducer)) < rated:
+            rated, limit = once, "what is held once"
+    except CycloidError as error:
+        rated, limit = 0.0, str(error)
+    return {
+        "condition": rating.duty,
+        "asked_h": asked,
+        "rated_torque_nm": rated,
+        "limited_by": limit,
+        "life_h": shortest,
+        "life": hours(shortest),
+        "items": [_item(item, asked) for item in rating.items.values()],
+    }
+
+
+def _item(item: RatedItem, asked: float) -> dict[str, Any]:
+    margin = item.margin(asked)
+    counts = decides(item) and (item.safety is not None or item.life is not None)
+    return {
+        "name": item.name,
+        "load": item.load,
+        "borne": item.borne,
+        "verdict": item.verdict,
+        "kind": "" if item.safety is None and item.life is None else "safety" if item.safety is not None else "life",
+        "margin": margin if counts else None,
+        "source": item.source,
+        "note": item.note,
+    }
+
+
+def _broken(design: Design, found: Iterable[Check]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": one.name.replace("_", " "),
+            "severity": one.severity,
+            "place": PLACES.get(one.name, ""),
+            "what": f"{_plain(one.key)} is {one.got}, must be {one.limit}",
+            "why": one.why,
+            "remedy": one.remedy,
+            "changes": [_change(design, key, value) for key, value in one.changes],
+        }
+        for one in found
+        if not one.passed
+    ]
+
+
+def _change(design: Design, key: str, value: float) -> dict[str, Any]:
+    """Return one change of a remedy as a button has it."""
+    unit = unit_of(declared(key)).suffix
+    before = value_of(design, key)
+    sense = "raise" if value > before else "lower"
+    symbol = SYMBOLS.get(unit, unit)
+    return {"key": key, "value": value, "words": f"{sense} {_plain(key)} to {value:.6g} {symbol}".rstrip()}
+
+
+def _plain(key: str) -> str:
+    """Return a key of the file in the page's words, in the middle of a sentence; other words as they are."""
+    if "." not in key:
+        return key
+    word = label_of(key)
+    if word != key:
+        return f"{word[:1].lower()}{word[1:]}"
+    try:
+        unit = unit_of(declared(key)).suffix
+    except UsageError:
+        return key
+    table, _, name = key.partition(".")
+    name = name.removesuffix(f"_{unit}") if unit else name
+    return f"{name.replace('_', ' ')} ({table.replace('_', ' ')})"
+
+
+def _written(quantity: Quantity) -> str:
+    return "-" if math.isnan(quantity.value) else f"{quantity.value:.4g} {quantity.unit}"

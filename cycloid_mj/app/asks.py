@@ -1,0 +1,129 @@
+"""What the page may ask for: each by name, a function from JSON values to JSON values.
+
+Those in `AT_ONCE` are answered by the page's own process, those in `SOLVED` by one beside it, `LONG` ones in turn.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from cycloid_mj.app import answers, asked, made, scatter, solid, stressed, turn
+from cycloid_mj.app.drawing import section
+from cycloid_mj.app.knobs import knobs
+from cycloid_mj.app.state import changed, design_of, values_of
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design.file import loads
+
+LARGEST_PLAY = 1000.0
+
+Content = Mapping[str, Any]
+
+
+def draw(content: Content) -> dict[str, Any]:
+    """Draw a design with changes to it: its values then, sliders, outlines, reasons why it cannot be built."""
+    design = changed(design_of(content.get("design", {})), content.get("changes", {}))
+    return shown(design, content)
+
+
+def opened(content: Content) -> dict[str, Any]:
+    """Read a design file, or take a preset."""
+    text, preset = content.get("text"), content.get("preset")
+    if preset in PRESETS:
+        design = PRESETS[preset]
+    elif isinstance(text, str):
+        design = loads(text, str(content.get("name", "the file"))[:80])
+    else:
+        raise UsageError(f"there is no preset {preset!r}: it is one of {', '.join(PRESETS)}")
+    return shown(loaded(design), content)
+
+
+def loaded(design: Design) -> Design:
+    """Put the rated torque on a design without load."""
+    return design.but(load={"torque": abs(design.load.torque) or design.rated_torque})
+
+
+def shown(design: Design, content: Content) -> dict[str, Any]:
+    """Return all that follows from a design at once."""
+    play = content.get("play", 1.0)
+    if not isinstance(play, int | float) or not 1.0 <= play <= LARGEST_PLAY:
+        raise UsageError(f"play {play!r}: give from 1 to {LARGEST_PLAY:g}")
+    return {
+        "design": values_of(design),
+        "name": design.name,
+        "head": answers.geometry(design),
+        "load_nm": abs(design.load.torque),
+        "life_h": design.service.life,
+        "knobs": [asdict(knob) for knob in knobs(design)],
+        "section": section(design, float(play)),
+        "errors": answers.errors(design),
+    }
+
+
+def statics(content: Content) -> dict[str, Any]:
+    """Solve the figures by statics."""
+    return answers.statics(design_of(content.get("design")))
+
+
+def life(content: Content) -> dict[str, Any]:
+    """Rate a design."""
+    return answers.life(design_of(content.get("design")))
+
+
+def checks(content: Content) -> dict[str, Any]:
+    """Check a design."""
+    return answers.checks(design_of(content.get("design")))
+
+
+def forces(content: Content) -> dict[str, Any]:
+    """Solve the forces over a turn of the crank."""
+    number = content.get("turn", 0)
+    if type(number) is not int or not 0 <= number <= 1000:
+        raise UsageError(f"turn {number!r}: give a whole number from 0 to 1000")
+    return turn.forces(design_of(content.get("design")), number)
+
+
+def error(content: Content) -> dict[str, Any]:
+    """Solve the transmission error over a turn."""
+    return turn.error(design_of(content.get("design")))
+
+
+def shape(content: Content) -> dict[str, Any]:
+    """Make the meshes of all parts where they stand."""
+    return solid.assembly(design_of(content.get("design")))
+
+
+AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened}
+
+SOLVED: Mapping[str, Callable[[Content], dict[str, Any]]] = {
+    "statics": statics,
+    "life": life,
+    "checks": checks,
+    "forces": forces,
+    "error": error,
+    "solid": shape,
+}
+
+
+def long_work(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+    """Return long work and what it is done with.
+
+    Raises
+    ------
+    UsageError
+        There is no such work.
+    """
+    kind, design = content.get("kind"), content.get("design")
+    if kind == "size":
+        asked.requirement_of(content.get("form"))
+        return asked.size, (content.get("form"),)
+    if kind in made.FILES:
+        return made.make, (design, kind)
+    works: Mapping[Any, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+        "run": (made.run, (design,)),
+        "scatter": (scatter.samples, (design, content.get("spread_um"))),
+        "stress": (stressed.stress, (design,)),
+    }
+    if kind not in works:
+        raise UsageError(f"there is no work {kind!r}")
+    return works[kind]

@@ -1,0 +1,245 @@
+// The page: its state, which stands in the address, what follows a change, undo and redo, files.
+
+import { ask, newest, work, download } from "./net.js";
+import { el, byId, number, toast, fill } from "./dom.js";
+import { Section } from "./section.js";
+import { showKnobs, markKnob } from "./knobs.js";
+import { Tabs } from "./tabs.js";
+import { Start } from "./start.js";
+
+const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null };
+const history = { past: [], at: -1, key: "", time: 0 };
+const COALESCED = 900; // ms: changes of one slider within it are one step of undo
+
+const section = new Section(byId("section"), byId("controls"), byId("legend"));
+const tabs = new Tabs(byId("tabs"), () => state, apply);
+const start = new Start(byId("start"), take, open);
+
+// --- asking
+
+const solved = {
+  statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
+  forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
+  checks: newest("checks", told => showChecks(told.failed, told.count), words => showChecks([], 0, words)),
+  life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
+};
+
+section.nextTurn = turn => ask("forces", { design: state.design, turn });
+
+let pending = null, drawing = false;
+
+export async function apply(changes, { step = true } = {}) {
+  pending = { ...pending, ...changes };
+  if (drawing) return;
+  drawing = true;
+  while (pending) {
+    const asked = pending;
+    pending = null;
+    let told;
+    try {
+      told = await ask("draw", { design: state.design, changes: asked, play: section.play });
+    } catch (error) {
+      refuse(asked, error.message);
+      continue;
+    }
+    show(told);
+    if (step) remember(Object.keys(asked).join());
+  }
+  drawing = false;
+}
+
+function show(told) {
+  state.design = told.design;
+  state.name = told.name;
+  state.shown = told;
+  showKnobs(byId("knobs"), told.knobs, apply);
+  section.show(told.section, told.errors);
+  byId("name").value = told.name;
+  document.title = `${told.name}: ${told.head.ratio}:1, ${number(told.head.diameter_mm)} mm – cycloid_mj`;
+  showWrong(told.errors);
+  if (told.errors.length) {
+    state.statics = state.life = null;
+    for (const one of Object.values(solved)) one.drop();
+    section.forces(null);
+    showChecks(told.errors, 0);
+    tabs.broken(told.errors);
+  } else {
+    byId("head").classList.add("old");
+    for (const one of Object.values(solved)) one.ask({ design: state.design });
+    tabs.changed();
+  }
+  showHead();
+}
+
+function refuse(changes, words) {
+  if (Object.keys(changes).length && state.shown) {
+    showKnobs(byId("knobs"), state.shown.knobs, apply);
+    for (const key of Object.keys(changes)) markKnob(key, words);
+  }
+  toast(words);
+}
+
+// --- the header
+
+function showHead() {
+  const { shown, asked, statics, life } = state;
+  if (!shown) return;
+  const broken = shown.errors.length > 0;
+  const head = shown.head;
+  const figures = [
+    ["ratio", `${head.ratio}:1`, asked.ratio && [head.ratio === asked.ratio, `asked: ${asked.ratio}:1`]],
+    ["diameter", `${number(head.diameter_mm)} mm`, asked.diameter_mm && [head.diameter_mm <= asked.diameter_mm * 1.0001, `asked: at most ${number(asked.diameter_mm)} mm`]],
+    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, null],
+    ["bears for its life", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", life && asked.torque_nm && [life.rated_torque_nm >= asked.torque_nm * 0.995, `asked: ${number(asked.torque_nm)} N m`]],
+    ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", statics && asked.backlash_arcmin && [statics.backlash_arcmin <= asked.backlash_arcmin, `asked: at most ${number(asked.backlash_arcmin)} arcmin`]],
+    [`lasts at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", life && [life.life_h === null || life.life_h >= shown.life_h, `asked: ${number(shown.life_h)} h`]],
+  ];
+  byId("head").classList.toggle("old", !broken && !(statics && life));
+  fill(byId("head"), ...figures.map(([name, value, judged]) => el("div",
+    { class: `figure ${judged ? (judged[0] ? "holds" : "fails") : ""}` },
+    el("b", {}, value, judged ? el("span", { class: "mark", "aria-label": judged[0] ? "holds" : "does not hold" }, judged[0] ? " ✓" : " ✗") : null),
+    el("small", {}, name, judged ? el("i", {}, ` · ${judged[1]}`) : null))));
+}
+
+// --- what is wrong
+
+function showWrong(errors) {
+  const box = byId("wrong");
+  box.hidden = !errors.length;
+  if (!errors.length) return;
+  const [first, ...others] = errors;
+  fill(box,
+    el("b", {}, "This cannot be built."), el("p", {}, `${first.what}: ${first.why}`),
+    remedies(first), others.length ? el("small", {}, `and ${others.length} more, beside`) : null);
+}
+
+function remedies(check) {
+  return el("div", { class: "remedies" }, check.changes.map(change => el("button",
+    { class: "remedy", title: `Sets ${change.key} = ${change.value}`, onclick: () => apply({ [change.key]: change.value }) }, change.words)));
+}
+
+function showChecks(failed, count, words = "") {
+  const errors = failed.filter(one => one.severity === "error").length;
+  const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
+    : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
+  fill(byId("checks"),
+    el("h2", { class: errors ? "fails" : failed.length ? "near" : "holds" }, el("span", { class: "mark" }, errors ? "✗" : failed.length ? "!" : "✓"), title),
+    words ? el("p", {}, words) : null,
+    ...failed.map((one, place) => el("details", { class: one.severity, open: place < 1 },
+      el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
+      el("p", {}, `${one.what}: ${one.why}.`),
+      one.changes.length ? remedies(one) : one.remedy ? el("p", { class: "soft" }, one.remedy) : null)));
+  section.marks(failed);
+}
+
+// --- history and address
+
+function remember(key) {
+  const now = performance.now();
+  const entry = { design: { ...state.design }, asked: { ...state.asked } };
+  if (JSON.stringify(entry) !== JSON.stringify(history.past[history.at])) {
+    if (!(key && key === history.key && now - history.time < COALESCED)) history.at += 1;
+    history.past.splice(history.at, Infinity, entry);
+    Object.assign(history, { key, time: now });
+  }
+  address();
+}
+
+function address() {
+  const values = new URLSearchParams();
+  for (const [key, value] of Object.entries(state.design)) values.set(key, typeof value === "string" ? value : JSON.stringify(value));
+  for (const [key, value] of Object.entries(state.asked)) if (value !== null && value !== "") values.set(`asked.${key}`, typeof value === "string" ? value : JSON.stringify(value));
+  window.history.replaceState(null, "", `#${values}`);
+  byId("undo").disabled = history.at < 1;
+  byId("redo").disabled = history.at >= history.past.length - 1;
+}
+
+function fromAddress() {
+  const design = {}, asked = {};
+  for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
+    let value = text;
+    try { value = JSON.parse(text); } catch { /* a word */ }
+    if (key.startsWith("asked.")) asked[key.slice(6)] = value; else design[key] = value;
+  }
+  return { design, asked };
+}
+
+async function put(entry, step = true) {
+  let told;
+  try {
+    told = await ask("draw", { design: entry.design, changes: {}, play: section.play });
+  } catch (error) {
+    toast(error.message);
+    return false;
+  }
+  state.asked = { ...entry.asked };
+  show(told);
+  if (step) remember("");
+  else address();
+  return true;
+}
+
+async function back(by) {
+  const entry = history.past[history.at + by];
+  if (!entry) return;
+  history.at += by;
+  history.key = "";
+  await put(entry, false);
+}
+
+function take(drive, form) { return put({ design: drive.design, asked: form }); }
+
+// --- files
+
+async function open(content) {
+  let told;
+  try {
+    told = await ask("open", { ...content, play: section.play });
+  } catch (error) {
+    toast(error.message);
+    return false;
+  }
+  state.asked = {};
+  show(told);
+  remember("");
+  return true;
+}
+
+async function save() {
+  try {
+    download(await work({ kind: "toml", design: state.design }));
+  } catch (error) { toast(error.message); }
+}
+
+byId("file").addEventListener("change", async event => {
+  const file = event.target.files[0];
+  if (file) await open({ text: await file.text(), name: file.name });
+  event.target.value = "";
+});
+byId("open").addEventListener("click", () => byId("file").click());
+byId("save").addEventListener("click", save);
+byId("new").addEventListener("click", () => start.open(state.asked));
+byId("undo").addEventListener("click", () => back(-1));
+byId("redo").addEventListener("click", () => back(1));
+byId("name").addEventListener("change", event => apply({ name: event.target.value.trim() }));
+section.changedPlay = () => apply({}, { step: false });
+
+document.addEventListener("keydown", event => {
+  if (!(event.ctrlKey || event.metaKey)) return;
+  const key = event.key.toLowerCase();
+  const does = { z: () => back(event.shiftKey ? 1 : -1), y: () => back(1), s: save, o: () => byId("file").click() }[key];
+  if (does) { event.preventDefault(); does(); }
+});
+window.addEventListener("hashchange", () => put(fromAddress()));
+
+tabs.swap = entry => put(entry);
+
+// --- begin
+
+const offers = await ask("start");
+start.offer(offers);
+tabs.offer(offers);
+const given = location.hash.length > 1 ? fromAddress() : null;
+const entry = given || { design: offers.design, asked: {} };
+if (!(await put(entry)) && given) await put({ design: offers.design, asked: {} });
+if (!given && offers.fresh) start.open({});

@@ -1,0 +1,40 @@
+// Elements in few words.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function filled(element, attributes, children) {
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (key in element && element.namespaceURI !== SVG && typeof value !== "string") element[key] = value;
+    else if (value !== null && value !== undefined && value !== false) element.setAttribute(key, value === true ? "" : value);
+  }
+  element.append(...there(children));
+  return element;
+}
+
+const there = children => children.flat(3).filter(one => one !== null && one !== undefined && one !== false && one !== "");
+
+export const el = (tag, attributes, ...children) => filled(document.createElement(tag), attributes, children);
+export const svg = (tag, attributes, ...children) => filled(document.createElementNS(SVG, tag), attributes, children);
+export const fill = (element, ...children) => element.replaceChildren(...there(children));
+export const byId = id => document.getElementById(id);
+
+// A number with some digits, without an exponent where people would write none.
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e7 || size < 1e-4) return value.toExponential(digits - 1).replace("e+", "e");
+  if (size >= 10 ** digits) return String(Math.round(value));
+  return String(Number(value.toPrecision(digits)));
+}
+
+let hiding;
+export function toast(words, bad = true) {
+  const box = byId("toast");
+  box.textContent = words;
+  box.className = bad ? "bad" : "good";
+  box.hidden = false;
+  clearTimeout(hiding);
+  hiding = setTimeout(() => { box.hidden = true; }, 6000);
+}

@@ -1,0 +1,62 @@
+// Questions to the server: JSON to JSON. A mistake is thrown as an Error with the server's own words.
+
+export async function ask(name, content = {}) {
+  let answer;
+  try {
+    answer = await fetch(`/ask/${name}`, {
+      method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(content),
+    });
+  } catch {
+    throw new Error("the page's server does not answer: is cycloid-mj app still running?");
+  }
+  const told = await answer.json();
+  if (!answer.ok) throw new Error(told.error);
+  return told;
+}
+
+// Ask for the newest only: questions that arrive while an older one is answered replace each other.
+export function newest(name, shown, failed) {
+  let waiting = null, busy = false, round = 0;
+  async function go() {
+    busy = true;
+    while (waiting) {
+      const [content, at] = [waiting, round];
+      waiting = null;
+      try {
+        const told = await ask(name, content);
+        if (at === round) shown(told);
+      } catch (error) {
+        if (at === round) failed(error.message);
+      }
+    }
+    busy = false;
+  }
+  return {
+    ask(content) { waiting = content; round += 1; if (!busy) go(); },
+    drop() { waiting = null; round += 1; },
+  };
+}
+
+// Start long work and follow it until it is done; `told` hears of its way. Returns its end.
+export async function work(content, told = () => {}) {
+  let job = await ask("job", content);
+  told(job);
+  while (job.state === "waits" || job.state === "runs") {
+    await new Promise(done => setTimeout(done, 250));
+    job = await ask("look", { job: job.job });
+    told(job);
+  }
+  if (job.error) throw new Error(job.error);
+  return job;
+}
+
+export const stop = job => ask("stop", { job });
+
+export function download(job) {
+  for (const name of job.files) {
+    const link = Object.assign(document.createElement("a"), { href: `/file/${job.job}/${encodeURIComponent(name)}`, download: name });
+    document.body.append(link);
+    link.click();
+    link.remove();
+  }
+}

@@ -1,0 +1,141 @@
+// The start form: what a drive is to do; the answer is drives to take, or the most that goes and ways out as buttons.
+
+import { work, stop } from "./net.js";
+import { el, number, fill } from "./dom.js";
+
+const FIELDS = [
+  ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Turns of the crank for one of the output"],
+  ["diameter_mm", "Diameter", "mm", 60, { min: 1, step: "any" }, "Outside, at most"],
+  ["torque_nm", "Torque", "N m", 2, { min: 0, step: "any" }, "On the output, for all of the life; twice that is held once"],
+  ["life_h", "Life", "h", 6000, { min: 1, step: "any" }, "Hours at that torque"],
+];
+const MORE = [
+  ["speed_rpm", "Crank speed", "rpm", 1500, { min: 1, step: "any" }, "Of the motor"],
+  ["length_mm", "Length, at most", "mm", "", { min: 1, step: "any" }, "Empty: any"],
+  ["backlash_arcmin", "Backlash, at most", "arcmin", "", { min: 0, step: "any" }, "Empty: any. Clearances follow"],
+];
+const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Ground", "hardened steel, 5 µm"] };
+const LAYOUT = { 0: ["One or two discs", "two where one is too few"], 1: ["One disc", "simplest; shakes"], 2: ["Two discs", "balanced"] };
+
+export class Start {
+  constructor(dialog, take, open) { Object.assign(this, { dialog, take, open_: open, offers: null, job: null }); }
+
+  offer(offers) { this.offers = offers; }
+
+  open(asked) {
+    this.#build({ process: "printed", discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...asked });
+    this.dialog.showModal();
+    this.form.elements.ratio.select();
+  }
+
+  #build(values) {
+    const field = ([key, label, unit, , range, hint]) => el("label", { class: "field" }, el("span", {}, label),
+      el("span", { class: "entry" }, el("input", { name: key, type: "number", value: String(values[key] ?? ""), ...Object.fromEntries(Object.entries(range).map(([a, b]) => [a, String(b)])), inputmode: "decimal", required: FIELDS.some(one => one[0] === key) }), el("span", { class: "unit" }, unit)),
+      el("small", {}, hint));
+    const choice = (name, options, chosen) => el("div", { class: "choice" }, Object.entries(options).map(([value, [word, hint]]) => el("label", {},
+      el("input", { type: "radio", name, value, checked: String(chosen) === value }), el("span", {}, el("b", {}, word), el("small", {}, hint)))));
+    this.answer = el("div", { class: "answer", "aria-live": "polite" });
+    this.material = el("select", { name: "material" });
+    const materials = () => {
+      const before = values.material;
+      const names = this.offers.processes[this.form.elements.process.value];
+      fill(this.material, el("option", { value: "" }, `usual: ${names[0]}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
+    };
+    this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => event.target.name === "process" && materials() },
+      el("div", { class: "fields" }, FIELDS.map(field)),
+      el("fieldset", {}, el("legend", {}, "How it is made"), choice("process", PROCESS, values.process)),
+      el("fieldset", {}, el("legend", {}, "Layout"), choice("discs", LAYOUT, values.discs)),
+      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== usual) || Boolean(values.material) }, el("summary", {}, "More: speed, length, backlash, material"),
+        el("div", { class: "fields" }, MORE.map(field), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Of gear and housing")))),
+      el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "searched by statics and life, with pins and bearings in stock")));
+    fill(this.dialog,
+      el("form", { method: "dialog", class: "close" }, el("button", { "aria-label": "Close" }, "×")),
+      el("h2", { id: "start-title" }, "What is the drive to do?"), this.form, this.answer,
+      el("p", { class: "instead" }, "Or begin with ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.dialog.close(); } }, name)]),
+        " or ", el("button", { class: "link", type: "button", onclick: () => { this.dialog.close(); document.getElementById("open").click(); } }, "a design file"), "."));
+    materials();
+    this.dialog.onclose = () => this.#stop();
+  }
+
+  #read() {
+    const form = {};
+    for (const input of this.form.elements) {
+      if (!input.name || (input.type === "radio" && !input.checked) || input.value === "") continue;
+      form[input.name] = input.type === "number" || input.name === "discs" ? Number(input.value) : input.value;
+    }
+    return form;
+  }
+
+  #stop() {
+    if (this.job) stop(this.job).catch(() => {});
+    this.job = null;
+    clearInterval(this.clock);
+  }
+
+  // Ask for other values: they stand in the form, too.
+  #instead(asked) {
+    this.#build({ ...asked, material: asked.material || "" });
+    this.#find(Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null && value !== "")));
+  }
+
+  async #find(form) {
+    this.#stop();
+    const began = performance.now();
+    const time = el("span", {}), doing = el("span", {}, "searching"), found = el("div", {});
+    fill(this.answer,
+      el("div", { class: "busy" }, el("span", { class: "spinner", "aria-hidden": "true" }), doing, " · ", time, el("button", { type: "button", onclick: () => { this.#stop(); fill(this.answer); } }, "Stop")), found);
+    const tick = () => { time.textContent = `${Math.round((performance.now() - began) / 1000)} s`; };
+    tick();
+    this.clock = setInterval(tick, 500);
+    let mine = null;
+    try {
+      const job = await work({ kind: "size", form }, told => {
+        this.job = mine = told.job;
+        if (told.state === "waits") doing.textContent = "waits for work before it";
+        if (told.told?.doing) doing.textContent = told.told.doing;
+        if (told.told?.answer) {
+          doing.textContent = "what would help: trying larger ones, other processes, other materials";
+          this.#refused(found, told.told.answer, false);
+        }
+      });
+      if (mine !== this.job || !job.result) return;
+      this.job = null;
+      clearInterval(this.clock);
+      this.answer.firstChild.remove();
+      if (job.result.drives.length) this.#drives(found, job.result);
+      else this.#refused(found, job.result, true);
+      found.querySelector("button")?.focus();
+    } catch (error) {
+      if (mine !== this.job) return;
+      clearInterval(this.clock);
+      this.job = null;
+      fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, "✗ "), error.message), el("p", { class: "soft" }, "Change a value above and search again."));
+    }
+  }
+
+  #drives(place, answer) {
+    const rows = [["mass_kg", "Mass", "kg"], ["length_mm", "Length", "mm"], ["rated_torque_nm", "Bears for its life", "N m"], ["momentary_torque_nm", "Held once", "N m"],
+      ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin"], ["temperature_c", "Housing", "°C"]];
+    fill(place, el("h3", { class: "holds" }, `✓ ${answer.drives.length === 1 ? "One drive holds" : `${answer.drives.length} drives hold`} it`),
+      el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },
+        el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
+        el("dl", {}, rows.map(([key, word, unit]) => [el("dt", {}, word), el("dd", {}, `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Lasts"), el("dd", {}, drive.life)),
+        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.dialog.close(); } }, "Take this one")))));
+  }
+
+  #refused(place, answer, done) {
+    const most = answer.most ? `${number(answer.most, 3)} N m` : "";
+    fill(place,
+      el("h3", { class: "fails" }, `✗ ${number(answer.asked.torque_nm)} N m ${answer.most ? "is too much here" : "cannot be had here"}`),
+      el("p", {}, answer.most ? [el("b", {}, `${most} is the most`), ` that goes with these values; ${answer.limit} sets the limit.`] : `${answer.limit}.`),
+      el("h4", {}, done ? "What would do it" : "What would do it, so far"),
+      el("div", { class: "ways" },
+        answer.ways.map(way => el("button", { type: "button", class: "way", onclick: () => this.#instead(way.asked) }, el("b", {}, way.words), el("small", {}, this.#also(way.asked)))),
+        answer.most ? el("button", { type: "button", class: "way less", onclick: () => this.#instead({ ...answer.asked, torque_nm: answer.most }) }, el("b", {}, most), el("small", {}, "as it is, with less torque")) : null,
+        !answer.ways.length && done && !answer.most ? el("p", { class: "soft" }, "Nothing that was tried: take a larger diameter, a smaller torque or another process above.") : null));
+  }
+
+  #also(asked) {
+    return `${asked.ratio}:1, ${number(asked.diameter_mm)} mm, ${number(asked.torque_nm)} N m, ${PROCESS[asked.process]?.[0].toLowerCase() ?? asked.process}`;
+  }
+}

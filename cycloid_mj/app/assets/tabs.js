@@ -1,0 +1,236 @@
+// The tabs beside the section: figures and charts of the design, long studies, A against B, and what can be made.
+
+import { ask, newest, work, stop, download } from "./net.js";
+import { el, number, toast, fill } from "./dom.js";
+import { lines, spikes, histogram, bars } from "./charts.js";
+import { Solid } from "./solid.js";
+
+const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Make" };
+const AUTOMATIC = { error: "error", solid: "solid" };
+
+export class Tabs {
+  constructor(place, state, apply) {
+    Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null });
+    this.solved = {
+      error: newest("error", told => this.told("error", told), words => this.failed("error", words)),
+      solid: newest("solid", told => this.told("solid", told), words => this.failed("solid", words)),
+    };
+    this.list = el("div", { role: "tablist", "aria-label": "Looks at the design", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
+      el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
+    this.panel = el("div", { role: "tabpanel", id: "panel", tabindex: "0", "aria-labelledby": "tab-figures" });
+    place.append(this.list, this.panel);
+  }
+
+  offer(offers) { this.offers = offers; this.#draw(); }
+
+  choose(key) {
+    this.open = key;
+    for (const tab of this.list.children) {
+      const mine = tab.id === `tab-${key}`;
+      tab.setAttribute("aria-selected", String(mine));
+      tab.tabIndex = mine ? 0 : -1;
+    }
+    this.panel.setAttribute("aria-labelledby", `tab-${key}`);
+    this.#want();
+    this.#draw();
+  }
+
+  #keys(event) {
+    const keys = Object.keys(TABS), at = keys.indexOf(this.open);
+    const to = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: keys.length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    this.choose(keys[(to + keys.length) % keys.length]);
+    this.list.children[(to + keys.length) % keys.length].focus();
+  }
+
+  // The design has changed: what was found of the one before is not shown any longer.
+  changed() {
+    this.errors = null;
+    for (const key of ["error", "solid"]) delete this.last[key];
+    for (const key of ["scatter", "stress"]) if (this.last[key]) this.last[key].old = true;
+    this.#want();
+    if (["scatter", "stress", "compare", "make"].includes(this.open)) this.#draw();
+    else this.panel.classList.add("old");
+  }
+
+  broken(errors) {
+    this.errors = errors;
+    this.last = {};
+    for (const one of Object.values(this.solved)) one.drop();
+    this.#draw();
+  }
+
+  told(key, content) { this.last[key] = { told: content }; this.#again(key); }
+  failed(key, words) { this.last[key] = { words }; this.#again(key); }
+
+  #again(key) {
+    const needs = { figures: ["statics"], turn: ["forces"], losses: ["statics"], life: ["life"], error: ["error"], solid: ["solid"], compare: ["statics", "life"] };
+    if (needs[this.open]?.includes(key)) this.#draw();
+  }
+
+  #want() {
+    const key = AUTOMATIC[this.open];
+    if (key && !this.errors && !this.last[key]) this.solved[key].ask({ design: this.state().design });
+  }
+
+  #draw() {
+    this.panel.classList.remove("old");
+    if (this.open !== "solid" && this.solid) { this.solid.end(); this.solid = null; }
+    const draws = { figures: this.#figures, turn: this.#turn, error: this.#error, losses: this.#losses, life: this.#life, scatter: this.#scatter, stress: this.#stress, solid: this.#solid, compare: this.#compare, make: this.#make };
+    if (this.errors && !["compare", "make"].includes(this.open)) {
+      fill(this.panel, el("p", { class: "soft" }, "No figures: what cannot be built has none. What is wrong, and what mends it, stands above."));
+      return;
+    }
+    fill(this.panel, ...[draws[this.open].call(this)].flat(3).filter(Boolean));
+  }
+
+  #of(key, draw) {
+    const last = this.last[key];
+    if (!last) return el("p", { class: "soft waits" }, "…");
+    return last.words ? el("p", { class: "fails" }, last.words) : draw(last.told);
+  }
+
+  #figures() {
+    return this.#of("statics", told => [
+      el("p", { class: "soft" }, `By statics at ${told.condition}.`),
+      el("table", { class: "figures" }, el("tbody", {}, told.rows.map(row => el("tr", { title: row.note }, el("th", { scope: "row" }, row.name), el("td", {}, row.value))))),
+      el("details", {}, el("summary", {}, "What these stand on"), el("ul", {}, told.assumptions.map(one => el("li", {}, one))))]);
+  }
+
+  #turn() {
+    return this.#of("forces", told => {
+      const count = told.cam.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
+      const largest = kind => x.map((_, at) => Math.max(...told[kind].force[at].flat()));
+      const carrying = x.map((_, at) => { const all = told.teeth.force[at].flat(), most = Math.max(...all); return all.filter(one => one > 0.01 * most).length; });
+      const place = at => told.teeth.force.map(row => row[0][at]);
+      const pins = told.teeth.force[0][0].length;
+      return [
+        lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: told.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
+        lines("Force on single ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: place(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
+        lines("Teeth that carry", x, [{ name: "more than 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
+    });
+  }
+
+  #error() {
+    return this.#of("error", told => {
+      const [loaded, idle] = told.curves;
+      const named = new Map([[told.mesh, "mesh"], [2 * told.mesh, "2 × mesh"]].filter(([order]) => order <= loaded.orders.length));
+      return [
+        lines("Transmission error of the output", told.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
+        spikes("Orders, at the load", loaded.orders, ["per turn of the crank", "amplitude [arcsec]"], named),
+        el("p", { class: "soft" }, "By statics, without friction, about its mean; manufacturing errors are those of the design.")];
+    });
+  }
+
+  #losses() {
+    return this.#of("statics", told => {
+      const { parts, input_power: supplied, output_power: out } = told.losses, lost = parts.reduce((sum, one) => sum + one.watts, 0);
+      return [
+        el("p", {}, el("b", {}, `${number(lost, 3)} W are lost`), ` of ${number(supplied, 3)} W; ${number(Math.abs(out), 3)} W come out. ${told.condition}.`),
+        bars(parts.map(one => ({ name: one.name, share: one.watts / Math.max(lost, 1e-12), text: `${number(one.watts, 3)} W · ${number(100 * one.watts / Math.max(lost, 1e-12), 3)} %`, look: "cam" })))];
+    });
+  }
+
+  #life() {
+    return this.#of("life", told => [
+      el("p", {}, `At ${told.condition}, for ${number(told.asked_h)} h. `, el("b", {}, `${number(told.rated_torque_nm, 3)} N m`), ` are borne so long: ${told.limited_by} decides.`),
+      bars(told.items.filter(one => one.margin !== null || one.kind).map(one => {
+        const margin = one.margin === null && one.kind ? (one.verdict === "unlimited" ? 1e9 : 0) : one.margin ?? 0;
+        const look = one.verdict === "unlimited" || margin >= 1.2 ? "holds" : margin >= 1 ? "near" : "fails";
+        return { name: one.name, share: Math.min(1, Math.max(0.01, 0.5 + Math.log10(Math.max(margin, 1e-9)) / 4)), text: `${look === "fails" ? "✗" : look === "near" ? "!" : "✓"} ${one.kind === "safety" ? `safety ${one.verdict}` : one.verdict}`, look, mark: true, title: `${one.load}${one.borne ? ` of ${one.borne}` : ""}. ${one.source}. ${one.note}` };
+      })),
+      el("p", { class: "soft" }, "Bars: how far from failing, on a scale of tens; the line is just enough. ✓ holds, ! holds barely, ✗ does not.")]);
+  }
+
+  // Long studies: a button starts them, they tell what they find on their way.
+  #study(key, label, content, draw, before = null) {
+    const last = this.last[key], job = this.jobs[key];
+    const begin = async () => {
+      const mine = this.jobs[key] = { asked: this.state().design };
+      this.last[key] = null;
+      this.#draw();
+      try {
+        const done = await work({ kind: key, design: this.state().design, ...content() }, told => {
+          mine.number = told.job;
+          mine.told = told.told;
+          if (told.told?.seen || told.told?.rows) this.last[key] = { told: told.told.seen || { rows: told.told.rows } };
+          if (this.open === key && this.jobs[key] === mine) this.#draw();
+        });
+        if (done.result) this.last[key] = { told: done.result, old: mine.asked !== this.state().design };
+      } catch (error) { this.last[key] = { words: error.message }; }
+      if (this.jobs[key] === mine) delete this.jobs[key];
+      if (this.open === key) this.#draw();
+    };
+    return [
+      el("div", { class: "go" }, before, job ? [el("progress", { max: "1", value: String(job.told?.share ?? 0), "aria-label": label }), el("span", { class: "soft" }, job.told?.doing || "waits"), el("button", { onclick: () => job.number && stop(job.number) }, "Stop")]
+        : el("button", { class: "strong", onclick: begin }, label)),
+      last?.old ? el("p", { class: "near" }, "! The design has changed since: do it again.") : null,
+      last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.told))) : null];
+  }
+
+  #scatter() {
+    const usual = this.spread ?? Math.max(1, Math.round((this.state().shown?.knobs.find(knob => knob.key.startsWith("clearance."))?.value || 4) / 4));
+    const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), id: "spread", oninput: event => { this.spread = event.target.valueAsNumber; } });
+    const before = el("label", {}, "Each size ± ", typed, " µm ");
+    return [el("p", { class: "soft" }, "Drives drawn within that of each clearance, pin place and eccentricity (uniform, seed 0), each balanced all round. More and more of them, while you look."),
+      ...this.#study("scatter", "Make thousands", () => ({ spread_um: Number(typed.value) }), told => [
+        el("p", {}, el("b", {}, `${told.samples} drives`), `: ${told.jam ? `${number(100 * told.jam, 3)} % jam` : "none jams"}. ${told.condition}.`),
+        told.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "half"], [one.p95, "95 %"]])),
+        told.budget?.length ? [el("h3", {}, `What to tighten first: share in the spread of the ${told.budget_of}`), bars(told.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
+  }
+
+  #stress() {
+    return [el("p", { class: "soft" }, "A run in MuJoCo for one turn at the load, then finite elements part by part, on coarse grids: some 25 s of processor time or more."),
+      ...this.#study("stress", "Compute stresses", () => ({}), told => bars(told.rows.map(one => ({ name: one.name, share: one.mpa / one.yield_mpa, text: `${one.mpa < one.yield_mpa ? "✓" : "✗"} ${number(one.mpa, 3)} of ${number(one.yield_mpa, 3)} MPa`, look: one.mpa < one.yield_mpa ? "holds" : "fails", title: one.note }))))];
+  }
+
+  #solid() {
+    return this.#of("solid", told => {
+      if (this.solid) this.solid.end();
+      this.solid = new Solid(told);
+      return this.solid.element;
+    });
+  }
+
+  #compare() {
+    const { shown, statics, life, design, asked } = this.state();
+    const mine = { name: shown?.name, head: shown?.head, statics, life, design: { ...design }, asked: { ...asked } };
+    const keep = el("button", { class: "strong", onclick: () => { this.other = mine; this.#draw(); } }, this.other ? "Keep this one as A instead" : "Keep this design as A");
+    if (!this.other) return [el("p", {}, "Keep the design as it is now; change it, and both stand side by side here."), keep];
+    const rows = [["Ratio", one => one.head?.ratio, ":1"], ["Diameter", one => one.head?.diameter_mm, "mm"], ["Mass", one => one.head?.mass_kg, "kg"], ["Bears for its life", one => one.life?.rated_torque_nm, "N m"], ["Lasts", one => one.life?.life_h, "h"]];
+    const named = row => one => Number.parseFloat(one.statics?.rows.find(other => other.name === row.name)?.value);
+    for (const row of statics?.rows || this.other.statics?.rows || []) rows.push([row.name, named(row), row.value.replace(/^[^ ]+ /, "")]);
+    const keys = [...new Set([...Object.keys(this.other.design), ...Object.keys(design)])].filter(key => JSON.stringify(this.other.design[key]) !== JSON.stringify(design[key]));
+    const knob = key => shown?.knobs.find(one => one.key === key);
+    return [
+      el("table", { class: "figures both" }, el("thead", {}, el("tr", {}, el("th", {}), el("th", { scope: "col" }, `A: ${this.other.name}`), el("th", { scope: "col" }, `B: ${mine.name}`), el("th", { scope: "col" }, "B / A"))),
+        el("tbody", {}, rows.map(([name, value, unit]) => { const [a, b] = [value(this.other), value(mine)]; return el("tr", {}, el("th", { scope: "row" }, `${name} [${unit}]`), el("td", {}, number(a)), el("td", {}, number(b)), el("td", { class: "soft" }, a && b ? number(b / a, 3) : "–")); }),
+          keys.length ? el("tr", {}, el("th", { colspan: "4", class: "heading" }, "What differs")) : null,
+          keys.map(key => el("tr", {}, el("th", { scope: "row", title: key }, knob(key)?.label || key), el("td", {}, String(this.other.design[key] ?? "as pin")), el("td", {}, String(design[key] ?? "as pin")), el("td", {}))))),
+      el("div", { class: "go" }, keep, el("button", { onclick: async () => { const a = this.other; this.other = mine; await this.swap(a); } }, "Take A, keep B"))];
+  }
+
+  #make() {
+    const running = this.jobs.make;
+    const begin = async (kind, words) => {
+      const mine = this.jobs.make = { words };
+      this.#draw();
+      try {
+        const done = await work({ kind, design: this.state().design }, told => { mine.number = told.job; mine.told = told.told; if (this.open === "make" && this.jobs.make === mine) this.#draw(); });
+        if (done.files.length) download(done);
+        if (done.page) this.report = done.job;
+      } catch (error) { toast(error.message); this.wrong = error.message; }
+      delete this.jobs.make;
+      if (this.open === "make") this.#draw();
+    };
+    const blocked = Boolean(this.errors || running);
+    return [
+      el("h3", {}, "Run it"), el("div", { class: "go" }, el("button", { class: "strong", disabled: blocked, onclick: () => { this.wrong = ""; begin("run", "Run in MuJoCo"); } }, "Run in MuJoCo"),
+        this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "a turn at full speed under the load; its report opens beside")),
+      el("h3", {}, "Take it along"), el("div", { class: "make" }, Object.entries(this.offers?.files || {}).map(([kind, words]) => el("button", { disabled: blocked && kind !== "toml", onclick: () => { this.wrong = ""; begin(kind, words); } }, words))),
+      running ? el("div", { class: "go" }, el("progress", running.told?.share === undefined ? {} : { max: "1", value: String(running.told.share) }), el("span", {}, `${running.words}: ${running.told?.doing || "waits"}`), el("button", { onclick: () => running.number && stop(running.number) }, "Stop")) : null,
+      this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
+      this.errors ? el("p", { class: "fails" }, "✗ It cannot be built yet: mend it first, the buttons above the tabs say how.") : null];
+  }
+}

@@ -1,0 +1,52 @@
+"""The reducer put together as triangles, for the page to turn: each part where it stands, with its colour."""
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.names import SHAFT
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design import Design
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.scene import ring_places
+from cycloid_mj.scene.shape import shapes
+
+
+def assembly(design: Design) -> dict[str, Any]:
+    """Build the meshes of all bodies: float32 corners of triangles [mm] in base64, colour, how the body moves.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made.
+    """
+    reducer = Reducer(design)
+    bodies = []
+    discs = [name for name in shapes(reducer) if name.startswith("gear")]
+    for name, pieces in shapes(reducer).items():
+        places = ring_places(reducer) if name == "pin" else np.zeros((1, 2))
+        for piece in pieces:
+            corners = piece.mesh.vertices[piece.mesh.faces].reshape(-1, 3)
+            bodies.append(
+                {
+                    "name": name,
+                    "moves": "disc"
+                    if name in discs
+                    else "crank"
+                    if name == SHAFT
+                    else "output"
+                    if name == "output"
+                    else "",
+                    "phase": float(reducer.phases[discs.index(name)]) if name in discs else 0.0,
+                    "colour": list(piece.colour),
+                    "corners": _packed(corners),
+                    "places": np.round(MILLIMETRES * places, 4).tolist(),
+                }
+            )
+    return {"bodies": bodies, "orbit": MILLIMETRES * design.gear.eccentricity, "gear_rate": -1.0 / design.lobes}
+
+
+def _packed(corners: Array) -> str:
+    return base64.b64encode((MILLIMETRES * corners).astype("<f4").tobytes()).decode()

@@ -1,0 +1,85 @@
+"""A design as the page has it, and as its address tells it: the keys of the file in which it differs from ``pin``."""
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.design import PRESETS, Design, dump, override
+
+BASE = PRESETS["pin"]
+
+TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
+"""Keys with which the holes of the output pins change: they stay as wide as output pin and eccentricity make them."""
+
+Values = Mapping[str, Any]
+
+
+def design_of(values: Any) -> Design:
+    """Read a design from the page's values.
+
+    Raises
+    ------
+    DesignError, UsageError
+        There is no such key, or its value is not allowed.
+    """
+    if not isinstance(values, Mapping):
+        raise UsageError("a design is asked for: keys of the design file with their values")
+    return override(BASE, {str(key): _whole(key, value) for key, value in values.items()})
+
+
+def values_of(design: Design) -> dict[str, Any]:
+    """Collect the values in which a design differs from the preset ``pin``, by the keys of its file.
+
+    A material that is as its name says is told by its name alone.
+
+    Raises
+    ------
+    DesignError
+        The design lacks what ``pin`` has.
+    """
+    own, base = _flat(design), _base()
+    if lost := [key for key in base if key not in own]:
+        raise DesignError(f"the page cannot hold a design without {', '.join(lost)}: change its file instead")
+    values = {key: value for key, value in own.items() if base.get(key) != value}
+    for name in [key for key in values if key.endswith("material.name")]:
+        table = name.removesuffix("name")
+        fewer = {key: value for key, value in values.items() if key == name or not key.startswith(table)}
+        if _flat(override(BASE, fewer)) == _flat(override(BASE, values)):
+            values = fewer
+    return values
+
+
+def changed(design: Design, changes: Any) -> Design:
+    """Return a design with changes in the words of its file; errors as `design_of`."""
+    if not isinstance(changes, Mapping):
+        raise UsageError("changes are asked for: keys of the design file with their values")
+    if not changes:
+        return design
+    new = override(design, {str(key): _whole(key, value) for key, value in changes.items()})
+    if any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
+        return new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
+    return new
+
+
+def _whole(key: str, value: Any) -> Any:
+    """Return a whole number as one where the file has one, for JSON's are floats."""
+    if isinstance(value, float) and value.is_integer() and isinstance(_base().get(key), int):
+        return int(value)
+    return value
+
+
+def _flat(design: Design) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in tomllib.loads(dump(design)).items():
+        if isinstance(value, dict):
+            flat |= {f"{key}.{name}": item for name, item in value.items()}
+        else:
+            flat[key] = value
+    return flat
+
+
+@cache
+def _base() -> dict[str, Any]:
+    return _flat(BASE)

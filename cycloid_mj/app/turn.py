@@ -1,0 +1,93 @@
+"""Forces and motions of a reducer over one turn of its crank, as the section and the charts show them."""
+
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
+from cycloid_mj.design import Design
+from cycloid_mj.parts import output_centres
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring, sense
+from cycloid_mj.scene import moved, ring_places
+from cycloid_mj.statics import loads, springs_of, transmission_error
+from cycloid_mj.statics.working import working_at
+
+POSES = 72
+"""Crank angles in a turn at which forces are solved."""
+
+PER_PERIOD = 12
+"""Crank angles in a mesh period at which the transmission error is solved."""
+
+MOST_ORDERS = 60
+
+
+def forces(design: Design, turn: int = 0) -> dict[str, Any]:
+    """Compute the forces on every disc over one turn of the crank, the first or a later one, seen from the ring.
+
+    Each contact has a place [mm], a direction and a force [N] at each angle; of each disc and of the output there are
+    the departures from their ideal places, by which plays are drawn: x, y [mm] and turn [rad].
+    """
+    reducer, load = _loaded(design)
+    shown = 2.0 * np.pi * (turn + np.arange(POSES + 1) / POSES)
+    crank = shown / float(against_ring(design, 1.0))
+    springs = springs_of(reducer, crank)
+    solved = loads(reducer, springs, load, follow=True)
+    slope, radius = springs.contacts.slope, springs.contacts.radius
+    discs, lobes, departures = design.gear.discs, design.lobes, solved.departures
+    poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
+    of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # where the disc of each contact has its x and y
+    way = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
+    rings, pins = ring_places(reducer), output_centres(reducer)
+    turned = np.stack([moved(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
+    teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * way[:, : springs.teeth]
+    output = np.tile(turned, (1, discs, 1)) + design.output.pin_radius * way[:, springs.teeth :]
+    return {
+        "turn": turn,
+        "load_nm": abs(load),
+        "teeth": _acting(solved.teeth, teeth, way[:, : springs.teeth], discs),
+        "output": _acting(solved.output, output, way[:, springs.teeth :], discs),
+        "cam": np.round(solved.cam, 3).tolist(),
+        "discs": np.round(poses, 7).tolist(),
+        "output_turn": (departures[:, -1] / radius).tolist(),
+        "share": np.round(solved.share, 4).tolist(),
+    }
+
+
+def error(design: Design) -> dict[str, Any]:
+    """Compute the transmission error over a turn and its orders, at the load and without it, by statics."""
+    reducer, load = _loaded(design)
+    points = PER_PERIOD * reducer.mesh_periods
+    crank = np.linspace(0.0, reducer.mesh_turn, points, endpoint=False)
+    curves = []
+    for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
+        angle = ARCSECONDS * sense(design) * transmission_error(reducer, crank, share * load)[:, 1]
+        angle = angle - angle.mean()
+        sizes = 2.0 * np.abs(np.fft.rfft(angle)) / points
+        count = min(MOST_ORDERS, len(sizes) - 1)
+        curves.append(
+            {
+                "name": name,
+                "arcsec": np.round(angle, 4).tolist(),
+                "orders": np.round(sizes[1 : count + 1], 5).tolist(),
+                "peak_to_peak": float(np.ptp(angle)),
+            }
+        )
+    return {"crank_deg": np.round(np.degrees(crank), 3).tolist(), "curves": curves, "mesh": reducer.mesh_periods}
+
+
+def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any]:
+    """Round forces [N], places [mm] and directions, shape (poses, discs, contacts, ...)."""
+    shape = (len(force), discs, -1)
+    return {
+        "force": np.round(force, 3).reshape(shape).tolist(),
+        "place": np.round(MILLIMETRES * place, 4).reshape(*shape, 2).tolist(),
+        "way": np.round(way, 5).reshape(*shape, 2).tolist(),
+    }
+
+
+def _loaded(design: Design) -> tuple[Reducer, float]:
+    load = abs(design.load.torque) or design.rated_torque
+    way = float(np.sign(design.drive.speed)) or 1.0
+    return working_at(Reducer(design.but(load={"torque": load})), load), way * load
