@@ -21,6 +21,7 @@ from cycloid_mj.app import answers
 from cycloid_mj.app.asks import draw, loaded
 from cycloid_mj.app.state import changed, values_of
 from cycloid_mj.design import Design, resolve
+from cycloid_mj.reducer import Reducer
 
 KEY = "gear.eccentricity_mm"
 STEPS = ("drawn", "painted", "solved")
@@ -79,9 +80,9 @@ def _computed(design: Design) -> Iterable[tuple[str, list[float]]]:
     designs = [changed(design, {KEY: size * (1.0 - 1e-4 * step)}) for step in range(9)]
     works: dict[str, Callable[[Design], object]] = {
         "drawing": lambda one: draw({"design": values_of(one), "changes": {}}),
-        "statics": answers.statics,
-        "life": answers.life,
-        "checks": answers.checks,
+        "statics": lambda one: answers.statics(Reducer(one)),
+        "life": lambda one: answers.life(Reducer(one)),
+        "checks": lambda one: answers.checks(Reducer(one)),
     }
     for name, work in works.items():
         taken = []

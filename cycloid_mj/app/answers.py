@@ -1,6 +1,6 @@
 """What the page says of a design: its head figures, its failed checks with their remedies, statics and life.
 
-Each function takes a design and gives what JSON has; numbers come with their units, as the page writes them.
+Each function takes a reducer and gives what JSON has; numbers come with their units, as the page writes them.
 """
 
 import math
@@ -13,7 +13,7 @@ from cycloid_mj.app.knobs import label_of
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
-from cycloid_mj.design import Design, declared, value_of
+from cycloid_mj.design import declared, value_of
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
@@ -49,29 +49,30 @@ POSES, EXACT = 61, 5e-3
 SYMBOLS = {"um": "µm", "nm": "N m", "mpa": "MPa", "kw": "kW", "kg_m3": "kg/m³", "c": "°C"}
 
 
-def geometry(design: Design) -> dict[str, Any]:
+def geometry(reducer: Reducer) -> dict[str, Any]:
     """Return the figures of the header that need no load."""
-    mass: float | None = None
+    design, mass = reducer.design, None
     with suppress(CycloidError):  # a part of it cannot be made: the checks say which
-        mass = figure("mass_kg").value(Reducer(design))
+        mass = figure("mass_kg").value(reducer)
     return {"ratio": design.reduction, "diameter_mm": 2e3 * design.housing.outer_radius, "mass_kg": mass}
 
 
-def errors(design: Design) -> list[dict[str, Any]]:
+def errors(reducer: Reducer) -> list[dict[str, Any]]:
     """List the reasons for which a design cannot be built; none of a sound one."""
-    return _broken(design, (one for one in soundness(Reducer(design)) if one.severity == "error"))
+    return _broken(reducer, (one for one in soundness(reducer) if one.severity == "error"))
 
 
-def checks(design: Design) -> dict[str, Any]:
+def checks(reducer: Reducer) -> dict[str, Any]:
     """List the checks that do not hold, errors before warnings, and how many there are."""
-    found = (*check(design), *lasting_checks(Reducer(design)))
+    found = (*check(reducer.design), *lasting_checks(reducer))
     ordered = sorted(found, key=lambda one: one.severity != "error")
-    return {"count": len(found), "failed": _broken(design, ordered)}
+    return {"count": len(found), "failed": _broken(reducer, ordered)}
 
 
-def statics(design: Design) -> dict[str, Any]:
+def statics(reducer: Reducer) -> dict[str, Any]:
     """Return the figures of a sound design by statics, at its load; errors as `glance`."""
-    sheet = glance(Reducer(design), abs(design.load.torque) or None)
+    design = reducer.design
+    sheet = glance(reducer, abs(design.load.torque) or None)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
     tooth = design.tooth_pair
@@ -94,9 +95,9 @@ def statics(design: Design) -> dict[str, Any]:
     }
 
 
-def life(design: Design) -> dict[str, Any]:
+def life(reducer: Reducer) -> dict[str, Any]:
     """Return the rating of a sound design at its load: its items, its life, and the torque for the life asked for."""
-    reducer, asked = Reducer(design), design.service.life
+    design, asked = reducer.design, reducer.design.service.life
     rating = rate(design, steady(abs(design.load.torque) or design.rated_torque, design.drive.speed), asked)
     ends = [item.life for item in rating.items.values() if decides(item) and item.life is not None]
     shortest = min(ends, default=math.inf)
@@ -133,7 +134,7 @@ def _item(item: RatedItem, asked: float) -> dict[str, Any]:
     }
 
 
-def _broken(design: Design, found: Iterable[Check]) -> list[dict[str, Any]]:
+def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
     return [
         {
             "name": one.name.replace("_", " "),
@@ -142,17 +143,17 @@ def _broken(design: Design, found: Iterable[Check]) -> list[dict[str, Any]]:
             "what": f"{_plain(one.key)} is {one.got}, must be {one.limit}",
             "why": one.why,
             "remedy": one.remedy,
-            "changes": [_change(design, key, value) for key, value in one.changes],
+            "changes": [_change(reducer, key, value) for key, value in one.changes],
         }
         for one in found
         if not one.passed
     ]
 
 
-def _change(design: Design, key: str, value: float) -> dict[str, Any]:
+def _change(reducer: Reducer, key: str, value: float) -> dict[str, Any]:
     """Return one change of a remedy as a button has it."""
     unit = unit_of(declared(key)).suffix
-    before = value_of(design, key)
+    before = value_of(reducer.design, key)
     sense = "raise" if value > before else "lower"
     symbol = SYMBOLS.get(unit, unit)
     return {"key": key, "value": value, "words": f"{sense} {_plain(key)} to {value:.6g} {symbol}".rstrip()}

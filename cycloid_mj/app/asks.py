@@ -14,6 +14,7 @@ from cycloid_mj.app.state import changed, design_of, values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
+from cycloid_mj.reducer import Reducer
 
 LARGEST_PLAY = 1000.0
 
@@ -48,31 +49,36 @@ def shown(design: Design, content: Content) -> dict[str, Any]:
     play = content.get("play", 1.0)
     if not isinstance(play, int | float) or not 1.0 <= play <= LARGEST_PLAY:
         raise UsageError(f"play {play!r}: give from 1 to {LARGEST_PLAY:g}")
+    reducer = Reducer(design)
     return {
         "design": values_of(design),
         "name": design.name,
-        "head": answers.geometry(design),
+        "head": answers.geometry(reducer),
         "load_nm": abs(design.load.torque),
         "life_h": design.service.life,
         "knobs": [asdict(knob) for knob in knobs(design)],
-        "section": section(design, float(play)),
-        "errors": answers.errors(design),
+        "section": section(reducer, float(play)),
+        "errors": answers.errors(reducer),
     }
+
+
+def _reducer(content: Content) -> Reducer:
+    return Reducer(design_of(content.get("design")))
 
 
 def statics(content: Content) -> dict[str, Any]:
     """Solve the figures by statics."""
-    return answers.statics(design_of(content.get("design")))
+    return answers.statics(_reducer(content))
 
 
 def life(content: Content) -> dict[str, Any]:
     """Rate a design."""
-    return answers.life(design_of(content.get("design")))
+    return answers.life(_reducer(content))
 
 
 def checks(content: Content) -> dict[str, Any]:
     """Check a design."""
-    return answers.checks(design_of(content.get("design")))
+    return answers.checks(_reducer(content))
 
 
 def forces(content: Content) -> dict[str, Any]:
@@ -80,17 +86,17 @@ def forces(content: Content) -> dict[str, Any]:
     number = content.get("turn", 0)
     if type(number) is not int or not 0 <= number <= 1000:
         raise UsageError(f"turn {number!r}: give a whole number from 0 to 1000")
-    return turn.forces(design_of(content.get("design")), number)
+    return turn.forces(_reducer(content), number)
 
 
 def error(content: Content) -> dict[str, Any]:
     """Solve the transmission error over a turn."""
-    return turn.error(design_of(content.get("design")))
+    return turn.error(_reducer(content))
 
 
 def shape(content: Content) -> dict[str, Any]:
     """Make the meshes of all parts where they stand."""
-    return solid.assembly(design_of(content.get("design")))
+    return solid.assembly(_reducer(content))
 
 
 AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened}

@@ -12,7 +12,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.names import HOUSING, gears
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.design import Design
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import profile_offset, tooth_profile
 from cycloid_mj.parts import Prism, circle, output_centres, parts
@@ -66,21 +65,21 @@ PLACES: Mapping[str, str] = {
 """Check -> the part of the section at which it is shown."""
 
 
-def section(design: Design, play: float = 1.0) -> dict[str, Any]:
+def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
     """Draw a design as outlines [mm], +y up, with its clearances `play` times as wide.
 
     Where the design cannot be made its outlines are drawn as they would be, and ``whole`` is false.
     """
-    shown = design if play == 1.0 else _loosened(design, play)
+    shown = reducer if play == 1.0 else _loosened(reducer, play)
     try:
         outlines, whole = _made(shown), True
     except CycloidError:
-        outlines, whole = _unmade(design), False
+        outlines, whole = _unmade(reducer), False
+    design = reducer.design
     ring, output = design.ring, design.output
-    reducer = Reducer(design)
     return {
         "whole": whole,
-        "play": play if shown is not design else 1.0,
+        "play": play if shown is not reducer else 1.0,
         "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
         "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
         "pin_radius": MILLIMETRES * ring.pin_radius,
@@ -92,32 +91,34 @@ def section(design: Design, play: float = 1.0) -> dict[str, Any]:
         "output_radius": MILLIMETRES * output.pin_radius,
         "bore_radius": MILLIMETRES * design.gear.bore_radius,
         "shaft_radius": MILLIMETRES * design.shaft.radius,
-        "dimensions": _dimensions(design),
+        "dimensions": _dimensions(reducer),
         **outlines,
     }
 
 
-def _loosened(design: Design, play: float) -> Design:
+def _loosened(reducer: Reducer, play: float) -> Reducer:
     """Widen every clearance, as far as the parts can still be drawn with it."""
-    clearance = {name: play * value for name, value in design.clearance if isinstance(value, float)}
+    clearance = {name: play * value for name, value in reducer.design.clearance if isinstance(value, float)}
     try:
-        return design.but(clearance=clearance)
+        return reducer.but(clearance=clearance)
     except CycloidError:
-        return design
+        return reducer
 
 
-def _made(design: Design) -> dict[str, Any]:
-    solids = parts(Reducer(design), design.housing.outer_radius / FINENESS)
+def _made(reducer: Reducer) -> dict[str, Any]:
+    design = reducer.design
+    solids = parts(reducer, design.housing.outer_radius / FINENESS)
     discs = [_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
     return {"ring": _path(solids[HOUSING].prisms[0]), "discs": discs}
 
 
-def _unmade(design: Design) -> dict[str, Any]:
+def _unmade(reducer: Reducer) -> dict[str, Any]:
     """Draw what cannot be made: the wall as a ring, and the gear with the loops or cuts that its teeth would have."""
+    design = reducer.design
     fine = design.housing.outer_radius / FINENESS
     walls = [circle(radius, fine) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
     inner = [circle(design.gear.bore_radius, fine)]
-    inner += [circle(design.output.hole_radius, fine) + centre for centre in output_centres(Reducer(design))]
+    inner += [circle(design.output.hole_radius, fine) + centre for centre in output_centres(reducer)]
     try:
         gear = tooth_profile(design)
         t = np.linspace(0.0, 2.0 * np.pi, POINTS * gear.lobes, endpoint=False)
@@ -128,8 +129,9 @@ def _unmade(design: Design) -> dict[str, Any]:
     return {"ring": "".join(map(_loop, walls)), "discs": discs}
 
 
-def _dimensions(design: Design) -> list[dict[str, Any]]:
+def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
     """List the circles that are dimensioned: word, and diameter [mm]."""
+    design = reducer.design
     ring, output = design.ring, design.output
     radii = {
         "outside": design.housing.outer_radius,

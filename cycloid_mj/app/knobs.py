@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import Design, override, value_of
+from cycloid_mj.design import Design, value_of
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.units import file_key, unit_of
 
@@ -111,24 +110,6 @@ def knobs(design: Design) -> tuple[Knob, ...]:
 def label_of(key: str) -> str:
     """Return the page's word for a key of the design file; the key itself where the page has none."""
     return _labels().get(key, key)
-
-
-def turned(design: Design, key: str, value: Any) -> Design:
-    """Return a design with another value of one key, as a slider sets it."""
-    return override(design, {key: value})
-
-
-def angle(degrees: Any) -> float:
-    """Convert the crank slider's value to radians.
-
-    Raises
-    ------
-    DesignError
-        It is no finite number.
-    """
-    if isinstance(degrees, int | float) and math.isfinite(degrees):
-        return math.radians(degrees)
-    raise DesignError(f"crank = {degrees!r} is not allowed: give an angle in degrees")
 
 
 def _rows() -> Iterator[tuple[str, str, str]]:

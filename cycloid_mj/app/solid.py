@@ -8,13 +8,12 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import SHAFT
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 from cycloid_mj.scene.shape import shapes
 
 
-def assembly(design: Design) -> dict[str, Any]:
+def assembly(reducer: Reducer) -> dict[str, Any]:
     """Build the meshes of all bodies: float32 corners of triangles [mm] in base64, colour, how the body moves.
 
     Raises
@@ -22,8 +21,7 @@ def assembly(design: Design) -> dict[str, Any]:
     DesignError
         A part of the design cannot be made.
     """
-    reducer = Reducer(design)
-    bodies = []
+    design, bodies = reducer.design, list[dict[str, Any]]()
     discs = [name for name in shapes(reducer) if name.startswith("gear")]
     for name, pieces in shapes(reducer).items():
         places = ring_places(reducer) if name == "pin" else np.zeros((1, 2))

@@ -6,7 +6,6 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
-from cycloid_mj.design import Design
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, sense
@@ -23,13 +22,14 @@ PER_PERIOD = 12
 MOST_ORDERS = 60
 
 
-def forces(design: Design, turn: int = 0) -> dict[str, Any]:
+def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     """Compute the forces on every disc over one turn of the crank, the first or a later one, seen from the ring.
 
     Each contact has a place [mm], a direction and a force [N] at each angle; of each disc and of the output there are
     the departures from their ideal places, by which plays are drawn: x, y [mm] and turn [rad].
     """
-    reducer, load = _loaded(design)
+    reducer, load = _loaded(reducer)
+    design = reducer.design
     shown = 2.0 * np.pi * (turn + np.arange(POSES + 1) / POSES)
     crank = shown / float(against_ring(design, 1.0))
     springs = springs_of(reducer, crank)
@@ -55,9 +55,10 @@ def forces(design: Design, turn: int = 0) -> dict[str, Any]:
     }
 
 
-def error(design: Design) -> dict[str, Any]:
+def error(reducer: Reducer) -> dict[str, Any]:
     """Compute the transmission error over a turn and its orders, at the load and without it, by statics."""
-    reducer, load = _loaded(design)
+    reducer, load = _loaded(reducer)
+    design = reducer.design
     points = PER_PERIOD * reducer.mesh_periods
     crank = np.linspace(0.0, reducer.mesh_turn, points, endpoint=False)
     curves = []
@@ -87,7 +88,8 @@ def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any
     }
 
 
-def _loaded(design: Design) -> tuple[Reducer, float]:
+def _loaded(reducer: Reducer) -> tuple[Reducer, float]:
+    design = reducer.design
     load = abs(design.load.torque) or design.rated_torque
     way = float(np.sign(design.drive.speed)) or 1.0
-    return working_at(Reducer(design.but(load={"torque": load})), load), way * load
+    return working_at(reducer.but(load={"torque": load}), load), way * load

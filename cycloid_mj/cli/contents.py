@@ -51,7 +51,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "statics": Listed("Compute what a data sheet has of a reducer, in a second.", "statics:statics"),
         "simulate": Listed("Run a design, log it, and compare the run with the closed form.", "simulate:simulate"),
         "report": Listed("Write the review of one or more logged runs as one HTML page.", "review:report"),
-        "app": Listed("Open a page with a design under sliders, solved as they move.", "serve:app"),
+        "app": Listed("Design a drive on a page in the browser.", "serve:app"),
     },
     "Design": {
         "figures": Listed("List the figures that commands print, limit and vary, by key.", "figures:figures"),

@@ -86,7 +86,7 @@ def _outcome(design: str, found: "Sequence[Check]", summed: "Summary | None", ra
 
     failed, warned, passed = ([item for item in found if _word(item) == word] for word in ("FAIL", "warn", "ok"))
     numbers = _in_file_units(summed, rating) if summed else None
-    rows = [asdict(item) for item in found]
+    rows = [{key: value for key, value in asdict(item).items() if key != "changes"} for item in found]
     count = f"{len(warned)} {'warning' if len(warned) == 1 else 'warnings'}"
     return Outcome(
         title=f"checks: {design}",

@@ -22,7 +22,7 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 def app(
     chosen: Annotated[PresetOptions, FLAT] = PRESET, *, port: PortFlag = PORT, no_browser: BrowserFlag = False
 ) -> int:
-    """Open a page in the browser on which a drive is designed.
+    """Design a drive on a page in the browser.
 
     It asks what the drive is to do and shows drives that do it, or the most that
     goes and ways out; then the design under sliders, drawn, checked and solved as
