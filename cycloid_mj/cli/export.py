@@ -128,7 +128,10 @@ def export(
     its larger end; round parts are on it if they are of a plastic, and bought
     otherwise; output pins that are bought have bores to be pressed into. Cams are
     as thick as the bore of their bearing, or where none in stock has the gear's
-    bore as its outside, and none is given, as that.
+    bore as its outside, and none is given, as that. Of plastics, coupon_block.stl
+    and coupon_pin.stl come with the plate: the first of three sockets in which
+    the pin turns tells --offset-um; thin walls, small holes and faces in mid-air
+    are warnings.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
@@ -136,9 +139,11 @@ def export(
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
+    from cycloid_mj.parts import fused
     from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
+    from cycloid_mj.parts.export.printable import coupon, coupon_words, doubts, prints_plastic
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
@@ -155,6 +160,9 @@ def export(
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}
+        if prints_plastic(reducer):
+            parts |= {f"{name}.stl": stl_bytes(fused(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
+            warn(design.name, doubts(reducer, printed, chord_error, sizes))
     if assembly:
         parts |= _assembly(reducer, sizes)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
@@ -184,6 +192,8 @@ def export(
     if printed:
         size = " x ".join(f"{MILLIMETRES * length:.1f}" for length in printed.size)
         say(f"plate of {size} mm")
+        if prints_plastic(reducer):
+            say(coupon_words())
         say_table("parts on the plate", ("part", "count"), [(part, str(n)) for part, n in printed.counts.items()])
         columns = ("item", "count", "size", "material", "made or bought", "designation")
         lines = [tuple(str(value) for value in asdict(item).values())[:-1] for item in items]

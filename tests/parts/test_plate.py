@@ -19,7 +19,16 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry.modification import gear_profile
-from cycloid_mj.parts import mass_properties, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts import (
+    Prism,
+    Solid,
+    circle,
+    fused,
+    mass_properties,
+    output_centres,
+    parts,
+    sleeve_core_radius,
+)
 from cycloid_mj.parts.export import (
     PrintPlate,
     bill,
@@ -31,8 +40,10 @@ from cycloid_mj.parts.export import (
     threemf_bytes,
     widened,
 )
+from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
+from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, doubts, faces_in_mid_air, thinnest_wall
 from cycloid_mj.parts.export.printing import printed_parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
@@ -312,3 +323,31 @@ def test_a_plate_as_3mf_has_each_part_by_its_name() -> None:
         faces = [[int(at.attrib[axis]) for axis in ("v1", "v2", "v3")] for at in one.findall(".//m:triangle", space)]
         np.testing.assert_allclose(corners, 1e3 * mesh.vertices, rtol=1e-6, atol=1e-9)
         np.testing.assert_array_equal(faces, mesh.faces)
+
+
+def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances() -> None:
+    drawn = coupon(CHORD_ERROR)
+    (block,), (pin,) = (drawn[name].prisms for name in ("coupon_block", "coupon_pin"))
+    radius = 0.5 * np.ptp(pin.outline, axis=0).min()
+    sockets = [hole for hole in block.holes if np.ptp(hole, axis=0).min() > radius]
+    rooms = [0.5 * np.ptp(hole, axis=0).min() - radius for hole in sockets]
+    np.testing.assert_allclose(rooms, CLEARANCES, atol=2.0 * CHORD_ERROR)
+    assert len(block.holes) == len(sockets) + 1 + 2 + 3
+    for solid in drawn.values():
+        shape = fused(solid)
+        assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
+    assert thinnest_wall(block) > THINNEST
+
+
+def test_thin_walls_and_faces_in_mid_air_are_told() -> None:
+    disc = Prism(circle(10e-3, CHORD_ERROR), (circle(9.5e-3, CHORD_ERROR),), 0.0, 5e-3)
+    assert thinnest_wall(disc) == pytest.approx(0.5e-3, abs=2.0 * CHORD_ERROR)
+    lid = Prism(circle(10e-3, CHORD_ERROR), (), 5e-3, 6e-3)
+    faces = faces_in_mid_air(fused(Solid("cup", (disc, lid), 1.0)))
+    assert list(faces) == [5e-3]
+    assert faces[5e-3] == pytest.approx(np.pi * 9.5e-3**2, rel=1e-2)
+    reducer = Reducer(DESIGNS["printed"])
+    sizes = casing(reducer)
+    found = list(doubts(reducer, plate(reducer, CHORD_ERROR, 0.0, sizes), CHORD_ERROR, sizes))
+    assert any("motor_cover needs supports" in text for text in found)
+    assert not list(doubts(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None))

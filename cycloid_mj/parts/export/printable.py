@@ -1,0 +1,94 @@
+"""What a printer makes badly: thin walls, small holes, faces in mid-air; and a coupon that tells what it puts on."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import Mesh, Prism, Solid, circle
+from cycloid_mj.parts.export.casing import Casing
+from cycloid_mj.parts.export.plate import PrintPlate
+from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
+from cycloid_mj.reducer import Reducer
+
+THINNEST, SMALLEST = 0.8e-3, 2.0e-3
+"""Two lines of a nozzle of 0.4 mm, and the diameter below which holes close (both assumed) [m]."""
+
+LEAST_AREA = 2e-5
+"""Of a face in mid-air that is told of [m2]; less is bridged."""
+
+CLEARANCES = (50e-6, 100e-6, 200e-6)
+"""Of the coupon's sockets around its pin [m]."""
+
+PIN, HEIGHT, WALL, MARK = 4e-3, 8e-3, 4e-3, 0.8e-3
+"""Radius of the coupon's pin, height of both of its parts, wall around sockets, radius of the marks [m]."""
+
+
+def prints_plastic(reducer: Reducer) -> bool:
+    """Tell whether a printer is to make parts of a drive: its housing is of a plastic."""
+    return is_printed(reducer, names.HOUSING)
+
+
+def coupon(chord_error: float) -> dict[str, Solid]:
+    """Draw a block with a socket for each of `CLEARANCES`, marked by one, two and three holes, and the pin for it."""
+    pitch = 2.0 * (PIN + WALL)
+    length, depth = pitch * len(CLEARANCES), pitch + 4.0 * MARK
+    corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth], [0.0, depth]])
+    holes: list[Array] = []
+    for number, clearance in enumerate(CLEARANCES):
+        x, y = (number + 0.5) * pitch, 0.5 * pitch
+        holes.append(circle(PIN + clearance, chord_error, (x, y)))
+        for mark in range(number + 1):
+            holes.append(circle(MARK, chord_error, (x + 4.0 * MARK * (mark - 0.5 * number), pitch)))
+    block = Prism(corners, tuple(holes), 0.0, HEIGHT)
+    pin = Prism(circle(PIN, chord_error), (), 0.0, 2.0 * HEIGHT)
+    return {name: Solid(name, (one,), 1.0) for name, one in (("coupon_block", block), ("coupon_pin", pin))}
+
+
+def coupon_words() -> str:
+    """Tell how the coupon's fit goes back into an export."""
+    sizes = ", ".join(f"{number} {1e6 * clearance:g}" for number, clearance in enumerate(CLEARANCES, start=1))
+    return (
+        "coupon: print coupon_block and coupon_pin; the first socket in which the pin turns, by its marks, tells "
+        f"--offset-um: {sizes}"
+    )
+
+
+def doubts(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing | None) -> Iterator[str]:
+    """Yield what of the plastic parts a printer makes badly, with the part and its measure."""
+    for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
+        if not is_printed(reducer, material_part(reducer, name)):
+            continue
+        wall = min(map(thinnest_wall, part.solid.prisms))
+        if wall < THINNEST:
+            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * THINNEST:g} mm on"
+        hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
+        if hole < SMALLEST:
+            yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * SMALLEST:g} mm"
+        shape = next(mesh for mesh, place in zip(laid.meshes, laid.places, strict=True) if place.part == name)
+        if faces := faces_in_mid_air(shape):
+            told = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
+            yield f"{name} needs supports, as it lies: {told}"
+
+
+def thinnest_wall(prism: Prism) -> float:
+    """Measure the least distance between outline and holes of a prism, on their points [m]; inf without holes."""
+    pairs = combinations((prism.outline, *prism.holes), 2)
+    return min((float(np.min(cKDTree(one).query(other)[0])) for one, other in pairs), default=np.inf)
+
+
+def faces_in_mid_air(shape: Mesh) -> dict[float, float]:
+    """Measure the faces that look down above the plate: height [m] -> area [m2], if more than `LEAST_AREA`."""
+    a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
+    across = np.cross(b - a, c - a)
+    down = (across[:, 2] < 0.0) & (np.ptp(shape.vertices[shape.faces][..., 2], axis=1) == 0.0) & (a[:, 2] > 0.0)
+    heights = {float(z): float(-0.5 * across[down & (a[:, 2] == z), 2].sum()) for z in np.unique(a[down, 2])}
+    return {z: area for z, area in heights.items() if area > LEAST_AREA}
+
+
+def _diameter(hole: Array) -> float:
+    return float(np.ptp(hole, axis=0).min())
