@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cycloid_mj.analysis.spectrum import tapered_orders
     from cycloid_mj.base.record import Run
     from cycloid_mj.base.result import Curve, Quantity, Table
-    from cycloid_mj.bench import calibrate, read_loop
+    from cycloid_mj.bench import calibrate, predict_loops, read_loop
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
@@ -57,6 +57,7 @@ __all__ = [
     "measure",
     "new",
     "optimize",
+    "predict_loops",
     "rate",
     "read_log",
     "read_loop",
@@ -95,6 +96,7 @@ _ORIGINS = {
     "measure": "",
     "new": "sizing",
     "optimize": "explore",
+    "predict_loops": "bench",
     "rate": "life",
     "read_log": "log:read",
     "read_loop": "bench",

@@ -2,16 +2,19 @@
 
 from cycloid_mj.bench.calibration import Calibration, calibrate, compare_losses
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_loop
+from cycloid_mj.bench.prediction import Prediction, predict_loops
 from cycloid_mj.bench.te import BenchComparison, compare_bench, read_te
 
 __all__ = [
     "BenchComparison",
     "Calibration",
     "MeasuredLoop",
+    "Prediction",
     "calibrate",
     "compare_bench",
     "compare_losses",
     "measured_loop",
+    "predict_loops",
     "read_loop",
     "read_te",
 ]

@@ -21,7 +21,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.level import rms
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Branches, LoopCondition, model_branches, put_all
+from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import FAILED, LONG, SHORT, FitProblem, offset_scales
 from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
@@ -100,14 +100,7 @@ class Fitted:
     @cached_property
     def turns(self) -> tuple[Array, ...]:
         """The model's deflection at every measured point [rad]: that of its branch at the measured torque."""
-        turns = []
-        for loop, branches in zip(self.loops, self.branches, strict=True):
-            turn = np.empty(len(loop.torque))
-            for number, (torque, deflection) in enumerate(branches):
-                here, order = loop.branch == number, np.argsort(torque)
-                turn[here] = np.interp(loop.torque[here], torque[order], deflection[order])
-            turns.append(turn)
-        return tuple(turns)
+        return tuple(deflections(loop, branches) for loop, branches in zip(self.loops, self.branches, strict=True))
 
     @property
     def independent(self) -> tuple[float, ...]:

@@ -74,6 +74,15 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     return [branches[first.index(way)] for way in ways]
 
 
+def deflections(loop: MeasuredLoop, branches: Branches) -> Array:
+    """Compute the model's deflection at every measured point [rad], shape (n,): that of its branch at the torque."""
+    turn = np.empty(len(loop.torque))
+    for number, (torque, deflection) in enumerate(branches):
+        here, order = loop.branch == number, np.argsort(torque)
+        turn[here] = np.interp(loop.torque[here], torque[order], deflection[order])
+    return turn
+
+
 def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection: float) -> Array:
     """Compute the signed distance of every point from the model's branch, as shares of the loop's ranges.
 

@@ -24,6 +24,7 @@ from cycloid_mj.bench import (
     compare_bench,
     compare_losses,
     measured_loop,
+    predict_loops,
     read_loop,
     read_te,
 )
@@ -217,16 +218,20 @@ LOCKED = {
 """Values of the default fit, near those of the printed drives' loops."""
 
 
-def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
-    """Make a small and a large loop of `LOCKED` with contacts as many times as stiff, noise, and a model that is off.
-
-    The error is a wave along the loop of so large an rms, over its height.
-    """
-    draw, loops = np.random.default_rng(seed), []
+def locked_model(contacts: float) -> Model:
+    """Put `LOCKED` into the printed drive, with contacts as many times as stiff."""
     design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
     ends = measured_loop("ends", *[course(0.0, 25.0, -25.0, 0.0)] * 2)
     chosen = parameters(Reducer(design), tuple(LOCKED), [ends])
-    model = put_all(Model(Reducer(design), Losses(), rubs=False), chosen, np.array(list(LOCKED.values())))
+    return put_all(Model(Reducer(design), Losses(), rubs=False), chosen, np.array(list(LOCKED.values())))
+
+
+def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
+    """Make a small and a large loop of a `locked_model`, with noise and by a model that is off.
+
+    The error is a wave along the loop of so large an rms, over its height.
+    """
+    draw, model, loops = np.random.default_rng(seed), locked_model(contacts), []
     for most in (4.0, 25.0):
         torque = course(0.0, most, -most, most, -most, 0.3 * most, count=80)
         turn = locked_course(locked_curve(model.reducer, most, 0.0), slip_elements(model.reducer), torque)[80:]
@@ -234,6 +239,17 @@ def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
         turn = turn + np.ptp(turn) * (0.005 * draw.standard_normal(len(turn)) + off * math.sqrt(2.0) * wave)
         loops.append(measured_loop(f"loop-{most:g}", torque[80:], turn / DEGREE))
     return loops
+
+
+def test_a_design_predicts_its_own_loops() -> None:
+    """With the values that made them the loops are missed by their noise; with another structure by more."""
+    model = locked_model(1.0)
+    found = predict_loops(model.reducer, locked_loops(1.0, 0.0, 0))
+    assert max(found.shares) < 0.02
+    assert found.modelled.coulomb.value == pytest.approx(found.measured.coulomb.value, rel=0.05)
+    assert found.modelled.stiffness.value == pytest.approx(found.measured.stiffness.value, rel=0.05)
+    stiffer = model.reducer.design.but(springs={"housing": 2.0 * model.reducer.design.springs.housing})
+    assert predict_loops(Reducer(stiffer), locked_loops(1.0, 0.0, 0)).shares[1] > 0.1
 
 
 @pytest.mark.slow
