@@ -224,7 +224,7 @@ def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, 
 
     wanted = HEIGHTS[part, name]
     return (
-        lambda forces: f"{size(forces):.3g} MPa",
+        lambda forces: f"{float(f'{size(forces):.3g}'):g} MPa",
         lambda forces: LEAST * wanted <= size(forces) <= MOST * wanted,
     )
 

@@ -199,8 +199,8 @@ def _page(
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
         "2014). Captions are in our own words; the paper's plots are not shown, its stated values are.",
         f"{command} Crank at 1640 rpm, every figure one settled turn at one degree ({sample * LOGGED:.6g} s), from "
-        f"runs at a step of {1e6 * sample / plan.steps:.4g} us. Curves, stress and torque under load are MuJoCo's; "
-        f"independent starts and what is varied are run by {SOLVERS[plan.solver]}.",
+        f"runs at a step of {1e6 * sample / plan.steps:.4g} us. Independent starts and what is varied are run by "
+        f"{SOLVERS[plan.solver]}, all else by MuJoCo.",
     )
     return reproduction_page(stages, errata, smaller, about)
 
