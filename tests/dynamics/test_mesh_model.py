@@ -720,3 +720,9 @@ def test_fixed_pins_and_other_designs_make_models() -> None:
             mujoco.mj_step(compiled.model, data)
         assert np.isfinite(data.qacc).all()
         assert data.contact.dist.min(initial=0.0) > -1e-6
+
+
+@pytest.mark.parametrize("name", ["pin", pytest.param("twodisc", marks=pytest.mark.slow)])
+def test_meshes_of_whole_parts_compile(name):
+    """Surfaces of prisms that share vertices would be of no orientation to MuJoCo."""
+    assert build_mesh(Reducer(PRESETS[name])).model.nmesh > 0
