@@ -10,6 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 from designs import UNLIKE, design_file, unlike
@@ -265,7 +266,7 @@ def test_what_is_called_identified_is_within_its_interval(contacts: float, off: 
         found = calibrate(design, locked_loops(contacts, off, seed))
         for key, one in found.estimates.items():
             assert not one.identified or one.ci95[0] <= LOCKED[key] <= one.ci95[1], (seed, key, one)
-        assert found.estimates["structure_stiffness"].identified
+        assert off or found.estimates["structure_stiffness"].identified
 
 
 @pytest.mark.slow
@@ -288,11 +289,12 @@ def test_a_measured_loop_closes_in_stock_mujoco(kind: str) -> None:
 
 def scene_loop(reduced: ReducedJoint, loop: MeasuredLoop, offset: float, held: str) -> Array:
     """Take the stock scene of a joint slowly round a loop, less an offset of torque [N m]: L at its points [rad]."""
-    on = bench_scene(reduced, 1e-3, 1e-3)
+    on = bench_scene(reduced, 1e-3, 1e-3, "implicitfast")
     output, crank = on.place.output_speed, on.place.crank_speed
     free, still, gain = (output, crank, 1.0) if held == "crank" else (crank, output, reduced.coefficient)
     on.model.dof_armature[still] = 1e9
     on.model.dof_armature[free], on.model.dof_damping[free] = 1e-3 * gain**2, 0.05 * gain**2
+    mujoco.mj_setConst(on.model, on.data)
 
     def ramp(begin: float, end: float, parts: int) -> None:
         for torque in np.linspace(begin, end, parts):
