@@ -67,6 +67,7 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
     page.wait("document.querySelector('.drives button')", "drives that hold it", 400.0)
     shown("3-drives")
     page.click(".drives .first button")
+    page.wait("!document.querySelector('#start').open", "the form closes")
     solved(page)
     shown("4-designed")
     taken = time.monotonic() - began

@@ -82,11 +82,11 @@ class Tab:
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
-    def wait(self, script: str, what: str, seconds: float = 60.0) -> Any:
-        """Wait until a script gives something, and return it."""
+    def wait(self, script: str, what: str, seconds: float = 60.0) -> None:
+        """Wait until a script gives something, such as an element: it itself cannot be handed over."""
         for _ in range(int(seconds / 0.1)):
-            if found := self.run(script):
-                return found
+            if self.run(f"!!({script})"):
+                return
             time.sleep(0.1)
         raise TimeoutError(f"{what}: not within {seconds:g} s")
 

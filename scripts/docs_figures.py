@@ -121,11 +121,21 @@ ARTEFACTS: Mapping[str, Artefact] = {
         0.5,
     ),
     "tutorial": Artefact(
-        ("docs/tutorial.md#printed", *(f"docs/tutorial/{name}.png" for name in ("review", "tolerance", "joint"))),
+        (
+            "docs/tutorial.md#printed",
+            *(f"docs/tutorial/{name}.png" for name in ("review", "tolerance", "exploded", "joint")),
+        ),
         {},
         ((PYTHON, "scripts/tutorial.py"),),
         ("drive of the tutorial",),
         3.0,
+    ),
+    "app": Artefact(
+        tuple(f"docs/app/{name}.png" for name in ("1-asked", "2-refused", "3-drives", "4-designed")),
+        {"walk": Step((PYTHON, "scripts/app_walk.py", "--out", "{out}"))},
+        ((PYTHON, "scripts/picture.py", "walk", "{walk}"),),
+        ("files of the app",),
+        1.5,
     ),
     "models": Artefact(
         ("models/agreement.json", "models/free_running.json", "models/plain_coacd.json"),
@@ -254,6 +264,12 @@ def drive_of_the_tutorial() -> dict[str, Value]:
     return dict(new(20, 60.0, 10.0).drives[0].figures)
 
 
+def files_of_the_app() -> dict[str, Value]:
+    """Collect the digests of what the browser is sent."""
+    assets = ROOT / "cycloid_mj" / "app" / "assets"
+    return {path.name: _digest(str(path.relative_to(ROOT))) for path in sorted(assets.iterdir()) if path.is_file()}
+
+
 PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
     **{f"statics {name}": partial(statics_of, name) for name in PRESETS},
     **{f"run {kind}": partial(run_of, kind) for kind in ("free", "massless", "nonpin")},
@@ -261,6 +277,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
     "look of the animation": look_of_the_animation,
     "numbers of the paper": numbers_of_the_paper,
     "drive of the tutorial": drive_of_the_tutorial,
+    "files of the app": files_of_the_app,
 }
 
 

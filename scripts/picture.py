@@ -1,8 +1,9 @@
-"""Make the pictures of the documentation: the README's moving one, the top of a report, and that of a data sheet.
+"""Make the pictures of the documentation: the README's moving one, the tops of pages, and a walk through the app.
 
 python scripts/picture.py animation                      # models/mechanism.gif: the pin reducer under load
 python scripts/picture.py report PIN.mcap NONPIN.mcap    # models/report.png, with Chromium
 python scripts/picture.py datasheet PAGE.html            # docs/datasheet.png, with Chromium
+python scripts/picture.py walk FOLDER                    # docs/app, of what scripts/app_walk.py has taken
 
 `scripts/docs_figures.py` calls them.
 """
@@ -26,6 +27,9 @@ WIDTH, HEIGHT = 1265, 1780
 
 COLOURS = 256
 
+WALKED = ("1-asked.png", "2-refused.png", "3-drives.png", "4-designed.png")
+"""Steps of the walk through the designer's page that are shown."""
+
 
 def animation(path: Path = MODELS / "mechanism.gif") -> int:
     """Write the moving picture to a file; give the exit code."""
@@ -45,10 +49,24 @@ def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
     return 0
 
 
-def screenshot(page: Path, path: Path, width: int, height: int) -> None:
-    """Write the top of a page to a picture of a size [px]; exit with 1 where there is no Chromium."""
+def walk(folder: Path) -> int:
+    """Keep the pictures of a walk through the designer's page that the documentation shows; give the exit code."""
+    for name in WALKED:
+        keep_small(folder / name, DOCS / "app" / name)
+    return 0
+
+
+def keep_small(taken: Path, path: Path) -> None:
+    """Write a picture with few colours."""
     from PIL import Image
 
+    path.parent.mkdir(exist_ok=True)
+    with Image.open(taken) as picture:
+        picture.convert("RGB").quantize(COLOURS).save(path, optimize=True)
+
+
+def screenshot(page: Path, path: Path, width: int, height: int) -> None:
+    """Write the top of a page to a picture of a size [px]; exit with 1 where there is no Chromium."""
     chromium = shutil.which("chromium")
     if not chromium:
         sys.exit("error: the picture of a page needs Chromium (Debian: chromium)")
@@ -58,8 +76,7 @@ def screenshot(page: Path, path: Path, width: int, height: int) -> None:
         # the charts of the page are drawn by its own script, which is given this time [ms]
         look += ["--virtual-time-budget=10000", f"--screenshot={taken}"]
         subprocess.run([chromium, *look, page.resolve().as_uri()], check=True, capture_output=True)
-        with Image.open(taken) as picture:
-            picture.convert("RGB").quantize(COLOURS).save(path, optimize=True)
+        keep_small(taken, path)
 
 
 def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
@@ -70,5 +87,9 @@ def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
 
 if __name__ == "__main__":
     what, *given = sys.argv[1:] or ["animation"]
-    made = {"report": lambda: report(given), "datasheet": lambda: datasheet(given[0])}
+    made = {
+        "report": lambda: report(given),
+        "datasheet": lambda: datasheet(given[0]),
+        "walk": lambda: walk(Path(given[0])),
+    }
     sys.exit(made[what]() if what in made else animation(*map(Path, given)))

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from picture import screenshot
+from picture import keep_small, screenshot
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "tutorial.md"
@@ -41,6 +41,9 @@ SHOWN = {
     "joint/reducer.html": ("joint.png", 1180, 900),
 }
 """Pages that the commands write, and the pictures that are taken of their tops: name, width and height [px]."""
+
+MADE = {"parts/exploded.png": "exploded.png"}
+"""Pictures that the commands write, and their names beside the page."""
 
 
 def commands(lines: str) -> list[str]:
@@ -78,6 +81,8 @@ def main() -> None:
         page = with_printed(PAGE.read_text(encoding="utf-8"), folder)
         for name, (picture, width, height) in SHOWN.items():
             screenshot(folder / name, PICTURES / picture, width, height)
+        for name, picture in MADE.items():
+            keep_small(folder / name, PICTURES / picture)
     PAGE.write_text(page, encoding="utf-8")
 
 

@@ -45,7 +45,7 @@ def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
 @pytest.mark.parametrize(
     "name",
     [
-        *("picture", "report", "datasheet", "models", "measured", "compared", "paper", "authors"),
+        *("picture", "report", "datasheet", "app", "models", "measured", "compared", "paper", "authors"),
         pytest.param("tutorial", marks=pytest.mark.slow),
     ],
 )
@@ -55,13 +55,13 @@ def test_what_is_printed_is_what_the_model_says_now(script: ModuleType, name: st
 
 
 def test_the_script_lists_all_that_is_generated(script: ModuleType) -> None:
-    """Pictures and marked sections of the pages; `_drawings` are drawn with the pages, and the app's by hand."""
+    """Pictures and marked sections of the pages; `_drawings` are drawn with the pages."""
     listed = {name for artefact in script.ARTEFACTS.values() for name in artefact.files}
     commands = [" ".join(command) for artefact in script.ARTEFACTS.values() for command in artefact.last]
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
-            if not (picture.startswith(("_drawings/", "http")) or picture.endswith("app.png")):
+            if not picture.startswith(("_drawings/", "http")):
                 assert str((page.parent / picture).resolve().relative_to(ROOT)) in listed, picture
         for writer in re.findall(r"<!-- Begin of \w+: (\S+) writes", text):
             assert any(writer in command for command in commands), writer
