@@ -80,7 +80,7 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
 def solved(page: Tab) -> None:
     """Wait until the header has all its figures."""
     page.wait(
-        "(t => t.includes('h') && !t.includes('…') && !document.querySelector('#head.old'))"
+        "(t => t.includes('h') && !t.includes('…') && !document.querySelector('#head.old, #checks.old'))"
         "(document.querySelector('#head').innerText)",
         "the header has its figures",
         120.0,

@@ -64,7 +64,8 @@ function show(told) {
     showChecks(told.errors, 0);
     tabs.broken(told.errors);
   } else {
-    byId("head").classList.add("old");
+    for (const place of ["head", "checks"]) byId(place).classList.add("old");
+    section.marks([]);
     for (const one of Object.values(solved)) one.ask({ design: state.design });
     tabs.changed();
   }
@@ -122,6 +123,7 @@ function showChecks(failed, count, words = "") {
   const errors = failed.filter(one => one.severity === "error").length;
   const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
     : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
+  byId("checks").classList.remove("old");
   fill(byId("checks"),
     el("h2", { class: errors ? "fails" : failed.length ? "near" : "holds" }, el("span", { class: "mark" }, errors ? "✗" : failed.length ? "!" : "✓"), title),
     words ? el("p", {}, words) : null,
