@@ -49,7 +49,9 @@ ALL: frozenset[str] = frozenset()
 
 ON_THE_WAY = {
     KERNEL: {
-        **dict.fromkeys(("_lead", "_search", "_hardest", "_depth", "_play", "_newton", "_solve", "_roll_off"), ALL),
+        **dict.fromkeys(
+            ("_lead", "_search", "_shares", "_hardest", "_depth", "_play", "_newton", "_solve", "_roll_off"), ALL
+        ),
         **dict.fromkeys(("_open", "_along", "_give", "_direct", "_step_on", "_across", "_corner"), ALL),
         **dict.fromkeys(("_leap", "_settle", "_renew", "_solve_stable"), ALL),
         "balance": {"near"},

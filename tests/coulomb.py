@@ -1,6 +1,7 @@
 """Equilibrium under Coulomb's friction at one crank angle, with the normals of exact curves."""
 
 import numpy as np
+from scipy.optimize import root
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
@@ -33,3 +34,33 @@ def left_over(reducer: Reducer, springs: Springs, z: Array, forces: Array, load:
     pressed = springs.contacts.cam_stiffness * np.maximum(away - reducer.design.clearance.cam, 0.0)
     on_cams = pressed @ cam_pushes(springs, z, -ways / np.maximum(away, 1e-15)[:, np.newaxis])
     return np.asarray(load + forces @ pushes(reducer, springs, z) + on_cams)
+
+
+def friction_borne(reducer: Reducer, springs: Springs, load: Array, most: float) -> float:
+    """Compute up to which share of the friction parts without play carry a load (u,) [N], at the first crank angle.
+
+    At their ideal places each contact is a linear spring that only pushes, and a cam one that pulls nowhere: a system
+    that is homogeneous in departures and load. Friction comes on in steps of a hundredth until it has no solution, or
+    one of forces a thousand times the load; at `most` it ends.
+    """
+    contacts, ideal = springs.contacts, np.zeros(load.size)
+    discs = ideal[:-1].reshape(-1, 3)
+    discs[:, :2] = contacts.cam_place[0]
+    slopes, scale = exact_contacts(reducer, float(springs.crank[0]), ideal)[1], float(np.abs(load).max())
+    unit = scale / contacts.cam_stiffness
+
+    def left(z: Array, friction: float) -> Array:
+        forces = contacts.stiffness[0] * np.maximum(-slopes @ z * unit, 0.0)
+        found = load + forces @ (slopes + friction * contacts.rubbing[0])
+        away = z[:-1].reshape(-1, 3)[:, :2] * unit
+        found[:-1].reshape(-1, 3)[:, :2] -= contacts.cam_stiffness * away
+        found[2:-1:3] += friction * contacts.cam_rubbing * contacts.cam_stiffness * np.linalg.norm(away, axis=1)
+        return np.asarray(found / scale)
+
+    z, borne = np.zeros(load.size), 0.0
+    for friction in np.arange(0.0, most, 0.01):
+        found = root(left, z, args=(friction,), method="lm")
+        if np.abs(found.fun).max() > 1e-6 or np.abs(found.x[:-1].reshape(-1, 3)[:, :2]).max() > 1000.0:
+            return borne
+        z, borne = found.x, float(friction)
+    return borne

@@ -81,7 +81,7 @@ def _on_ring(reducer: Reducer, springs: Springs, torque: float, balanced: Loads,
     carried, speed = reducer.share * torque, float(against_ring(reducer.design, reducer.design.drive.speed))
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
         lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values())
-        carried *= torque / (carried + carried / reducer.design.lobes + lost / speed)
+        carried = (torque - lost / speed) / (1.0 + 1.0 / reducer.design.lobes)
         balanced = _balanced(reducer, springs, carried, follow)
     output_turn = reducer.share * balanced.output_turn + wind_up(reducer) * carried / reducer.share
     return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
@@ -121,9 +121,12 @@ def require_balance(left: Left) -> None:
     if left.friction < 1.0:
         raise RunError(
             "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
-            f"on the crank (a balance was found under at most {left.friction:.0%} of the friction)"
+            f"on the crank (a balance was found under at most {left.friction:.1%} of the friction)"
         )
-    raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
+    raise RunError(
+        "no static balance under the load was found: the search was lost; try a torque that differs by a per cent "
+        "(--load-nm), or another play (clearance)"
+    )
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:

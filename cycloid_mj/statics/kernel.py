@@ -91,10 +91,21 @@ _EXACTLY, _DAMPED, _LEAST = 2, 0.1, 1e-4
 """The path from which the foot point of every tooth is looked for; stiffness that damps Newton's steps until all
 friction is borne, as a share of the cam's for the share of the load that is left over; the least step of a path."""
 
-_MOST_POINTS, _CORRECTIONS, _WIDEST, _CORNER, _REMOTE = 5000, 8, 3.0, 1e-8, 10.0
-"""Of a path that is followed by its length: most points that are tried; most Newton steps to each, and how far it may
-be, over the length of the step; the length, in plays, below which there is a corner; and how many plays, and an
-eccentricity, it may lead to: farther on friction jams."""
+_LAGS = (1.0, -1.0, 0.0)
+"""By how much play comes after friction on the paths that are followed one after the other, until one leads to a
+balance, as a share of the way of each. Where two branches nearly meet a step may change over from one to the other."""
+
+_OPENINGS = 32
+"""Steps in which play opens where a path without friction is lost: downhill, from one least energy to the next."""
+
+_MOST_POINTS, _CORRECTIONS, _WIDEST, _CORNER, _REMOTE = 5000, 8, 0.3, 1e-8, 10.0
+"""Of a path that is followed by its length: most points that are tried; most Newton steps to each, and how far they may
+lead from where it goes straight on, over the length of the step; the length, in plays, below which there is a corner;
+and how often the play and the first give, and an eccentricity, it may lead to: farther on friction jams."""
+
+_BENT, _AROUND = 1e-3, 3.0
+"""Length of a step, in plays, at which a path may go round a corner, and how far Newton steps may lead there. A path
+that is as near its beginning again is lost in wedged parts, far from where it began."""
 
 _WEDGED, _DEEP = 100.0, 100.0
 """Force on a cam over the load, and its depth in plays, beyond which parts are wedged: friction holds what nothing has
@@ -242,12 +253,13 @@ class _System(NamedTuple):
 
 
 class _Path(NamedTuple):
-    """The path of `_open` and arrays to follow it: its points are the u departures over a `unit` [m], and the way [1].
+    """The path of `_open` with a `lag`, and arrays: its points are the u departures over a `unit` [m], and the way [1].
 
     `point`, `beyond` the next one, `ahead` the direction, of length 1, and `before`; `step`, what is `left` over and
     `end`, all (u + 1,); `room` (n,) [m] and `rate` (u,) [N] at a point; the `matrix` (u + 1, u + 1) of its equations.
     """
 
+    lag: float
     unit: float
     room: Array
     point: Array
@@ -352,7 +364,7 @@ def _search(
     finds from a `start`. From there friction is brought on and the springs are hardened, in steps that are halved until
     Newton's method, with friction and springs at once, gets to the end of each. Where that path has an end, as where
     parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then. Where all
-    of these end, the path of `_open` is followed by its length.
+    of these end, the paths of `_open` are followed by their length, one where another is lost.
 
     For `keep` see `_newton`.
     """
@@ -393,45 +405,50 @@ def _search(
         first, last = min(further, 1.0), max(further - 1.0, 0.0)
         friction, hardened = (last, first) if hardens_first else (first, last)
         soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
-    if borne < 1.0:
+    for lag in _LAGS:
+        if borne == 1.0:
+            break
         _copy(start, here)
-        opened, carried = _open(springs, k, load, here, most, system)
-        if rubbed and opened <= most and _wedged(springs, k, here, scale):
-            opened, carried = math.inf, borne
-        left, borne = min(left, opened), max(borne, carried)
+        left, carried = _open(springs, k, load, here, lag if rubbed else 0.0, most, system)
+        if rubbed and left <= most and _wedged(springs, k, here, scale):
+            left, carried = math.inf, borne
+        borne = max(borne, carried)
+        if not rubbed:
+            break
+    for step in range(_OPENINGS + 1 if left > most and not rubbed else 0):
+        opened = _opened(springs, step / _OPENINGS, system.row[:, 0].copy())
+        left = _newton(opened, k, load, here, 1.0, 0.0, _YES, most, 0.0, _NO, _YES, system)
     return Left(left / scale, borne if rubbed else 1.0, 0)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _open(
-    springs: KernelSprings, k: int, load: Array, here: Array, most: float, system: _System
+    springs: KernelSprings, k: int, load: Array, here: Array, lag: float, most: float, system: _System
 ) -> tuple[float, float]:
-    """Solve for the departures `here` (u,) [m] along the path on which friction comes on and then the play opens.
+    """Solve for the departures `here` (u,) [m] along a path on which friction grows and, with a `lag`, play.
 
     Without play and friction parts are held by springs that only push, whose energy has one least value, and Newton's
     method finds it downhill. From this only beginning the path cannot come back there: it leads to the whole friction
-    and play, or its forces grow without end, where friction jams the parts. It is followed by its length, by Newton's
-    method across it, since it turns back where parts snap over; where a contact opens or closes it has a corner, beyond
-    which it goes on in the direction that leaves the sign of its determinant (Allgower and Georg, Numerical
-    Continuation Methods, 1990, chapters 2 and 12).
+    and play, or its forces grow until they wedge the parts, where friction jams them. It is followed by its length, by
+    Newton's method across it, since it turns back where parts snap over; where a contact opens or closes it has a
+    corner, beyond which it goes on in the direction that leaves the sign of its determinant (Allgower and Georg,
+    Numerical Continuation Methods, 1990, chapters 2 and 12).
 
     Returns
     -------
-    What is left over of the load [N]; and the greatest share of friction that was borne [1].
+    What is left over of the load [N]; and the greatest share of friction that was borne with the whole play [1].
     """
-    number, rubbed = here.size, springs.rubbing.shape[0] > 0
-    path = _path(springs, number)
+    number, last, path = here.size, 1.0 + abs(lag), _path(springs, here.size, lag)
     point, beyond, allowed, borne = path.point, path.beyond, FOLLOWED / BALANCED * most, 0.0
     _newton(_opened(springs, 0.0, path.room), k, load, here, 1.0, 0.0, _YES, most, 0.0, _NO, _YES, system)
     for j in range(number):
         point[j] = here[j] / path.unit
-    point[number] = 0.0 if rubbed else 1.0
     path.ahead[number] = path.end[number] = 1.0
     left, length = _along(springs, k, load, point, path, system), 0.5
     sign = _direct(springs, k, load, point, 1.0, path, system)
     for j in range(number + 1):
         path.ahead[j] *= sign
-    farthest = _REMOTE + springs.trochoid[1] / path.unit
+    farthest = _REMOTE * (1.0 + _largest(point)) + springs.trochoid[1] / path.unit
     for _ in range(_MOST_POINTS if left <= allowed else 0):
         if not _step_on(springs, k, load, length, sign, allowed, path, system):
             length *= 0.5
@@ -440,8 +457,8 @@ def _open(
             length = _corner(springs, k, load, sign, allowed, path, system)
             if length == 0.0:
                 break
-        if beyond[number] >= 2.0:
-            share = (2.0 - point[number]) / (beyond[number] - point[number])
+        if beyond[number] >= last:
+            share = (last - point[number]) / (beyond[number] - point[number])
             for j in range(number):
                 here[j] = (point[j] + share * (beyond[j] - point[j])) * path.unit
             left = _newton(springs, k, load, here, 1.0, 1.0, _YES, most, 0.0, _NO, _NO, system)
@@ -451,16 +468,28 @@ def _open(
             length *= 0.5
             continue
         _copy(beyond, point)
-        borne = max(borne, min(point[number], 1.0))
-        if _largest(point) > farthest:
+        friction, play = _shares(lag, point[number])
+        if play >= 1.0:
+            borne = max(borne, friction)
+        if _largest(point) > farthest or (point[number] < _BENT and path.ahead[number] < 0.0):
             break
         length *= 2.0
     return math.inf, borne
 
 
+@njit(nogil=True, error_model="numpy", inline="always")
+def _shares(lag: float, way: float) -> tuple[float, float]:
+    """Compute the shares of friction and of play at a `way` along a path; beyond its end they go on growing."""
+    if lag == 0.0:
+        return way, way
+    first, second = min(way, 1.0), max(way - 1.0, 0.0)
+    return (first, second) if lag > 0.0 else (second, first)
+
+
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _path(springs: KernelSprings, number: int) -> _Path:
+def _path(springs: KernelSprings, number: int, lag: float) -> _Path:
     return _Path(
+        lag,
         _play(springs),
         np.zeros(springs.disc.size),
         np.zeros(number + 1),
@@ -510,18 +539,20 @@ def _along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Pat
     number, matrix, residual, here = load.size, path.matrix, system.residual, system.back
     for j in range(number):
         here[j] = point[j] * path.unit
-    way, rubbed = point[number], springs.rubbing.shape[0] > 0
-    friction = min(way, 1.0) if rubbed else 0.0
-    opened = _opened(springs, max(way - 1.0, 0.0), path.room)
-    if way < 1.0:
+    way, rate, lag = point[number], path.rate, path.lag
+    friction, play = _shares(lag, way)
+    opened, rubs = _opened(springs, play, path.room), (way < 1.0) == (lag > 0.0)
+    if lag == 0.0 or rubs:
         _assemble(opened, k, load, here, 1.0, friction + 1.0, _YES, system)
-        _copy(residual, path.rate)
-        _assemble(opened, k, load, here, 1.0, friction, _YES, system)
         for j in range(number):
-            path.rate[j] -= residual[j]
-    else:
-        _assemble(opened, k, load, here, 1.0, friction, _YES, system)
-        _give(springs, opened, k, here, friction, path.rate, system)
+            path.left[j] = residual[j]
+    _assemble(opened, k, load, here, 1.0, friction, _YES, system)
+    _clear(rate)
+    if lag == 0.0 or rubs:
+        for j in range(number):
+            rate[j] = path.left[j] - residual[j]
+    if lag == 0.0 or not rubs:
+        _give(springs, opened, k, here, friction, rate, system)
     for j in range(number):
         path.left[j] = residual[j]
         for m in range(number):
@@ -535,8 +566,7 @@ def _along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Pat
 def _give(
     springs: KernelSprings, opened: KernelSprings, k: int, here: Array, friction: float, rate: Array, system: _System
 ) -> None:
-    """Compute how the springs' forces change as their play opens [N], shape (u,), at departures (u,) [m]."""
-    _clear(rate)
+    """Add how the springs' forces change as their play opens to a `rate` [N], shape (u,), at departures (u,) [m]."""
     number, rubbed = here.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
         if system.pressed[i] == 0.0:
@@ -603,6 +633,7 @@ def _across(
 ) -> bool:
     """Look for the path's point a `length` ahead by Newton's method across its direction; tell whether it is found."""
     last, point, beyond, ahead, left = load.size, path.point, path.beyond, path.ahead, path.left
+    widest = _WIDEST if length > _BENT else _AROUND
     for j in range(last + 1):
         beyond[j] = point[j] + length * ahead[j]
     for _ in range(_CORRECTIONS):
@@ -618,8 +649,8 @@ def _across(
         gone = 0.0
         for j in range(last + 1):
             beyond[j] += path.step[j]
-            gone += (beyond[j] - point[j]) ** 2
-        if not gone < (_WIDEST * length) ** 2:
+            gone += (beyond[j] - point[j] - length * ahead[j]) ** 2
+        if not gone < (widest * length) ** 2:
             return False
     return False
 

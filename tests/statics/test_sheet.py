@@ -15,9 +15,9 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.measure import steady
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, powers, springs_of
+from cycloid_mj.statics import Loads, loads, powers, springs_of
 from cycloid_mj.statics.sheet import KNOWN, KNOWN_OF_KINDS, glance, known_difference, sheet, sheet_part
-from cycloid_mj.statics.springs import turn_evenly
+from cycloid_mj.statics.springs import Springs, turn_evenly
 from cycloid_mj.statics.windup import windups
 
 MEASURED = json.loads((Path(__file__).parents[1] / "data" / "measured.json").read_text())
@@ -84,17 +84,32 @@ def test_without_friction_nothing_is_lost_and_seals_take_theirs() -> None:
     assert sealed.efficiency == pytest.approx(35.0 / (35.0 + 0.7 + 0.01 * 35), rel=1e-12)
 
 
+def crank_power(design: Design, found: Loads, springs: Springs) -> float:
+    """Compute the mean power of the crank [W] from the cams' forces on the eccentrics, and their friction."""
+    turned = springs.crank[:, np.newaxis] + 2.0 * np.pi * np.arange(found.discs) / found.discs
+    ahead = np.stack([-np.cos(turned), -np.sin(turned)], axis=-1)
+    held = np.sum(found.cam * ahead, axis=(1, 2)).mean() * design.gear.eccentricity
+    pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1).mean()
+    return float((held + design.friction_of("cam") * design.gear.bore_radius * pressed) * design.drive.speed)
+
+
 def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
-    """The cam's force on the eccentric, and its friction, ask for the crank's torque."""
     design, torque = PRESETS["nonpin"], 36.68
     springs = springs_of(Reducer(design), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
-    found, ahead = (
-        loads(Reducer(design), springs, torque),
-        np.stack([-np.cos(springs.crank), -np.sin(springs.crank)], axis=1),
-    )
-    held = np.sum(found.cam[:, 0] * ahead, axis=1).mean() * design.gear.eccentricity
-    rubbed = design.friction_of("cam") * design.gear.bore_radius * np.linalg.norm(found.cam[:, 0], axis=1).mean()
-    assert powers(Reducer(design), torque).crank == pytest.approx((held + rubbed) * design.drive.speed, rel=3e-4)
+    found = loads(Reducer(design), springs, torque)
+    assert powers(Reducer(design), torque).crank == pytest.approx(crank_power(design, found, springs), rel=3e-4)
+
+
+@pytest.mark.parametrize("share", [1e-4, 1e-3])
+def test_a_ring_under_little_load_leaves_the_carrier_what_the_losses_ask_for(share: float) -> None:
+    """Discs flung outwards at four times the speed rub more than the load: the carrier is held against its sense."""
+    fast = override(PRESETS["twodisc"], ["gear.bearing=plain", "friction.cam=0.25", "friction.output=0.25"])
+    design = fast.but(output={"member": "ring"}, drive={"speed": 4.0 * fast.drive.speed})
+    springs = springs_of(Reducer(design), np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False))
+    torque = share * design.rated_torque
+    found = loads(Reducer(design), springs, torque)
+    assert powers(Reducer(design), torque).crank == pytest.approx(crank_power(design, found, springs), rel=5e-3)
+    assert np.abs(found.share).max() < 2.0
 
 
 def test_a_reducer_that_locks_says_so() -> None:
