@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,10 +9,23 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.units import unit_suffix
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, ranks
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, WIDTH, state, styled, typeset
+from cycloid_mj.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    WIDTH,
+    folded,
+    in_words,
+    state,
+    styled,
+    typeset,
+)
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 ROW_HEIGHT = 2.2
@@ -64,7 +76,7 @@ def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str],
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
-        axes.set_title(_folded(_title(sweep, name), TITLE_WIDTH))
+        axes.set_title(folded(_title(sweep, name), TITLE_WIDTH))
     for axes in panels[len(quantities) :]:
         axes.remove()
     _head(figure, sweep)
@@ -77,11 +89,8 @@ def _head(figure: Figure, sweep: Sweep) -> None:
 
 
 def _title(sweep: Sweep, name: str) -> str:
-    """Name a quantity in words, with its unit."""
-    unit = sweep.frame.units.get(name, "")
-    measure, _, key = name.rpartition(".")
-    label = key.removesuffix(f"_{unit_suffix(unit)}").replace("_", " ") + (f" [{unit}]" if unit else "")
-    return f"{measure}: {label}" if measure else label
+    """Name a column in words, with its unit."""
+    return in_words(name, sweep.frame.units.get(name, ""))
 
 
 def _line(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
@@ -98,7 +107,7 @@ def _lines(axes: Axes, sweep: Sweep, over: str, of: str, name: str) -> None:
         _one_line(
             axes, places[chosen], values[chosen], colour, f"{value:g}" if isinstance(value, float) else str(value)
         )
-    axes.legend(title=of, title_fontsize=6.5, fontsize=6.5)
+    axes.legend(title=_title(sweep, of), title_fontsize=6.5, fontsize=6.5)
     _failures(axes, sweep, over)
 
 
@@ -111,7 +120,7 @@ def _one_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> N
 
 def _places(axes: Axes, sweep: Sweep, key: str) -> Array:
     """Label the x axis with an input, and give where its values stand: words in the order that they came."""
-    axes.set_xlabel(key)
+    axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]
     words = list(dict.fromkeys(map(str, sweep[key].tolist())))
@@ -150,7 +159,7 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     first, second = number_inputs(sweep)
     x, y, z = numbers[first], numbers[second], numbers[name]
     good = np.isfinite(z)
-    axes.set(xlabel=first, ylabel=second)
+    axes.set(xlabel=_title(sweep, first), ylabel=_title(sweep, second))
     axes.grid(False)
     plane = np.column_stack([_unit(x[good]), _unit(y[good])]) if good.any() else np.empty((0, 2))
     if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
@@ -181,10 +190,10 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
             colour = VERMILION if strength > 0.5 else BLUE
             axes.plot(_places(axes, sweep, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
             axes.margins(x=0.05)
-            axes.set_xlabel(key.partition(".")[2] if row == rows - 1 else "", fontsize=7.0)
+            axes.set_xlabel(folded(_title(sweep, key), LABEL_WIDTH) if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
-                axes.set_ylabel(_folded(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
+                axes.set_ylabel(folded(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
     _head(figure, sweep)
     return figure
 
@@ -197,7 +206,3 @@ def _most_telling(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     largest = np.nan_to_num(np.abs(one.rho)).max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(one.inputs))
     kept = {one.inputs[place] for place in np.argsort(-largest, kind="stable")[:MOST_PAIRED]}
     return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[:MOST_PAIRED]
-
-
-def _folded(words: str, width: int) -> str:
-    return "\n".join(wrap(words, width))

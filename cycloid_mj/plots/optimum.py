@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
-from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, legend_above, sheet, state, styled
+from cycloid_mj.figures import figure as row_of
+from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, styled
 
 MOST_KEYS = 6
 """Keys that are drawn, a panel each."""
@@ -39,11 +40,11 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         _scatter(first, optimum, x, y)
         front = list(optimum.front)
         first.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
-        first.set(xlabel=objectives[0].key, ylabel=objectives[1].key)
+        first.set(xlabel=_label(optimum, objectives[0].key), ylabel=_label(optimum, objectives[1].key))
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter(first, optimum, np.asarray(columns["evaluation"], dtype=float), y)
-        first.set(xlabel="evaluation", ylabel=objectives[0].key)
+        first.set(xlabel="evaluation", ylabel=_label(optimum, objectives[0].key))
     breaks = len(optimum.feasible) < np.isfinite(y).sum()
     legend_above(first, *(look for look in LOOKS if breaks or look is not LOOKS[1]))
     for place, one in enumerate(varied):
@@ -51,9 +52,15 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         _scatter(
             axes, optimum, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float)
         )
-        axes.set(xlabel=one.key, ylabel="" if place % 3 else objectives[0].key)
+        axes.set(xlabel=_label(optimum, one.key), ylabel="" if place % 3 else _label(optimum, objectives[0].key))
     state(figure, optimum.words)
     return figure
+
+
+def _label(optimum: Optimum, key: str) -> str:
+    """Name a key of the design, or a figure, in words with its unit."""
+    unit = optimum.frame.units.get(key, "") if key in optimum.task.keys else row_of(key).unit
+    return in_words(key, unit)
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:

@@ -7,6 +7,7 @@ so that the two also differ in grey.
 import re
 from collections.abc import Callable
 from functools import wraps
+from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from cycloid_mj.analysis import MICROMETRE, Series
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import unit_suffix
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -121,6 +123,21 @@ def square(axes: Axes, reach: float) -> None:
 def typeset(text: str) -> str:
     """Put true minus signs before the numbers of a text."""
     return re.sub(r"(?<![\w)])-(?=[\d.])|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", text)
+
+
+def in_words(key: str, unit: str = "") -> str:
+    """Say a column's name in words, with its unit: ``clearance.cam_um`` in um is ``clearance: cam [um]``."""
+    of, _, name = key.rpartition(".")
+    ending = unit_suffix(unit)
+    for end in (ending, ending.replace("_", "_per_")):
+        name = name.removesuffix(f"_{end}")
+    label = name.replace("_", " ") + (f" [{unit}]" if unit else "")
+    return f"{of.replace('_', ' ')}: {label}" if of else label
+
+
+def folded(words: str, width: int) -> str:
+    """Break a label into lines of at most so many letters."""
+    return "\n".join(wrap(words, width))
 
 
 def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:

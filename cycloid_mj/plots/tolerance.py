@@ -10,9 +10,12 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.figures import figure as row_of
-from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled
+from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, folded, keys, sheet, state, styled
 
 MOST_BINS = 60
+NAME_WIDTH = 34
+"""Letters of a line of a figure's name."""
+
 REACH = 0.001
 """Share of the samples at either end that a histogram may leave out: jams and outliers are far away."""
 
@@ -28,7 +31,7 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 @styled
 def budget_figure(tolerances: Tolerances) -> Figure:
     """Draw the shares of the tolerances in the variance, the one to tighten first on top."""
-    figure = sheet(1.1 + 0.26 * len(tolerances.budget))
+    figure = sheet(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
     place = np.arange(len(tolerances.budget))
     total = np.array([share.total for share in tolerances.budget])
@@ -46,8 +49,8 @@ def budget_figure(tolerances: Tolerances) -> Figure:
         ("total, with 95 % confidence", {"color": SKY, "linewidth": 6}),
         ("alone", {"color": BLUE, "linewidth": 3}),
     )
-    axes.legend(handles=keys(*looks), loc="lower right")
-    state(figure, f"{tolerances.design}, {tolerances.budget_of} over the samples that do not jam")
+    figure.legend(handles=keys(*looks), loc="outside lower left", ncols=len(looks))
+    state(figure, f"{tolerances.design}, over the samples that do not jam")
     return figure
 
 
@@ -69,7 +72,7 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
 
 
 def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    axes.set_title(key, fontsize=8.0)
+    axes.set_title(folded(row_of(key).name, NAME_WIDTH), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
     axes.set_xlabel(f"[{row_of(key).unit}]")

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from cycloid_mj.plots.style import in_words
+
 ROOT = Path(__file__).parents[2]
 DRAW = [
     path
@@ -53,3 +55,10 @@ def test_axes_name_their_unit(place: str) -> None:
 def test_a_label_without_a_unit_is_seen() -> None:
     code = "axes.set(xlabel='force', ylabel=f'{part} [N]')\naxes.set_ylabel('speed')\nfigure.colorbar(x, label='p')"
     assert [label for label in labels(code) if bare(label)] == ["force", "speed", "p"]
+
+
+def test_a_column_is_named_in_words_with_its_unit() -> None:
+    assert in_words("clearance.pin_gear_um", "um") == "clearance: pin gear [um]"
+    assert in_words("stiffness_nm_per_arcmin", "N m/arcmin") == "stiffness [N m/arcmin]"
+    assert in_words("working_force.cam_n", "N") == "working force: cam [N]"
+    assert in_words("loaded_teeth") == "loaded teeth"
