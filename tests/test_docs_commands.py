@@ -54,7 +54,8 @@ OTHERS = ("python3 -m venv", ".venv/bin/", "pip install", "dask ", "python -m mu
 
 
 def blocks(text: str) -> list[tuple[str, str]]:
-    """List the code blocks of a page with their languages, without Sphinx's directives."""
+    """List the code blocks of a page with their languages, without Sphinx's directives and what commands printed."""
+    text = re.sub(r"^<!-- printed by .*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
     return [
         (language, block)
         for language, block in re.findall(r"^```(\S*)\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
-from cycloid_mj.parts import Mesh, Solid, carried, mesh, parts
+from cycloid_mj.parts import Mesh, Solid, carried, fused, mesh, parts
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
 
@@ -73,6 +73,6 @@ def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Pi
 
 def _piece(name: str, solid: Solid, place: Array) -> Piece:
     """Return a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
-    shape = mesh(solid)
+    shape = fused(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
     return Piece(name, placed, tinted(COLOURS[family(name)], name))

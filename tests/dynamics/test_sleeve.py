@@ -194,7 +194,9 @@ def test_parts_are_exported_with_bores_and_pins() -> None:
     files = export(SLEEVED, "dxf").files
     assert files["pin.dxf"].count(b"\nCIRCLE\n") == 2
     assert files["housing.dxf"].count(b"\nCIRCLE\n") == 1 + 36
-    assert set(export(SLEEVED, "stl", 2e-5).files) == {f"{part}.stl" for part in parts(Reducer(SLEEVED))}
+    assert set(export(SLEEVED, "stl", 2e-5).files) == {
+        f"{part}.stl" for part in (*parts(Reducer(SLEEVED)), "pressed_pin")
+    }
 
 
 def test_stock_collision_refuses_sleeves() -> None:

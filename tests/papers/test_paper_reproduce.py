@@ -370,12 +370,14 @@ def test_the_page_shows_the_tables_of_the_run_as_the_authors(script):
 
 def test_what_brings_a_feature_follows_from_the_table(script):
     """By removal: each row says yes or no of neither change, of each alone, and of both."""
-    features, torques = json.loads(script.AUTHORS.read_text(encoding="utf-8"))["tables"]
+    features, varied, torques = json.loads(script.AUTHORS.read_text(encoding="utf-8"))["tables"]
     names = dict(zip(features["columns"][1:5], CHANGES, strict=True))
     assert {row[0].split(",")[0] for row in features["rows"]} >= {f"Fig. {number}" for number in (6, 8, 9, 12, 13, 14)}
     for row in features["rows"]:
-        holds = {name: cell.endswith("(yes)") for name, cell in zip(names.values(), row[1:5], strict=True)}
+        holds = {name: cell.startswith("yes") for name, cell in zip(names.values(), row[1:5], strict=True)}
         assert row[-1] == brought_by(holds)
+    soft = {row[0]: row[2] for row in features["rows"]}
+    assert all(row[1] == soft[row[0]] for row in varied["rows"])
     assert [row[0] for row in torques["rows"]] == [f"{name}, {way}" for name, ways in TORQUES.items() for way in ways]
 
 
