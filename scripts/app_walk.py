@@ -78,10 +78,10 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
 
 
 def solved(page: Tab) -> None:
-    """Wait until the header has all its figures."""
+    """Wait until the header has all its figures, and the checks stand beside."""
     page.wait(
-        "(t => t.includes('h') && !t.includes('…') && !document.querySelector('#head.old, #checks.old'))"
-        "(document.querySelector('#head').innerText)",
+        "(t => t.includes('h') && !t.includes('…'))(document.querySelector('#head').innerText)"
+        " && document.querySelector('#checks h2') && !document.querySelector('#head.old, #checks.old')",
         "the header has its figures",
         120.0,
     )

@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -97,19 +97,22 @@ class Tab:
             f"&& e.innerText.includes({json.dumps(word)}))"
         )
         self.wait(f"!!{find}", f"{selector} {word} is there")
-        box = self.run(
-            f"(e => {{ e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect(); "
-            f"return [b.x + b.width / 2, b.y + b.height / 2]; }})({find})"
-        )
+        x, y = self._middle(find)
         for kind in ("mousePressed", "mouseReleased"):
-            self.send("Input.dispatchMouseEvent", type=kind, x=box[0], y=box[1], button="left", clickCount=1)
+            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def _middle(self, element: str) -> list[float]:
+        """Bring an element onto the screen and find its middle, once the page has settled there."""
+        place: list[float] = self.run(
+            f"(async e => {{ e.scrollIntoView({{block: 'center'}}); "
+            "for (let frame = 0; frame < 3; frame += 1) await new Promise(requestAnimationFrame); "
+            f"const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})({element})"
+        )
+        return place
 
     def drag(self, selector: str, by: float) -> None:
         """Drag from the middle of an element to the side, by so many pixels."""
-        x, y = self.run(
-            f"(e => {{ e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect(); "
-            f"return [b.x + b.width / 2, b.y + b.height / 2]; }})(document.querySelector({json.dumps(selector)}))"
-        )
+        x, y = self._middle(f"document.querySelector({json.dumps(selector)})")
         steps = [("mousePressed", x), *(("mouseMoved", x + by * share / 8) for share in range(1, 9))]
         for kind, at in (*steps, ("mouseReleased", x + by)):
             self.send("Input.dispatchMouseEvent", type=kind, x=at, y=y, button="left", clickCount=1)
@@ -156,10 +159,10 @@ def tab(downloads: Path | None = None) -> Iterator[Tab]:
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as browser:
             try:
                 page = Tab(_address(Path(profile) / "DevToolsActivePort", lambda: browser.poll() is None))
-                if downloads:
-                    page.send("Page.setDownloadBehavior", behavior="allow", downloadPath=str(downloads))
-                yield page
-                page.close()
+                with closing(page):
+                    if downloads:
+                        page.send("Page.setDownloadBehavior", behavior="allow", downloadPath=str(downloads))
+                    yield page
             finally:
                 browser.terminate()
 

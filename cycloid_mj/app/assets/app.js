@@ -72,6 +72,13 @@ function show(told) {
   showHead();
 }
 
+// Show nothing any longer of the design before: another one comes in its place.
+function another() {
+  state.statics = state.life = null;
+  fill(byId("checks"), el("p", { class: "soft" }, "checking …"));
+  tabs.another();
+}
+
 function refuse(changes, words) {
   if (Object.keys(changes).length && state.shown) {
     showKnobs(byId("knobs"), state.shown.knobs, apply);
@@ -120,6 +127,7 @@ function remedies(check) {
 }
 
 function showChecks(failed, count, words = "") {
+  byId("checks").classList.remove("old");
   const errors = failed.filter(one => one.severity === "error").length;
   const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
     : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
@@ -175,6 +183,7 @@ async function put(entry, step = true) {
     return false;
   }
   state.asked = { ...entry.asked };
+  another();
   show(told);
   if (step) remember("");
   else address();
@@ -202,6 +211,7 @@ async function open(content) {
     return false;
   }
   state.asked = {};
+  another();
   show(told);
   remember("");
   return true;

@@ -87,7 +87,7 @@ export class Start {
     const tick = () => { time.textContent = `${Math.round((performance.now() - began) / 1000)} s`; };
     tick();
     this.clock = setInterval(tick, 500);
-    let mine = null;
+    let mine = null, ways = -1;
     try {
       const job = await work({ kind: "size", form }, told => {
         this.job = mine = told.job;
@@ -95,7 +95,10 @@ export class Start {
         if (told.told?.doing) doing.textContent = told.told.doing;
         if (told.told?.answer) {
           doing.textContent = "what would help: trying larger ones, other processes, other materials";
-          this.#refused(found, told.told.answer, false);
+          if (told.told.answer.ways.length !== ways) { // else the buttons stay: one may just be pressed
+            ways = told.told.answer.ways.length;
+            this.#refused(found, told.told.answer, false);
+          }
         }
       });
       if (mine !== this.job || !job.result) return;

@@ -54,6 +54,8 @@ export class Tabs {
     else this.panel.classList.add("old");
   }
 
+  another() { this.last = {}; this.errors = null; this.#draw(); }
+
   broken(errors) {
     this.errors = errors;
     this.last = {};
@@ -143,18 +145,35 @@ export class Tabs {
       el("p", { class: "soft" }, "Bars: how far from failing, on a scale of tens; the line is just enough. ✓ holds, ! holds barely, ✗ does not.")]);
   }
 
+  // How far work has come, and a button that stops it: made once, and brought up to date where it stands.
+  #progress(job, told) {
+    if (told) Object.assign(job, { number: told.job, told: told.told });
+    if (!job.row) {
+      job.bar = el("progress", { max: "1" });
+      job.says = el("span", { class: "soft" });
+      job.row = el("div", { class: "go" }, job.bar, job.says, el("button", { onclick: () => job.number && stop(job.number) }, "Stop"));
+    }
+    if (job.told?.share === undefined) job.bar.removeAttribute("value");
+    else job.bar.value = job.told.share;
+    job.says.textContent = `${job.words}: ${job.told?.doing || "waits"}`;
+    return job.row;
+  }
+
   // Long studies: a button starts them, they tell what they find on their way.
   #study(key, label, content, draw, before = null) {
     const last = this.last[key], job = this.jobs[key];
     const begin = async () => {
-      const mine = this.jobs[key] = { asked: this.state().design };
+      const mine = this.jobs[key] = { asked: this.state().design, words: label };
       this.last[key] = null;
       this.#draw();
+      let seen = "";
       try {
         const done = await work({ kind: key, design: this.state().design, ...content() }, told => {
-          mine.number = told.job;
-          mine.told = told.told;
-          if (told.told?.seen || told.told?.rows) this.last[key] = { told: told.told.seen || { rows: told.told.rows } };
+          this.#progress(mine, told);
+          const found = told.told?.seen || (told.told?.rows && { rows: told.told.rows });
+          if (!found || JSON.stringify(found) === seen) return;
+          seen = JSON.stringify(found);
+          this.last[key] = { told: found };
           if (this.open === key && this.jobs[key] === mine) this.#draw();
         });
         if (done.result) this.last[key] = { told: done.result, old: mine.asked !== this.state().design };
@@ -163,8 +182,7 @@ export class Tabs {
       if (this.open === key) this.#draw();
     };
     return [
-      el("div", { class: "go" }, before, job ? [el("progress", { max: "1", value: String(job.told?.share ?? 0), "aria-label": label }), el("span", { class: "soft" }, job.told?.doing || "waits"), el("button", { onclick: () => job.number && stop(job.number) }, "Stop")]
-        : el("button", { class: "strong", onclick: begin }, label)),
+      job ? this.#progress(job) : el("div", { class: "go" }, before, el("button", { class: "strong", onclick: begin }, label)),
       last?.old ? el("p", { class: "near" }, "! The design has changed since: do it again.") : null,
       last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.told))) : null];
   }
@@ -217,7 +235,7 @@ export class Tabs {
       const mine = this.jobs.make = { words };
       this.#draw();
       try {
-        const done = await work({ kind, design: this.state().design }, told => { mine.number = told.job; mine.told = told.told; if (this.open === "make" && this.jobs.make === mine) this.#draw(); });
+        const done = await work({ kind, design: this.state().design }, told => this.#progress(mine, told));
         if (done.files.length) download(done);
         if (done.page) this.report = done.job;
       } catch (error) { toast(error.message); this.wrong = error.message; }
@@ -229,7 +247,7 @@ export class Tabs {
       el("h3", {}, "Run it"), el("div", { class: "go" }, el("button", { class: "strong", disabled: blocked, onclick: () => { this.wrong = ""; begin("run", "Run in MuJoCo"); } }, "Run in MuJoCo"),
         this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "a turn at full speed under the load; its report opens beside")),
       el("h3", {}, "Take it along"), el("div", { class: "make" }, Object.entries(this.offers?.files || {}).map(([kind, words]) => el("button", { disabled: blocked && kind !== "toml", onclick: () => { this.wrong = ""; begin(kind, words); } }, words))),
-      running ? el("div", { class: "go" }, el("progress", running.told?.share === undefined ? {} : { max: "1", value: String(running.told.share) }), el("span", {}, `${running.words}: ${running.told?.doing || "waits"}`), el("button", { onclick: () => running.number && stop(running.number) }, "Stop")) : null,
+      running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
       this.errors ? el("p", { class: "fails" }, "✗ It cannot be built yet: mend it first, the buttons above the tabs say how.") : null];
   }

@@ -1,0 +1,90 @@
+"""The designer's page in a real browser: from what a drive is to do to the drive, by mouse and keyboard alone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from app_walk import SIZES, looks, serving, solved, walk
+from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(not CHROMIUM, reason=MISSING)]
+
+
+@pytest.fixture(scope="module")
+def downloads(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("downloads")
+
+
+@pytest.fixture(scope="module")
+def page(downloads: Path) -> Iterator[Tab]:
+    with serving() as address, tab(downloads) as one:
+        one.screen(1400, 950)
+        walk(one, address, lambda _: None)
+        yield one
+
+
+@pytest.fixture(autouse=True)
+def quiet(page: Tab) -> Iterator[None]:
+    """Hold every test to leave no error on the console."""
+    yield
+    assert not page.errors
+
+
+def head(page: Tab) -> str:
+    return str(page.run("document.querySelector('#head').innerText"))
+
+
+def test_a_stranger_is_led_to_a_drive_that_does_what_it_is_to_do(page: Tab) -> None:
+    assert head(page).startswith("15:1 ✓")
+    assert "✗" not in head(page)
+    assert "15:1" in page.run("document.title")
+
+
+def test_it_is_looked_at_from_all_sides_broken_and_mended(page: Tab) -> None:
+    seen: list[str] = []
+    looks(page, seen.append)
+    assert len(seen) == 4
+
+
+def test_keys_undo_and_redo_and_the_address_holds_the_design(page: Tab) -> None:
+    before = page.run("location.hash")
+    page.run("document.getElementById('k-gear.face_width_mm').focus()")
+    page.key("ArrowRight")
+    page.wait(f"location.hash !== {before!r}", "the width is another")
+    after = page.run("location.hash")
+    page.key("z", 2)
+    page.wait(f"location.hash === {before!r}", "undone")
+    page.key("z", 2 | 8)
+    page.wait(f"location.hash === {after!r}", "redone")
+    address = page.run("location.origin")
+    page.go("about:blank")
+    page.go(f"{address}/{after}")
+    page.wait(f"location.hash === {after!r} && document.title.includes('15:1')", "opened by its address")
+
+
+def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
+    page.run("document.querySelector('[data-key=\"ring.teeth\"] [type=number]').select()")
+    page.type("3")
+    page.key("Enter")
+    page.wait("document.querySelector('.refused .said').innerText.includes('ring.teeth = 3')", "refused where it is")
+    solved(page)
+
+
+def test_the_file_is_saved_under_the_designs_own_name(page: Tab, downloads: Path) -> None:
+    name = page.run("document.querySelector('#name').value")
+    page.key("s", 2)
+    for _ in range(200):
+        if (file := downloads / f"{name}.toml").exists():
+            break
+        page.listen(0.1)
+    assert "teeth = 16" in file.read_text()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", SIZES)
+def test_nothing_sticks_out_of_any_screen(page: Tab, width: int, scheme: str) -> None:
+    page.screen(width, SIZES[width], scheme)
+    for word in ("Figures", "Loads", "Life", "A | B", "Make"):
+        page.click("[role=tab]", word)
+        assert not page.run(OVERHANG), word
+    assert page.run("document.documentElement.scrollWidth") == width
