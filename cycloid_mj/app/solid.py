@@ -6,11 +6,14 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import SHAFT
+from cycloid_mj.base.names import OUTPUT, PIN, SHAFT, gears
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 from cycloid_mj.scene.shape import shapes
+
+MOVES = {SHAFT: "crank", OUTPUT: "output"}
+"""Body -> what it moves with; discs move each with its own phase, others stand."""
 
 
 def assembly(reducer: Reducer) -> dict[str, Any]:
@@ -22,22 +25,16 @@ def assembly(reducer: Reducer) -> dict[str, Any]:
         A part of the design cannot be made.
     """
     design, bodies = reducer.design, list[dict[str, Any]]()
-    discs = [name for name in shapes(reducer) if name.startswith("gear")]
+    phases = dict(zip(gears(design.gear.discs), map(float, reducer.phases), strict=True))
     for name, pieces in shapes(reducer).items():
-        places = ring_places(reducer) if name == "pin" else np.zeros((1, 2))
+        places = ring_places(reducer) if name == PIN else np.zeros((1, 2))
         for piece in pieces:
             corners = piece.mesh.vertices[piece.mesh.faces].reshape(-1, 3)
             bodies.append(
                 {
                     "name": name,
-                    "moves": "disc"
-                    if name in discs
-                    else "crank"
-                    if name == SHAFT
-                    else "output"
-                    if name == "output"
-                    else "",
-                    "phase": float(reducer.phases[discs.index(name)]) if name in discs else 0.0,
+                    "moves": "disc" if name in phases else MOVES.get(name, ""),
+                    "phase": phases.get(name, 0.0),
                     "colour": list(piece.colour),
                     "corners": _packed(corners),
                     "places": np.round(MILLIMETRES * places, 4).tolist(),
