@@ -2,7 +2,6 @@
 
 import json
 import logging
-import math
 import threading
 import traceback
 import webbrowser
@@ -20,6 +19,7 @@ from cycloid_mj.app.made import FILES
 from cycloid_mj.app.state import values_of
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.result import plain
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import PROCESSES
@@ -146,7 +146,7 @@ class Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.NOT_FOUND, b"This is gone: make it again.\n", "text/plain")
 
     def _send_json(self, status: HTTPStatus, content: Any) -> None:
-        self._send(status, json.dumps(_finite(content), separators=(",", ":")).encode(), "application/json")
+        self._send(status, json.dumps(plain(content), separators=(",", ":")).encode(), "application/json")
 
     def _send(self, status: HTTPStatus, body: bytes, kind: str, name: str | None = None) -> None:
         self.send_response(status)
@@ -195,12 +195,3 @@ def _asset(name: str) -> bytes | None:
         return None
     file = resources.files("cycloid_mj.app").joinpath("assets", name)
     return file.read_bytes() if file.is_file() else None
-
-
-def _finite(content: Any) -> Any:
-    """Put nothing in the place of numbers that JSON has not."""
-    if isinstance(content, dict):
-        return {key: _finite(value) for key, value in content.items()}
-    if isinstance(content, (list, tuple)):
-        return [_finite(value) for value in content]
-    return None if isinstance(content, float) and not math.isfinite(content) else content
