@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.knobs import label_of
+from cycloid_mj.app.knobs import SYMBOLS, label_of
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
@@ -45,8 +45,6 @@ LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "sea
 
 POSES, EXACT = 61, 5e-3
 """Crank angles, and relative accuracy, of the rated torque in the header."""
-
-SYMBOLS = {"um": "µm", "nm": "N m", "mpa": "MPa", "kw": "kW", "kg_m3": "kg/m³", "c": "°C"}
 
 
 def geometry(reducer: Reducer) -> dict[str, Any]:

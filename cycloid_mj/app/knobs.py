@@ -88,7 +88,8 @@ MADE_OF = {
 
 LAYOUT, MATERIAL = "Layout", "Materials"
 
-SYMBOLS = {"mm": "mm", "um": "µm", "nm": "N m", "rpm": "rpm", "h": "h"}
+SYMBOLS = {"um": "µm", "nm": "N m", "mpa": "MPa", "kw": "kW", "kg_m3": "kg/m³", "c": "°C"}
+"""Units in keys of a design file -> as they are written; others are written as they stand there."""
 
 COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
 """Whole numbers, and how many times more or less of them a slider reaches."""
