@@ -23,7 +23,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.lasting import decides, lasting_checks
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sheet import glance
+from cycloid_mj.statics.sheet import glance, load_of
 
 NAMES = {
     "backlash_arcmin": "Backlash",
@@ -70,7 +70,7 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 def statics(reducer: Reducer) -> dict[str, Any]:
     """Return the figures of a sound design by statics, at its load; errors as `glance`."""
     design = reducer.design
-    sheet = glance(reducer, abs(design.load.torque) or None)
+    sheet = glance(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
     tooth = design.tooth_pair
@@ -96,7 +96,8 @@ def statics(reducer: Reducer) -> dict[str, Any]:
 def life(reducer: Reducer) -> dict[str, Any]:
     """Return the rating of a sound design at its load: its items, its life, and the torque for the life asked for."""
     design, asked = reducer.design, reducer.design.service.life
-    rating = rate(design, steady(abs(design.load.torque) or design.rated_torque, design.drive.speed), asked)
+    load, _ = load_of(reducer)
+    rating = rate(design, steady(load, design.drive.speed), asked)
     ends = [item.life for item in rating.items.values() if decides(item) and item.life is not None]
     shortest = min(ends, default=math.inf)
     try:

@@ -15,6 +15,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import load_of
 
 LARGEST_PLAY = 1000.0
 
@@ -41,7 +42,8 @@ def opened(content: Content) -> dict[str, Any]:
 
 def loaded(design: Design) -> Design:
     """Put the rated torque on a design without load."""
-    return design.but(load={"torque": abs(design.load.torque) or design.rated_torque})
+    load, _ = load_of(Reducer(design))
+    return design.but(load={"torque": load})
 
 
 def shown(design: Design, content: Content) -> dict[str, Any]:

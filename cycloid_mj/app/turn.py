@@ -11,6 +11,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, sense
 from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.statics import loads, springs_of, transmission_error
+from cycloid_mj.statics.sheet import load_of
 from cycloid_mj.statics.working import working_at
 
 POSES = 72
@@ -90,6 +91,6 @@ def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any
 
 def _loaded(reducer: Reducer) -> tuple[Reducer, float]:
     design = reducer.design
-    load = abs(design.load.torque) or design.rated_torque
+    load, _ = load_of(reducer)
     way = float(np.sign(design.drive.speed)) or 1.0
     return working_at(reducer.but(load={"torque": load}), load), way * load
