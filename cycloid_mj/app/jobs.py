@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 
 MOST_WAITING = 6
 MOST_KEPT = 40
-"""Jobs that wait, and that are kept after they are done."""
+"""Jobs that wait, and that are kept after they are done or stopped."""
 
 
 @dataclass
@@ -60,7 +60,7 @@ class Jobs:
             raise UsageError("too much work waits already: stop some of it, or wait")
         job = Job(next(self._numbers))
         self._jobs[job.number] = job
-        for old in [one for one, other in self._jobs.items() if other.state == "done"][:-MOST_KEPT]:
+        for old in [one for one, other in self._jobs.items() if other.state in ("done", "stopped")][:-MOST_KEPT]:
             del self._jobs[old]
         threading.Thread(target=self._run, args=(job, work, args), daemon=True).start()
         return job

@@ -24,7 +24,7 @@ from designs import UNLIKE, unlike
 from cycloid_mj.app import answers, asked, made, scatter, solid, turn
 from cycloid_mj.app.asks import AT_ONCE, SOLVED, draw, loaded, long_work
 from cycloid_mj.app.drawing import PLACES, section
-from cycloid_mj.app.jobs import MOST_WAITING, Jobs, Made
+from cycloid_mj.app.jobs import MOST_KEPT, MOST_WAITING, Jobs, Made
 from cycloid_mj.app.knobs import knobs
 from cycloid_mj.app.local import allowed
 from cycloid_mj.app.server import LARGEST, MOST_ASKED, PageServer
@@ -359,6 +359,22 @@ def test_a_job_is_stopped_while_it_runs_and_while_it_waits() -> None:
     jobs.stop(first.number)
     assert waiting(first, "stopped").error == ""
     assert waiting(second, "stopped").result is None
+
+
+def test_only_the_last_jobs_are_kept_done_or_stopped() -> None:
+    worker = Slow()
+    jobs = Jobs(worker)  # type: ignore[arg-type]
+    first = jobs.start(lambda told: {})
+    waiting(first, "runs")
+    stopped = []
+    for _ in range(MOST_KEPT + 2):
+        stopped.append(jobs.start(lambda told: {}))
+        jobs.stop(stopped[-1].number)
+    assert jobs.get(first.number) is first
+    with pytest.raises(UsageError, match="gone"):
+        jobs.get(stopped[0].number)
+    assert jobs.get(stopped[-1].number).state == "stopped"
+    worker.go.set()
 
 
 def test_only_so_much_waits() -> None:
