@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.analysis.spectrum import periodic_orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
 from cycloid_mj.parts import output_centres
@@ -20,7 +21,8 @@ POSES = 72
 PER_PERIOD = 12
 """Crank angles in a mesh period at which the transmission error is solved."""
 
-MOST_ORDERS = 60
+MOST_ORDER = 60.0
+"""Cycles in a turn of the crank."""
 
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
@@ -60,19 +62,18 @@ def error(reducer: Reducer) -> dict[str, Any]:
     """Compute the transmission error over a turn and its orders, at the load and without it, by statics."""
     reducer, load = _loaded(reducer)
     design = reducer.design
-    points = PER_PERIOD * reducer.mesh_periods
-    crank = np.linspace(0.0, reducer.mesh_turn, points, endpoint=False)
+    crank = np.linspace(0.0, reducer.mesh_turn, PER_PERIOD * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
         angle = ARCSECONDS * sense(design) * transmission_error(reducer, crank, share * load)[:, 1]
         angle = angle - angle.mean()
-        sizes = 2.0 * np.abs(np.fft.rfft(angle)) / points
-        count = min(MOST_ORDERS, len(sizes) - 1)
+        found = periodic_orders(crank, angle, 2.0 * np.pi / reducer.mesh_turn, MOST_ORDER)
         curves.append(
             {
                 "name": name,
                 "arcsec": np.round(angle, 4).tolist(),
-                "orders": np.round(sizes[1 : count + 1], 5).tolist(),
+                "orders": np.round(found.order, 4).tolist(),
+                "amplitudes": np.round(found.amplitude, 5).tolist(),
                 "peak_to_peak": float(np.ptp(angle)),
             }
         )

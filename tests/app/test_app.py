@@ -201,7 +201,18 @@ def test_the_transmission_error_of_the_page_is_that_of_statics() -> None:
     loaded_curve = told["curves"][0]
     assert loaded_curve["peak_to_peak"] == pytest.approx(np.ptp(loaded_curve["arcsec"]), abs=1e-3)
     rms = np.sqrt(np.mean(np.square(loaded_curve["arcsec"])))
-    assert 0.95 * rms < np.linalg.norm(loaded_curve["orders"]) / math.sqrt(2.0) < 1.0001 * rms
+    assert 0.95 * rms < np.linalg.norm(loaded_curve["amplitudes"]) / math.sqrt(2.0) < 1.0001 * rms
+
+
+def test_orders_are_of_a_turn_of_the_crank_where_the_ring_turns_too() -> None:
+    """Seen from it the crank turns by the share alone; the output pins come by once each in that."""
+    reducer = Reducer(loaded(override(PRESETS["pin"], {"output.member": "ring"})))
+    told = turn.error(reducer)
+    curve = told["curves"][0]
+    assert told["mesh"] == reducer.design.ring.teeth - 1
+    assert curve["orders"][0] == pytest.approx(reducer.share, abs=1e-4)
+    strongest = curve["orders"][int(np.argmax(curve["amplitudes"]))]
+    assert strongest == pytest.approx(reducer.design.output.pins * reducer.share, abs=1e-4)
 
 
 def test_triangles_of_the_assembly_close_and_carry_their_motion() -> None:

@@ -47,13 +47,14 @@ export function lines(title, x, series, labels) {
   return el("figure", {}, el("h3", {}, title), drawn, told);
 }
 
-// Upright bars: {x, y, name}; those named stand out.
-export function spikes(title, values, labels, named = new Map()) {
-  const { across, up, axes } = frame([0, values.length + 1], [0, 1.08 * Math.max(...values) || 1], labels);
+// Upright bars at orders; those named stand out: [order, name] each.
+export function spikes(title, orders, values, labels, named) {
+  const between = orders[0], { across, up, axes } = frame([0, orders[orders.length - 1] + between], [0, 1.08 * Math.max(...values) || 1], labels);
   const wide = Math.max(1.5, 0.62 * (W - LEFT - RIGHT) / (values.length + 1));
+  const name = order => named.find(([at]) => Math.abs(at - order) < between / 2)?.[1];
   return el("figure", {}, el("h3", {}, title), chart(title, axes, values.map((value, at) => svg("g", {},
-    svg("rect", { x: across(at + 1) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: named.has(at + 1) ? "spike named" : "spike" }, svg("title", {}, `order ${at + 1}: ${number(value)}`)),
-    named.has(at + 1) ? svg("text", { x: across(at + 1), y: Math.max(TOP + 10, up(value) - 4), "text-anchor": "middle", class: "label" }, named.get(at + 1)) : null))));
+    svg("rect", { x: across(orders[at]) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: name(orders[at]) ? "spike named" : "spike" }, svg("title", {}, `order ${number(orders[at])}: ${number(value)}`)),
+    name(orders[at]) ? svg("text", { x: across(orders[at]), y: Math.max(TOP + 10, up(value) - 4), "text-anchor": "middle", class: "label" }, name(orders[at])) : null))));
 }
 
 export function histogram(title, edges, counts, unit, marks) {

@@ -117,10 +117,9 @@ export class Tabs {
   #error() {
     return this.#of("error", told => {
       const [loaded, idle] = told.curves;
-      const named = new Map([[told.mesh, "mesh"], [2 * told.mesh, "2 × mesh"]].filter(([order]) => order <= loaded.orders.length));
       return [
         lines("Transmission error of the output", told.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
-        spikes("Orders, at the load", loaded.orders, ["per turn of the crank", "amplitude [arcsec]"], named),
+        spikes("Orders, at the load", loaded.orders, loaded.amplitudes, ["per turn of the crank", "amplitude [arcsec]"], [[told.mesh, "mesh"], [2 * told.mesh, "2 × mesh"]]),
         el("p", { class: "soft" }, "By statics, without friction, about its mean; manufacturing errors are those of the design.")];
     });
   }
