@@ -11,12 +11,13 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag
+from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint
     from cycloid_mj.robot.against import Against
+    from cycloid_mj.robot.population import Population
     from cycloid_mj.robot.study import Tried
 
 OUT = "runs/reduce"
@@ -45,15 +46,29 @@ InertiaFlag = Annotated[
     float | None,
     Parameter(metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reducer's own, reflected."),
 ]
+SpreadFlag = Annotated[
+    bool,
+    Parameter(
+        negative="",
+        help="Draw drives of the design and write their joints' parameters as distributions, for training on all of "
+        "them.",
+    ),
+]
+SamplesFlag = Annotated[int, Parameter(converter=whole, help="Drives that --spread draws.")]
+SeedFlag = Annotated[int, Parameter(converter=whole, help="Of the draws: the same seed gives the same drives.")]
+MOST_SAMPLES = 100_000
 
 STEM = "reducer"
 FILES = ("joint.xml", "scene.xml", "bam.json")
 BESIDE = ("lossy_joint.xml", "lossy_scene.xml", "joint.py")
 """Written at the levels that have springs."""
+SAMPLES = "samples.csv"
+"""Written with ``--spread``."""
 
 EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
   cycloid-mj reduce --design my.toml --level backlash --load-inertia-kgm2 0.5 --timestep-ms 2 --out joint
+  cycloid-mj reduce --design my.toml --spread --samples 200 --seed 1 --out joint
   python -m mujoco.viewer --mjcf=joint/scene.xml"""
 
 
@@ -74,6 +89,9 @@ def reduce(
     timestep_ms: StepFlag = None,
     integrator: IntegratorFlag = None,
     load_inertia_kgm2: InertiaFlag = None,
+    spread: SpreadFlag = False,
+    samples: SamplesFlag = 100,
+    seed: SeedFlag = 0,
     delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Reduce a reducer to one joint for a robot's model.
@@ -88,19 +106,30 @@ def reduce(
     What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
     any model. lossy_joint.xml and lossy_scene.xml are the same joint with a loss that grows
     with the load in MuJoCo alone, without that step; joint.py is that step by numpy alone.
+
+    --spread draws drives within the design's [tolerance], and friction and stiffness of the
+    cam within the ranges that measure efficiency states: samples.csv has play, stiffness,
+    friction, loss and transmission error of each, "spread" of reducer.json their mean,
+    spread, percentiles and correlation. Joint.varied of joint.py makes a joint of a row.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.robot.against import against
     from cycloid_mj.robot.measured import reduce as measured
+    from cycloid_mj.robot.population import population
     from cycloid_mj.robot.study import scene, study
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
+    if not 2 <= samples <= MOST_SAMPLES:
+        raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
+    if seed < 0:
+        raise UsageError(f"--seed {seed}: give 0 or more")
     design = chosen.sound()
-    place = claimed(delivery, STEM, (*FILES, *BESIDE), OUT, paged=True)
+    place = claimed(delivery, STEM, (*FILES, *BESIDE, *([SAMPLES] if spread else [])), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
+    drives = population(Reducer(design), samples, seed, counted("spread", delivery.quiet)) if spread else None
     inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
     # the full model has no friction that holds the wind-up, nor does what an impact is held against
     without = replace(reduced, slips=())
@@ -116,7 +145,7 @@ def reduce(
     )
     lossy = reduced.level != "rigid"
     slow = asked if asked.integrator == "discrete" or not lossy else scene(without, inertia, step, ("discrete",))
-    return deliver(_outcome(reduced, comparison, steps, asked, slow if lossy else None), place, delivery)
+    return deliver(_outcome(reduced, comparison, steps, asked, slow if lossy else None, drives), place, delivery)
 
 
 def _outcome(
@@ -125,6 +154,7 @@ def _outcome(
     steps: "tuple[Tried, ...]",
     asked: "Tried",
     slow: "Tried | None",
+    drives: "Population | None",
 ) -> Outcome:
     from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.base.result import plain, quantity_table
@@ -137,6 +167,7 @@ def _outcome(
 
     bammed, quantities = bam(reduced), reduced.quantities
     lossy, efficiencies = {}, []
+    drawn = {SAMPLES: drives.frame.as_csv()} if drives else {}
     if slow:
         scene = lossy_scene_xml(reduced, slow.inertia, slow.timestep)
         lossy = dict(zip(BESIDE, (lossy_joint_xml(reduced), scene, getsource(standalone)), strict=True))
@@ -160,11 +191,15 @@ def _outcome(
             *([lossy_table(efficiencies)] if efficiencies else []),
             recommended_table(steps),
             table(steps),
+            *(drives.tables() if drives else ()),
         ],
-        notes=[f"{one.name}: {one.note}" for one in quantities.values() if one.note],
+        notes=[
+            *(f"{one.name}: {one.note}" for one in quantities.values() if one.note),
+            *(drives.notes if drives else ()),
+        ],
         frame=quantity_frame(quantities),
-        files={name: text.encode() for name, text in (*zip(FILES, texts, strict=True), *lossy.items())},
-        page=partial(joint_page, reduced, comparison, steps, asked, bammed),
+        files={name: text.encode() for name, text in (*zip(FILES, texts, strict=True), *lossy.items(), *drawn.items())},
+        page=partial(joint_page, reduced, comparison, steps, asked, bammed, drives),
         result=plain(
             {
                 **reduced.as_json(),
@@ -174,6 +209,7 @@ def _outcome(
                 "te_holds_to_rpm": comparison.highest_speed_rpm,
                 "recommended": recommended(steps),
                 "steps": [one.as_json() for one in steps],
+                **({"spread": drives.as_json()} if drives else {}),
             }
         ),
     )

@@ -32,12 +32,18 @@ PERIODS = 4
 
 @dataclass(frozen=True)
 class Input:
-    """One input at the ends of its range: the values there, in `unit`, and the designs with them."""
+    """One input at the ends of its range: the values there, in `unit`, and the designs with them.
+
+    `table` of the design is what it is in, `low_values` and `high_values` are the values there [SI], by their keys.
+    """
 
     name: str
     unit: str
     low: float
     high: float
+    table: str
+    low_values: Mapping[str, float]
+    high_values: Mapping[str, float]
     low_design: Design
     high_design: Design
 
@@ -45,6 +51,10 @@ class Input:
     def ends(self) -> tuple[Design, Design]:
         """The designs at both ends."""
         return self.low_design, self.high_design
+
+    def between(self, share: float) -> dict[str, float]:
+        """Return the values [SI] by their keys, at a share between 0 and 1 of the range of their logarithms."""
+        return {key: low ** (1.0 - share) * self.high_values[key] ** share for key, low in self.low_values.items()}
 
 
 @dataclass(frozen=True)
@@ -134,16 +144,29 @@ def _input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
 ) -> Input:
     """Return an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
-    low, high = (reducer.but(**{table: dict.fromkeys(keys, end)}) for end in ends)
-    return Input(name, unit, scale * ends[0], scale * ends[1], low.design, high.design)
+    low, high = (dict.fromkeys(keys, end) for end in ends)
+    return _between(reducer, name, unit, (scale * ends[0], scale * ends[1]), table, low, high)
 
 
 def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
     """Return the plays of pairs in series, which add up."""
-    plays = [{kind: factor * getattr(reducer.design.clearance, kind) for kind in kinds} for factor in factors]
-    least, most = (sum(1e6 * play for play in end.values()) for end in plays)
-    low, high = (reducer.but(clearance=end) for end in plays)
-    return Input(name, "um", least, most, low.design, high.design)
+    low, high = ({kind: factor * getattr(reducer.design.clearance, kind) for kind in kinds} for factor in factors)
+    least, most = (sum(1e6 * play for play in end.values()) for end in (low, high))
+    return _between(reducer, name, "um", (least, most), "clearance", low, high)
+
+
+def _between(
+    reducer: Reducer,
+    name: str,
+    unit: str,
+    ends: tuple[float, float],
+    table: str,
+    low: Mapping[str, float],
+    high: Mapping[str, float],
+) -> Input:
+    """Return an input with the designs that have these values of a table."""
+    designs = [reducer.but(**{table: values}).design for values in (low, high)]
+    return Input(name, unit, *ends, table, low, high, *designs)
 
 
 def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:

@@ -14,6 +14,7 @@ from cycloid_mj.report.encode import encoded
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 from cycloid_mj.robot.against import Against
+from cycloid_mj.robot.population import Population
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.study import Tried, recommended_table
 from cycloid_mj.robot.study import table as study_table
@@ -28,7 +29,12 @@ LOADS = (0.0, 0.5, 1.0)
 
 
 def joint_page(
-    reduced: ReducedJoint, against: Against, steps: Sequence[Tried], asked: Tried, bam: Mapping[str, Any]
+    reduced: ReducedJoint,
+    against: Against,
+    steps: Sequence[Tried],
+    asked: Tried,
+    bam: Mapping[str, Any],
+    drives: Population | None = None,
 ) -> str:
     """Write the page: one HTML file that needs no network."""
     panels = list(dict.fromkeys(curve.panel for curve in against.curves))
@@ -41,6 +47,7 @@ def joint_page(
             reducer=reduced,
             numbers=list(_numbers(reduced).items()),
             quantities=_quantities(reduced),
+            population=[{"title": one.title, "text": _texts(one)} for one in (drives.tables() if drives else ())],
             comparison=_texts(against.table()),
             missed=against.missed,
             figures=figures,

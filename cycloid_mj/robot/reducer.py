@@ -21,6 +21,7 @@ from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.ripple import Ripple
+from cycloid_mj.robot.standalone import varied
 
 Level = Literal["rigid", "backlash", "full"]
 """How much of the reducer the joint has: ratio, inertia and constant friction; play and springs too; load-dependent
@@ -226,6 +227,10 @@ class ReducedJoint:
         if level not in LEVELS:
             raise UsageError(f"there is no level {level!r}: choose {', '.join(LEVELS)}")
         return replace(self, level=level)
+
+    def varied(self, factors: Mapping[str, float]) -> Self:
+        """Return the joint with its parameters times factors, by the keys of `robot.standalone.PARAMETERS`."""
+        return self.from_json({JOINT: varied(self._values(), factors)})
 
     def step(self, model: Any, data: Any) -> None:
         """Write friction under the load and the transmission error into a model: call it before each ``mj_step``.

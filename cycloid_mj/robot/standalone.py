@@ -6,10 +6,17 @@
     joint = joint.Joint("joint/reducer.json")
     joint.step(model, data)  # before each mujoco.mj_step(model, data)
 
+With `--spread`, a row of samples.csv makes another drive of the same design of it:
+
+    other = joint.varied(rows[7])
+    other.write(model)  # play, stiffness and friction without a load, as MJCF has them
+
 For MJX, `terms` is a pure function of arrays: give it ``xp=jax.numpy``, and put what it returns into the model.
 """
 
+import copy
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,6 +38,41 @@ class Terms(NamedTuple):
     frictionloss: Any
 
 
+PARAMETERS = (
+    "backlash_arcmin",
+    "stiffness_nm_per_arcmin",
+    "no_load_torque_nm",
+    "loss_percent",
+    "te_loaded_forward_arcsec",
+)
+"""Parameters of the joint of a drive: play, stiffness, friction on the crank, loss, transmission error."""
+
+
+def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
+    """Return the values of a joint whose parameters, by the keys of `PARAMETERS`, are these factors of its own.
+
+    The middle of the play stays, every spring takes up the torque that it took, and friction under a load grows beyond
+    that of no load by the factor of the loss.
+    """
+    play, stiffness, friction, loss, te = (float(factors[key]) for key in PARAMETERS)
+    other = copy.deepcopy(dict(values))
+    low, high = values["stops"]
+    middle, half = 0.5 * (low + high), 0.5 * play * (high - low)
+    other["stops"] = [middle - half, middle + half]
+    for spring in other["springs"]:
+        spring["start"] /= stiffness
+        spring["stiffness"] *= stiffness
+    other["polynomial"] = [one * stiffness ** (n + 1) for n, one in enumerate(values["polynomial"])]
+    other["damping"] = values["damping"] * stiffness
+    for way in ("driving", "driven"):
+        other["friction"][way] = [
+            [friction * row[0] + loss * (lost - row[0]) for lost in row] for row in values["friction"][way]
+        ]
+    for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
+        other["ripple"][key] = [[te * one for one in row] for row in values["ripple"][key]]
+    return other
+
+
 class Joint:
     """A reduced joint.
 
@@ -40,6 +82,8 @@ class Joint:
         Those of `joint` in reducer.json, in SI.
     timestep, integrator
         The scene's: the longest step at which the peak of an impact across the play is right within 5 % [s].
+    nominal
+        With ``--spread``, the parameters of the design as drawn, by the keys of `PARAMETERS`.
     """
 
     def __init__(self, path: str | Path = BESIDE) -> None:
@@ -47,11 +91,36 @@ class Joint:
         self.values = content["joint"]
         self.timestep = content["scene"]["timestep_s"]
         self.integrator = content["scene"]["integrator"]
+        told = (content.get("spread") or {}).get("parameters", {})
+        self.nominal = {key: one["nominal"] for key, one in told.items()}
 
     @property
     def coefficient(self) -> float:
         """Of the crank's angle in L, the output's turn less the ideal one; that of the output's is 1."""
         return -self.values["way"] / self.values["ratio"]
+
+    def varied(self, sample: Mapping[str, Any]) -> "Joint":
+        """Return the joint of one drive: a row of samples.csv, whose columns have the names of `PARAMETERS`.
+
+        A parameter of which the design as drawn has none, such as the error of ideal parts, stays as it is.
+        """
+        if not self.nominal:
+            raise ValueError("reducer.json has no distributions: write it by `cycloid-mj reduce --spread`")
+        other = copy.copy(self)
+        factors = {key: float(sample[key]) / own if own else 1.0 for key, own in self.nominal.items()}
+        other.values = varied(self.values, factors)
+        return other
+
+    def write(self, model: Any, joint: str = "output") -> None:
+        """Write play, stiffness, damping and friction without a load into a model for its joint of this name."""
+        values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
+        low, high = values["stops"]
+        for number, spring in enumerate(values["springs"]):
+            tendon = model.tendon(f"{joint}_reducer" + (f"_{number + 1}" if number else "")).id
+            model.tendon_lengthspring[tendon] = low - spring["start"], high + spring["start"]
+            model.tendon_stiffness[tendon] = spring["stiffness"]
+            model.tendon_damping[tendon] = 0.0 if number else values["damping"]
+        model.dof_frictionloss[dof] = self._friction("driving", 0.0, values["rated_speed"], np)
 
     def step(self, model: Any, data: Any, joint: str = "output") -> None:
         """Write friction and error into a model (``MjModel``, ``MjData``) for its joint of this name."""

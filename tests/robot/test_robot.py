@@ -11,11 +11,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from designs import unlike
+from designs import design_file, unlike
+from scipy import stats
 
 import cycloid_mj as cm
 from cycloid_mj import measure
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
+from cycloid_mj.base.result import plain
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
@@ -28,6 +30,7 @@ from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+from cycloid_mj.robot.population import Population, parameters, population
 from cycloid_mj.robot.reducer import Slip
 from cycloid_mj.robot.study import ACCURATE, STEPS, longest, scene, study, tried, vibration
 from cycloid_mj.robot.trial import bench
@@ -528,6 +531,115 @@ def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) 
         few.step(on.model, on.data)
         ours = [*on.model.tendon_lengthspring.ravel(), *on.model.tendon_damping, *on.model.dof_frictionloss]
         assert found == pytest.approx(ours, rel=1e-9, abs=1e-15)
+
+
+TOLERANCES = {"cam": "uniform 4", "output": "between -2 6", "pin_position": "normal 2"}
+
+
+@pytest.fixture(scope="module")
+def drives() -> Population:
+    """Some drives of a small reducer."""
+    return population(Reducer(unlike("few")).but(tolerance=TOLERANCES), 8, seed=3)
+
+
+def test_drives_are_the_same_by_the_same_seed_and_not_by_another(drives: Population) -> None:
+    reducer = Reducer(unlike("few")).but(tolerance=TOLERANCES)
+    again, other = population(reducer, 4, seed=3), population(reducer, 4, seed=4)
+    first = {key: values[: again.samples].tolist() for key, values in drives.values.items()}
+    assert {key: values.tolist() for key, values in again.values.items()} == first
+    assert other.values["backlash_arcmin"][0] != pytest.approx(again.values["backlash_arcmin"][0], rel=1e-6)
+
+
+def test_a_drive_is_the_design_with_what_was_drawn(drives: Population) -> None:
+    """A row made again by hand, as a design file of its own, has the row's parameters."""
+    design, row = unlike("few"), 2
+    drawn = {key: values[row] for key, values in drives.departures.items()}
+    places = {
+        f"pin_{axis}": tuple(1e-6 * drawn[f"drawn_pin_position_{pin}_{axis}_um"] for pin in range(1, design.lobes + 2))
+        for axis in "xy"
+    }
+    clearance = {key: getattr(design.clearance, key) + 1e-6 * drawn[f"drawn_{key}_um"] for key in ("cam", "output")}
+    friction = {key.removeprefix("drawn_friction_"): value for key, value in drawn.items() if "_friction_" in key}
+    made = Reducer(design).but(
+        errors=places, clearance=clearance, friction=friction, stiffness={"cam": drawn["drawn_stiffness_cam"]}
+    )
+    assert parameters(made) == pytest.approx({key: values[row] for key, values in drives.values.items()}, rel=1e-6)
+
+
+def test_ranges_hold_what_is_drawn_and_follow_a_design_beyond_them(drives: Population) -> None:
+    for one in drives.ranges:
+        assert one.low < one.high
+        for key, low in one.low_values.items():
+            values = drives.departures[f"drawn_{one.table}_{key}"]
+            assert low <= values.min() < values.max() <= one.high_values[key]
+    rough = population(Reducer(unlike("few")).but(friction={"pin_gear": 0.3}), 2)
+    teeth = next(one for one in rough.ranges if one.name == "friction of the teeth")
+    # of lubricated steel 0.02 to 0.1
+    assert math.sqrt(teeth.low_values["pin_gear"] * teeth.high_values["pin_gear"]) == pytest.approx(0.3)
+    assert teeth.high_values["pin_gear"] / teeth.low_values["pin_gear"] == pytest.approx(5.0)
+    assert any("no tolerances" in note for note in rough.notes)
+
+
+def test_the_correlation_is_that_of_the_drives(drives: Population) -> None:
+    found, keys = drives.correlation, list(drives.values)
+    assert np.allclose(np.diag(found), 1.0)
+    assert np.allclose(found, found.T)
+    one, other = (stats.zscore(drives.values[key]) for key in (keys[0], keys[3]))
+    assert found[0, 3] == pytest.approx(float(np.mean(one * other)))
+
+
+def test_a_varied_joint_has_the_parameters_that_were_asked_for(few: ReducedJoint) -> None:
+    """Play, slope and torque of friction by the joint's own methods, each moved alone by its factor."""
+    same = dict.fromkeys(standalone.PARAMETERS, 1.0)
+    assert few.varied(same).stops == pytest.approx(few.stops, rel=1e-14)
+    assert replace(few.varied(same), stops=few.stops, friction=few.friction) == few
+    rated, speed = few.rated_torque, few.rated_speed
+    other = few.varied(dict(zip(standalone.PARAMETERS, (2.0, 3.0, 5.0, 0.5, 4.0), strict=True)))
+    assert other.backlash == pytest.approx(2.0 * few.backlash)
+    assert other.middle == pytest.approx(few.middle)
+    for share in (0.1, 0.5, 1.0):
+        assert other.wind_up(share * rated) == pytest.approx(few.wind_up(share * rated) / 3.0)
+    assert other.no_load_torque == pytest.approx(5.0 * few.no_load_torque)
+    for driving in (True, False):
+        grown = few.friction.torque(rated, speed, driving) - few.no_load_torque
+        assert other.friction.torque(rated, speed, driving) - other.no_load_torque == pytest.approx(0.5 * grown)
+    assert other.ripple.errors(0.3, 1.0) == pytest.approx([4.0 * one for one in few.ripple.errors(0.3, 1.0)])
+
+
+def test_joint_py_writes_a_drive_into_a_model(few: ReducedJoint, drives: Population, tmp_path: Path) -> None:
+    """The model then is the one that is compiled of that drive's joint."""
+    content = {
+        **few.as_json(),
+        "scene": {"timestep_s": 1e-3, "integrator": "discrete"},
+        "spread": plain(drives.as_json()),
+    }
+    (tmp_path / "reducer.json").write_text(json.dumps(content))
+    joint = standalone.Joint(tmp_path / "reducer.json")
+    row = {key: str(values[2]) for key, values in drives.values.items()}
+    model = bench(few, 0.1, 1e-3).model
+    joint.varied(row).write(model)
+    factors = {key: float(row[key]) / own if own else 1.0 for key, own in drives.nominal.items()}
+    made = bench(few.varied(factors), 0.1, 1e-3).model
+    for name in ("tendon_lengthspring", "tendon_stiffness", "tendon_damping", "dof_frictionloss"):
+        assert getattr(model, name) == pytest.approx(getattr(made, name), rel=1e-9), name
+    del content["spread"]
+    (tmp_path / "reducer.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match="--spread"):
+        standalone.Joint(tmp_path / "reducer.json").varied(row)
+
+
+@pytest.mark.slow
+def test_reduce_writes_the_drives(tmp_path: Path) -> None:
+    changes = [word for key, value in TOLERANCES.items() for word in ("--set", f'tolerance.{key}="{value}"')]
+    words = ["reduce", str(design_file("few")), *changes, "--spread", "--samples", "6", "--seed", "3"]
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 0
+    told = json.loads((tmp_path / "reducer.json").read_text())["spread"]
+    rows = (tmp_path / "samples.csv").read_text().splitlines()
+    assert len(rows) == 1 + told["samples"]
+    assert set(told["parameters"]) == set(standalone.PARAMETERS) == set(told["correlation"]["parameters"])
+    for one in told["parameters"].values():
+        assert one["p05"] <= one["p50"] <= one["p95"]
+    assert "Drives of this design" in (tmp_path / "reducer.html").read_text()
 
 
 SLIPS = (Slip(0.3, 900.0), Slip(0.2, 90.0))
