@@ -1,10 +1,13 @@
 """What the page may ask for: each by name, a function from JSON values to JSON values.
 
-Those in `AT_ONCE` are answered by the page's own process, those in `SOLVED` by one beside it, `LONG` ones in turn.
+Those in `AT_ONCE` are answered by the page's own process, those in `QUICK` by one beside it, those in `SLOWER` by
+another, and long work by a third.
 """
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from functools import lru_cache
 from typing import Any
 
 from cycloid_mj.app import answers, asked, made, scatter, solid, stressed, turn
@@ -65,7 +68,12 @@ def shown(design: Design, content: Content) -> dict[str, Any]:
 
 
 def _reducer(content: Content) -> Reducer:
-    return Reducer(design_of(content.get("design")))
+    return _kept(json.dumps(content.get("design"), sort_keys=True))
+
+
+@lru_cache(maxsize=1)  # the questions on one design come one after the other: each goes on from what is solved
+def _kept(values: str) -> Reducer:
+    return Reducer(design_of(json.loads(values)))
 
 
 def statics(content: Content) -> dict[str, Any]:
@@ -103,11 +111,11 @@ def shape(content: Content) -> dict[str, Any]:
 
 AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened}
 
-SOLVED: Mapping[str, Callable[[Content], dict[str, Any]]] = {
-    "statics": statics,
-    "life": life,
+QUICK: Mapping[str, Callable[[Content], dict[str, Any]]] = {"statics": statics, "forces": forces}
+
+SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "checks": checks,
-    "forces": forces,
+    "life": life,
     "error": error,
     "solid": shape,
 }

@@ -12,7 +12,7 @@ from importlib import resources
 from typing import Any
 from urllib.parse import quote, unquote
 
-from cycloid_mj.app.asks import AT_ONCE, SOLVED, loaded, long_work
+from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER, loaded, long_work
 from cycloid_mj.app.jobs import Jobs
 from cycloid_mj.app.local import REFUSED, allowed
 from cycloid_mj.app.made import FILES
@@ -51,8 +51,10 @@ class PageServer(ThreadingHTTPServer):
         """Answer one question; errors as those of its work."""
         if name in AT_ONCE:
             return AT_ONCE[name](content)
-        if name in SOLVED:
-            return self.workers.do(SOLVED[name], content)
+        if name in QUICK:
+            return self.workers.quick.do(QUICK[name], content)
+        if name in SLOWER:
+            return self.workers.slower.do(SLOWER[name], content)
         if name == "start":
             return self.start
         if name == "job":
@@ -68,6 +70,7 @@ class Handler(BaseHTTPRequestHandler):
     """One request."""
 
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # else a body may wait 40 ms for the other side to acknowledge its headers
     server: PageServer
 
     def do_GET(self) -> None:
@@ -178,7 +181,8 @@ def start_values(design: Design) -> dict[str, Any]:
 def serve(design: Design, port: int, show: bool) -> None:
     """Serve the page on this machine alone until the process is stopped; every window has a design of its own."""
     question = {"design": values_of(loaded(design))}
-    workers = Workers([(SOLVED[name], (question,)) for name in ("statics", "life", "checks")])
+    slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
+    workers = Workers([(work, (question,)) for work in QUICK.values()], slower)
     try:
         with PageServer(design, port, workers) as server:
             if show:

@@ -1,12 +1,13 @@
 """Processes beside the page's own that solve and make: it redraws at once whatever they are busy with.
 
-A few are for what takes a moment, and one is for long work, which can be stopped.
+One is for what follows every move of a slider, one for what takes a moment longer, so that neither waits for the other,
+and one for long work, which can be stopped.
 """
 
 import multiprocessing
-import queue
 import threading
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -15,9 +16,7 @@ from cycloid_mj.base.errors import CycloidError
 
 Work = Callable[..., Any]
 Told = Callable[[Any], None]
-
-COUNT = 2
-"""Processes for what takes a moment: two share what a page shows of a design about evenly."""
+Warm = Iterable[tuple[Work, tuple[Any, ...]]]
 
 
 class Died(CycloidError):
@@ -27,7 +26,7 @@ class Died(CycloidError):
 class Worker:
     """One process, which does one work after the other; it ends with this one, however that ends."""
 
-    def __init__(self, warm: Iterable[tuple[Work, tuple[Any, ...]]] = ()) -> None:
+    def __init__(self, warm: Warm = ()) -> None:
         """Start it; it does the `warm` works once, for their code to be loaded when somebody waits."""
         self._warm, self._lock = tuple(warm), threading.Lock()
         self._start()
@@ -71,37 +70,23 @@ class Worker:
 
 
 class Workers:
-    """A few processes, which all windows share, and one for long work."""
+    """The processes, which all windows share; each does those works once first that it is given to warm up."""
 
-    def __init__(self, warm: Iterable[tuple[Work, tuple[Any, ...]]] = ()) -> None:
-        warm = tuple(warm)
-        self._all = [Worker(warm) for _ in range(COUNT)]
-        self._free: queue.SimpleQueue[Worker] = queue.SimpleQueue()
-        for worker in self._all:
-            self._free.put(worker)
-        self.long = Worker()
-
-    def do(self, work: Work, *args: Any) -> Any:
-        """Have a work done by the first process that is free; errors as `Worker.do`."""
-        worker = self._free.get()
-        try:
-            return worker.do(work, *args)
-        except Died:  # once more: it may have been another one's want of memory
-            return worker.do(work, *args)
-        finally:
-            self._free.put(worker)
+    def __init__(self, quick: Warm = (), slower: Warm = ()) -> None:
+        self.quick, self.slower, self.long = Worker(quick), Worker(slower), Worker()
 
     def close(self) -> None:
         """End them at once: nothing is lost with what they are at."""
-        for worker in (*self._all, self.long):
+        for worker in (self.quick, self.slower, self.long):
             worker.stop()
 
 
-def _serve(pipe: Connection, warm: Iterable[tuple[Work, tuple[Any, ...]]]) -> None:
+def _serve(pipe: Connection, warm: Warm) -> None:
     """Serve the page's process, and load what the works need."""
     serve_parent()
     for work, args in warm:
-        work(*args)
+        with suppress(CycloidError):  # the page may begin with a design that cannot be built
+            work(*args)
     while True:
         try:
             work, args, tells = pipe.recv()

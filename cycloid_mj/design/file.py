@@ -129,9 +129,9 @@ def value_of(design: Design, path: str) -> Any:
     What all parts are made of stands for a part without a table of its own.
     """
     declared(path)
-    tables: dict[str, Any] = dict(_tables(design))
-    *table, last = _keys(path)
-    return tables.get(table[0], tables["material"])[last] if table else tables[path]
+    first, *rest = _keys(path)
+    chosen: dict[str, Any] = dict(_tables(design, (first, "material")))
+    return chosen.get(first, chosen["material"])[rest[0]] if rest else chosen[path]
 
 
 def _declared(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:

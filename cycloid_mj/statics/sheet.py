@@ -253,7 +253,8 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
     stiffness, name = _stiffness(solved), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    give = {part: float(np.mean([one.series(reducer)[part] for one in solved])) / ARCMINUTE for part in SERIES}
+    series = [one.series(reducer) for one in solved]
+    give = {part: float(np.mean([one[part] for one in series])) / ARCMINUTE for part in SERIES}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         bare = windups(rigid, evenly, load, follow=True)

@@ -52,8 +52,8 @@ class Windup:
     def compliance(self, values: dict[float, float]) -> float:
         """Slope of the turn, or of other values, over the straight part [rad/(N m)]; mean of both sides."""
         low, high = STRAIGHT
-        rise = [side * (values[side * high] - values[side * low]) for side in (-1, 1)]
-        return float(np.mean(rise)) / ((high - low) * self.rated)
+        rise = (values[high] - values[low], values[-low] - values[-high])
+        return 0.5 * sum(rise) / ((high - low) * self.rated)
 
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
@@ -90,15 +90,16 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases)
     along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
 
-    def lead(departures: Array, along: Array) -> float:
-        return float(np.mean([departures[3 * disc : 3 * disc + 2] @ way for disc, way in enumerate(along)]))
+    def leads(departures: Array) -> Array:
+        poses = departures[:, :-1].reshape(*ahead.shape, 3)
+        return np.asarray((poses[..., :2] * along).sum(axis=-1).mean(axis=-1))
 
-    def at(place: int) -> Windup:
-        return Windup(
-            rated,
-            {share: float(one.output_turn[place]) for share, one in by_torque.items()},
-            {share: float(one.gear_turn[place]) for share, one in by_torque.items()},
-            {share: lead(one.departures[place], along[place]) for share, one in by_torque.items()},
+    turns = {share: one.output_turn.tolist() for share, one in by_torque.items()}
+    gear_turns = {share: one.gear_turn.tolist() for share, one in by_torque.items()}
+    centre_leads = {share: leads(one.departures).tolist() for share, one in by_torque.items()}
+    return [
+        Windup(
+            rated, *({share: one[place] for share, one in found.items()} for found in (turns, gear_turns, centre_leads))
         )
-
-    return [at(place) for place in range(len(cranks))]
+        for place in range(len(cranks))
+    ]

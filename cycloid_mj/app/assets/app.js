@@ -65,7 +65,6 @@ function show(told) {
     tabs.broken(told.errors);
   } else {
     for (const place of ["head", "checks"]) byId(place).classList.add("old");
-    section.marks([]);
     for (const one of Object.values(solved)) one.ask({ design: state.design });
     tabs.changed();
   }
