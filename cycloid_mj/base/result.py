@@ -280,15 +280,15 @@ class Range:
 
 @dataclass(frozen=True)
 class Removal:
-    """A claim judged with one thing taken away or changed alone: what it is, what is found then, and the verdict."""
+    """A claim judged with one thing taken away or changed alone: what it is, our value then, and the verdict."""
 
     what: str
-    found: str
+    ours: str
     verdict: Verdict
 
     def as_json(self) -> dict[str, str]:
         """Convert the removal to JSON values."""
-        return {"taken_away": self.what, "ours": self.found, "verdict": str(self.verdict)}
+        return {"taken_away": self.what, "ours": self.ours, "verdict": str(self.verdict)}
 
 
 @dataclass(frozen=True)
@@ -305,8 +305,8 @@ class Claim:
         Under what the source states it, and it is judged.
     claim, kind
         What is claimed, in our words, and whether that is a ``value``, a ``height``, an ``order`` or a ``pattern``.
-    stated, found
-        The value that the source gives, and ours under the same condition.
+    stated, ours
+        Values of the source, and of this package under the same condition.
     error
         Numerical error of ours; its text is where the error comes from, as in "half the step".
     verdict, decided_by
@@ -329,7 +329,7 @@ class Claim:
     claim: str
     kind: str
     stated: Value
-    found: Value
+    ours: Value
     error: Value
     verdict: Verdict
     decided_by: str
@@ -353,7 +353,7 @@ class Claim:
                 "unit": self.stated.unit,
                 "text": self.stated.text,
             },
-            "ours": self.found.as_json(),
+            "ours": self.ours.as_json(),
             "numerical_error": {"value": self.error.value, "unit": self.error.unit, "source": self.error.text},
             "verdict": self.verdict,
             "p": self.p,

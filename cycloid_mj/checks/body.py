@@ -20,7 +20,7 @@ def body_checks(reducer: Reducer) -> Iterator[Check]:
     E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
     below_root = design.gear.eccentricity + reducer.profile_offset - design.modification.pin_circle
     root = E - below_root
-    root_told = f"the root of the lobes (radius {millimetres(root)})"
+    root_text = f"the root of the lobes (radius {millimetres(root)})"
 
     def beside_bore(wall: float) -> tuple[Limit, ...]:
         return (
@@ -41,9 +41,9 @@ def body_checks(reducer: Reducer) -> Iterator[Check]:
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
         )
 
-    yield wall_verdict(reducer, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_told}")
+    yield wall_verdict(reducer, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_text}")
     yield wall_verdict(reducer, "holes_to_bore", bore_to_holes, WALL_SHARE, "between the bore and the output holes")
-    yield wall_verdict(reducer, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_told}")
+    yield wall_verdict(reducer, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_text}")
     yield _neighbouring_holes(reducer)
     yield _hole_size(reducer)
 

@@ -122,12 +122,12 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
 def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tuple[str, float]:
     """Return key and value [Pa] of a strength of the weaker of the two surfaces that meet in a kind of pair."""
     design = reducer.design
-    found = {}
+    strengths = {}
     for part in PARTNERS[kind]:
         material = design.material_of(part)
         key = "surface_yield" if material.surface_yield else strength
-        found[f"{design.material_table(part)}.{key}"] = float(getattr(material, of_surface))
-    return min(found.items(), key=lambda item: item[1])
+        strengths[f"{design.material_table(part)}.{key}"] = float(getattr(material, of_surface))
+    return min(strengths.items(), key=lambda item: item[1])
 
 
 def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:

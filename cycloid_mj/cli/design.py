@@ -81,12 +81,12 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     return deliver(_outcome(design.name, results, summed, rating), place, delivery)
 
 
-def _outcome(design: str, found: "Sequence[Check]", summed: "Summary | None", rating: "Rating | None") -> Outcome:
+def _outcome(design: str, results: "Sequence[Check]", summed: "Summary | None", rating: "Rating | None") -> Outcome:
     from cycloid_mj.base.frame import framed
 
-    failed, warned, passed = ([item for item in found if _word(item) == word] for word in ("FAIL", "warn", "ok"))
+    failed, warned, passed = ([item for item in results if _word(item) == word] for word in ("FAIL", "warn", "ok"))
     numbers = _in_file_units(summed, rating) if summed else None
-    rows = [{key: value for key, value in asdict(item).items() if key != "changes"} for item in found]
+    rows = [{key: value for key, value in asdict(item).items() if key != "changes"} for item in results]
     count = f"{len(warned)} {'warning' if len(warned) == 1 else 'warnings'}"
     return Outcome(
         title=f"checks: {design}",
@@ -95,7 +95,7 @@ def _outcome(design: str, found: "Sequence[Check]", summed: "Summary | None", ra
         passes=list(map(str, passed)),
         summary=[
             *(f"      {line}" for line in (_lines(summed, rating) if summed else [])),
-            f"{len(found)} checks: {len(failed)} failed, {count}",
+            f"{len(results)} checks: {len(failed)} failed, {count}",
         ],
         frame=framed(rows, rows[0], {}),
         result={"design": design, "sound": not failed, "checks": rows, "summary": numbers},

@@ -173,18 +173,18 @@ def _started(stem: str, source: str, changes: tuple[str, ...], json: bool) -> in
 def _written(stem: str, answer: "Answer", changes: tuple[str, ...], json: bool, force: bool) -> int:
     """Write the drives that were found, and tell of them."""
     files: dict[Path, bytes] = {}
-    told: list[dict[str, Any]] = []
+    written: list[dict[str, Any]] = []
     for number, drive in enumerate(answer.drives):
         title = f"{stem}-{drive.title.replace(' ', '-')}" if number else stem
         file = Path(f"{title}.toml")
         claim(file, force=force)
         design = override(drive.design.but(name=title), changes)
         files[file] = dump(design, drive.reasons).encode()
-        told.append({"file": str(file), "title": drive.title, "figures": dict(drive.figures), "why": drive.why})
+        written.append({"file": str(file), "title": drive.title, "figures": dict(drive.figures), "why": drive.why})
     write_whole(files)
     if json:
         say_json(
-            {"designs": [one | {"reasons": drive.reasons} for one, drive in zip(told, answer.drives, strict=True)]}
+            {"designs": [one | {"reasons": drive.reasons} for one, drive in zip(written, answer.drives, strict=True)]}
         )
         return 0
     for file in files:

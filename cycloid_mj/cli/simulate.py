@@ -123,7 +123,7 @@ def simulate(
     findings = ran.judged()
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
-    outcome = _told(outcome_of(findings), findings, ran.log, page, chosen)
+    outcome = _with_meaning(outcome_of(findings), findings, ran.log, page, chosen)
     return deliver(outcome, Destination(design.name, None, page), delivery)
 
 
@@ -132,7 +132,9 @@ def review_of(log: Path) -> Path:
     return log.with_name(f"{log.stem}-review.html")
 
 
-def _told(outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions) -> Outcome:
+def _with_meaning(
+    outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions
+) -> Outcome:
     """Have an outcome tell what the figures mean, in place of the first of each part, and what to do next."""
     from cycloid_mj.analysis import meaning
     from cycloid_mj.report import review_page

@@ -142,7 +142,7 @@ def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
 def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
     for source, claims in judged.items():
         if claims:
-            rows = tuple((one.figure, one.claim, one.found.text, str(one.verdict)) for one in claims)
+            rows = tuple((one.figure, one.claim, one.ours.text, str(one.verdict)) for one in claims)
             yield Table(f"against the paper ({source})", CLAIM_HEADER, rows)
 
 
@@ -159,7 +159,7 @@ def _as_json(claim: "Claim") -> dict[str, str]:
     return {
         "figure": claim.figure,
         "statement": claim.claim,
-        "found": claim.found.text,
+        "found": claim.ours.text,
         "verdict": claim.verdict,
         "decided_by": claim.decided_by,
     }

@@ -193,18 +193,18 @@ def needle_bearings() -> tuple[StockBearing, ...]:
         for number, bore, out, width in _rows(_NEEDLE_BEARINGS, 4)
     ]
     largest = max(cup.outside for cup in cups)
-    found = [*cups, *(ring for ring in rings if ring.outside > largest)]
-    return tuple(sorted(found, key=lambda one: (one.outside, one.bore, one.width)))
+    bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
+    return tuple(sorted(bearings, key=lambda one: (one.outside, one.bore, one.width)))
 
 
 @cache
 def ball_bearings() -> tuple[StockBearing, ...]:
     """List deep groove ball bearings, the smallest first."""
-    found = [
+    bearings = [
         StockBearing(f"{number:g}", *_si(bore, outside, width), dynamic * KN, static * KN)
         for number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
     ]
-    return tuple(sorted(found, key=lambda one: (one.bore, one.outside)))
+    return tuple(sorted(bearings, key=lambda one: (one.bore, one.outside)))
 
 
 @cache
@@ -240,9 +240,9 @@ def inserts() -> tuple[Insert, ...]:
     return tuple(Insert(f"M{size:g} x {high:g}", *_si(size, hole, high)) for size, hole, high in _rows(_INSERTS, 3))
 
 
-def side_by_side(found: Iterable[StockBearing], width: float) -> tuple[StockBearing, int] | None:
+def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockBearing, int] | None:
     """Choose of bearings alike but for their width those that fill a width [m] best; none if none fits."""
-    fitting = [(one, int(width / one.width + 1e-6)) for one in found if one.width <= width * (1.0 + 1e-6)]
+    fitting = [(one, int(width / one.width + 1e-6)) for one in bearings if one.width <= width * (1.0 + 1e-6)]
     return max(fitting, key=lambda pair: (round(pair[1] * pair[0].width, 9), -pair[1]), default=None)
 
 
@@ -253,12 +253,12 @@ def bearings_outside(outside: float) -> tuple[StockBearing, ...]:
 
 def bearings_on(bore: float, width: float) -> tuple[StockBearing, ...]:
     """List the bearings for a shaft that have a width [m]: needle bearings, then ball bearings."""
-    found = (*_alike(needle_bearings(), bore, "bore"), *_alike(ball_bearings(), bore, "bore"))
-    return _alike(found, width, "width")
+    bearings = (*_alike(needle_bearings(), bore, "bore"), *_alike(ball_bearings(), bore, "bore"))
+    return _alike(bearings, width, "width")
 
 
-def _alike(found: Iterable[StockBearing], size: float, name: str) -> tuple[StockBearing, ...]:
-    return tuple(one for one in found if abs(getattr(one, name) - size) < ROUNDING)
+def _alike(bearings: Iterable[StockBearing], size: float, name: str) -> tuple[StockBearing, ...]:
+    return tuple(one for one in bearings if abs(getattr(one, name) - size) < ROUNDING)
 
 
 def bolt_under(head: float) -> Bolt | None:

@@ -225,8 +225,8 @@ def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
 
     Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
     """
-    found = check(reducer.design) if strict else soundness(reducer)
-    failed = [one for one in found if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
+    checks = check(reducer.design) if strict else soundness(reducer)
+    failed = [one for one in checks if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
     return {one.name: _excess(one.value, one.bound) for one in failed}
 
 

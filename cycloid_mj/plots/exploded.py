@@ -89,13 +89,13 @@ def _prism(section: PartSection) -> tuple[Array, tuple[Array, ...]]:
 
 def _points(loop: tuple[Curve, ...]) -> Array:
     """Walk along a closed loop, (n, 2) [m], counter-clockwise."""
-    found: list[Array] = []
+    walked: list[Array] = []
     for curve in loop:
         points = _on(curve)
-        if found and np.linalg.norm(points[-1] - found[-1][-1]) < np.linalg.norm(points[0] - found[-1][-1]):
+        if walked and np.linalg.norm(points[-1] - walked[-1][-1]) < np.linalg.norm(points[0] - walked[-1][-1]):
             points = points[::-1]
-        found.append(points[:-1] if len(loop) > 1 else points)
-    return np.concatenate(found)
+        walked.append(points[:-1] if len(loop) > 1 else points)
+    return np.concatenate(walked)
 
 
 def _on(curve: Curve) -> Array:

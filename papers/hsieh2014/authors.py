@@ -32,7 +32,7 @@ from hsieh2014.soft_contact import GENERIC, PeakForces, line_contacts, soft_idle
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import HEIGHTS, IDEAL, LEAST, MOST, NEAR, SHAFT_PEAKS, TORQUES
 from hsieh2014.stress import height_plates, settings
-from hsieh2014.stress_patterns import angles_told
+from hsieh2014.stress_patterns import angles_in_words
 from hsieh2014.torque import NEAR as TORQUE_NEAR
 from hsieh2014.verdicts import chance, rank_order
 
@@ -97,7 +97,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         },
         notes=(
             f"With friction, {by}, the cam's force of the pin design has its largest of each half turn at "
-            f"{angles_told(struck)} (75 and 255 deg, within {NEAR:g}).",
+            f"{angles_in_words(struck)} (75 and 255 deg, within {NEAR:g}).",
             "IMPACT: F = k d^e + c step(d) v with k = 1e5 N/mm^2.2, c = 10 N s/mm, whole from 0.1 mm on: the default "
             "of motion solvers such as ADAMS and SolidWorks Motion where no material is chosen. The paper states no "
             "contact parameters: this is a hypothesis with its evidence.",

@@ -73,7 +73,7 @@ def _poisson() -> Claim:
     stiffer = (1.0 - steel.poisson**2) / (1.0 - stated**2) - 1.0
     same = abs(steel.poisson - stated) < 0.005
     return POISSON.judged(
-        found=Value(
+        ours=Value(
             f"E {1e-6 * steel.youngs_modulus:.0f} N/mm2, {steel.poisson:g}: G {1e-6 * shear:.0f}", steel.poisson, "1"
         ),
         error=Value("none: as given", 0.0, "1"),

@@ -204,7 +204,7 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
     )
     lobe = Removal("a lobe of the gear, by Eq. 12", f"{fewer:.5g} rad/s", Verdict.DISAGREES)
     return statements.gear_speed(design.name).judged(
-        found=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
+        ours=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
         error=spread_error(speeds, "rad/s"),
         rated=Value(f"{mean_speed(rated):.5g} rad/s", mean_speed(rated), "rad/s"),
         searched=evidence.ranges,
@@ -222,7 +222,7 @@ def _strays(evidence: OverStarts[float], rated: Series) -> Claim:
         "the clearances: within them an idle gear floats",
     )
     return statements.transmission_error(rated.design.name).judged(
-        found=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),
+        ours=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),
         error=spread_error(sizes, "arcsec"),
         rated=Value(f"{under:.3g} arcsec", under, "arcsec"),
         searched=evidence.ranges,

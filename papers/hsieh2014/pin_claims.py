@@ -33,7 +33,7 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
         lambda some: f"{_um(_spread(some, lambda one: one.reach))} um from the middle",
     )
     return statements.pin_1_sway(clearance).judged(
-        found=Value(
+        ours=Value(
             f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um",
             1e3 * reach.mean,
             "mm",
@@ -66,7 +66,7 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
         judged=_one_way,
     )
     return statements.PIN_1_SPIN.judged(
-        found=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
+        ours=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
         searched=motions.ranges,
         rated=Value(
@@ -89,7 +89,7 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
         lambda some: f"{_spread(some, lambda one: one.seen_turned).words} deg",
     )
     return statements.PIN_1_TURNS.judged(
-        found=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
+        ours=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
         error=spread_error(widest, "deg"),
         searched=motions.ranges,
         rated=Value(", ".join(f"{angle:.3g}" for angle in rated.turned) + " deg"),
@@ -106,7 +106,7 @@ def slides(motions: Motions, rated: PinMotion) -> Claim:
         lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
     )
     return statements.PIN_1_SLIDES.judged(
-        found=spread_value(
+        ours=spread_value(
             f"its surface goes along with {100 * shares.low:.2g} to {100 * shares.high:.2g} % of the gear's",
             shares,
             "1",

@@ -17,10 +17,10 @@ def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Tri
     """Rank every pin design against every nonpin design by their runs, as they are and with one thing varied."""
     ranked = rankings(trials)
     sweep = [Varied(one.parameter, one.value, tuple(rankings(runs))) for one, runs in varied.items()]
-    decided, told = decisions(ranked, sweep), summary(ranked)
+    decided, concluded = decisions(ranked, sweep), summary(ranked)
     content = {
         "rankings": [_json(one) for one in ranked],
-        "summary": told,
+        "summary": concluded,
         "sweep": [{**vars(point), "rankings": [_json(one) for one in point.rankings]} for point in sweep],
         "decisions": decided,
     }
@@ -28,7 +28,7 @@ def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Tri
         words = "the paper's findings on vibration set a pin against a nonpin design: not judged here"
         return RunsJudged(notes=[words], content=content)
     return RunsJudged(
-        told,
+        concluded,
         [
             f"the paper ({SOURCE}) finds that the pin design fluctuates more; these runs are judged "
             f"{' and '.join(_bases(trials))}, path and velocity of q without steady shifts:",

@@ -29,7 +29,7 @@ class Statement:
 
     def judged(
         self,
-        found: Value,
+        ours: Value,
         error: Value,
         verdict: Verdict,
         decided_by: str,
@@ -42,11 +42,11 @@ class Statement:
 
         What has neither p nor starts, as a single run under load, spreads as far as its numerical error.
         """
-        if p is None and found.spread is None and found.value is not None and error.value is not None:
-            found = replace(found, spread=(found.value - error.value, found.value + error.value))
+        if p is None and ours.spread is None and ours.value is not None and error.value is not None:
+            ours = replace(ours, spread=(ours.value - error.value, ours.value + error.value))
         return Claim(
             **vars(self),
-            found=found,
+            ours=ours,
             error=error,
             verdict=verdict,
             decided_by=decided_by,

@@ -96,7 +96,7 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
         verdict = Verdict.DEPENDS
     highest = max(cases, key=lambda words: cases[words].high, default="")
     return stress_height(part, design).judged(
-        found=spread_value(f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"),
+        ours=spread_value(f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"),
         error=stress_error(idle_stress, [part]),
         verdict=verdict,
         decided_by=TREATMENT + (f"; {highest}: {cases[highest].high:.3g} MPa" if highest else ""),
@@ -124,7 +124,7 @@ def smaller(
     missed = max(evidence.stress[name].by_force[part].residual for name in ("pin", "nonpin"))
     verdict, by = order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
     return statement.judged(
-        found=Value(
+        ours=Value(
             f"{nonpin.words} against {pin.words} MPa, {compared}p = {chance(pin, nonpin):.2g}",
             ratio.values[0] if compared else None,
             BY_DESIGN,
@@ -184,7 +184,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
     left_open = [*of_contact, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_parts(design).judged(
-        found=Value(f"{_of_parts(sizes(None))} MPa"),
+        ours=Value(f"{_of_parts(sizes(None))} MPa"),
         error=stress_error(one, ORDER),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
@@ -225,7 +225,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
     mean = ratio.values[0]
     rated = nonpin.rated[part].high / pin.rated[part].high
     return stress_of_designs(part).judged(
-        found=Value(
+        ours=Value(
             f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1, p = {chance(*ours):.2g}",
             mean,
             BY_DESIGN,

@@ -62,7 +62,7 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
     mean = largest_of_halves(np.mean(curves, axis=0))
     at = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judged(
-        found=Value(
+        ours=Value(
             f"the cam's force peaks at {at[0].words} and {at[1].words} deg; over all starts at {mean[0]:g} and "
             f"{mean[1]:g} deg",
             mean[0],
@@ -74,7 +74,7 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         decided_by="; ".join(deciding) or "nothing varied gives the paper's angles",
         searched=ranges,
         removals=[
-            Removal(changed.words, angles_told(angles), most(_near_the_papers(angles)))
+            Removal(changed.words, angles_in_words(angles), most(_near_the_papers(angles)))
             for changed, angles in others.items()
         ],
         p=most_chance(_near_the_papers(each)),
@@ -89,7 +89,7 @@ def _near_the_papers(pairs: Sequence[tuple[float, float]]) -> list[bool]:
     return [all(abs(angle - wanted) <= NEAR for angle, wanted in zip(pair, SHAFT_PEAKS, strict=True)) for pair in pairs]
 
 
-def angles_told(pairs: Sequence[tuple[float, float]]) -> str:
+def angles_in_words(pairs: Sequence[tuple[float, float]]) -> str:
     """Tell peaks over starts: their range, the median, and how many starts have both near the paper's."""
     first, second = (StartSpread.of(angles) for angles in zip(*pairs, strict=True))
     near = sum(_near_the_papers(pairs))
@@ -130,7 +130,7 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_output(design).judged(
-        found=spread_value(words(ours, None), ours, "MPa"),
+        ours=spread_value(words(ours, None), ours, "MPa"),
         error=stress_error(one, [OUTPUT]),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
@@ -156,7 +156,7 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
         lambda some: f"{_percent(StartSpread.of(some))} within {reach:g} deg of 0",
     )
     return PIN_1_CYCLE.judged(
-        found=spread_value(
+        ours=spread_value(
             f"of what presses it over a turn, {_percent(pin)} comes within {reach:g} deg of 0, a ninth of the turn; of "
             f"lobe 1 without pins {_percent(lobe)}",
             pin,

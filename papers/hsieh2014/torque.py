@@ -138,7 +138,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
         for way, paper in ways.items():
             solutions = searches[name].solutions[way]
             yield output_torque(way, name).judged(
-                found=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
+                ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
                 decided_by=f"friction, left open by the paper: {_listed(solutions)}",
@@ -186,7 +186,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
         gained = IDEAL * (own[1][-1].rate - own[0][-1].rate)
         removals.append(Removal(f"equal friction, for {words}", f"{gained:+.2f} N m", _ahead(gained, error)))
     return TORQUE_ORDER.judged(
-        found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
+        ours=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, AHEAD),
         verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
         decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
@@ -201,7 +201,7 @@ def precision(rated: Sequence[Run]) -> Claim:
     strays = {run.provenance["design"]: _strays(settled(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
     return PRECISION.judged(
-        found=Value(
+        ours=Value(
             f"{', '.join(f'{name} {size:.2g}' for name, (size, _) in strays.items())} arcsec peak to peak",
             nonpin / pin,
             BY_DESIGN,
@@ -233,7 +233,7 @@ def capacity() -> Claim:
     """Judge the torque at which teeth first yield, by Hertz under statics: pin, nonpin, and nonpin made like pin."""
     pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equalised()))
     return CAPACITY.judged(
-        found=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),
+        ours=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),
         error=Value("statics, without a run", 0.0, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,
         decided_by="how many lines carry, and how closely they fit",

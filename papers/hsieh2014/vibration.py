@@ -116,7 +116,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
     return fluctuation(key, quantity.name).judged(
-        found=Value(
+        ours=Value(
             f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
             f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1",
             ratio.values[0],

@@ -158,7 +158,7 @@ def test_the_ratio_is_judged_in_each_design():
         ("gear_speed_mean_pin", "agrees"),
         ("gear_speed_mean_nonpin", "agrees"),
     ]
-    assert [claim.found.value for claim in found] == pytest.approx([4.906870] * 2, rel=1e-6)
+    assert [claim.ours.value for claim in found] == pytest.approx([4.906870] * 2, rel=1e-6)
 
     @Given
     def slow(which):
@@ -187,11 +187,11 @@ def spinning(signs):
 def test_pin_1_sways_and_spins_as_its_starts_say():
     sways, spins, turns, slides = motion.pin_1(FEW, ideal_runs, silent).claims
     assert (sways.verdict, spins.verdict) == ("agrees", "agrees")
-    assert sways.found.value == pytest.approx(0.6e-3, rel=1e-3)
-    assert spins.found.value == pytest.approx(7.0)
+    assert sways.ours.value == pytest.approx(0.6e-3, rel=1e-3)
+    assert spins.ours.value == pytest.approx(7.0)
     # its angle stands still in these runs, and it turns at 7 rad/s: 16 mm/s against the gear's 100 to 300
     assert (turns.verdict, slides.verdict) == ("disagrees", "agrees")
-    assert 0.05 < slides.found.value < 0.2
+    assert 0.05 < slides.ours.value < 0.2
     assert [one.what for one in sways.removals] == ["friction 0.0", "contact law IMPACT", "clearance 0.1 um"]
     # pins that move as far in a tenth of the clearance leave it
     assert [one.verdict for one in sways.removals] == ["agrees", "agrees", "disagrees"]
@@ -209,7 +209,7 @@ def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
 
     sways = motion.pin_1(FEW, stray, silent).claims[0]
     assert (sways.verdict, sways.p) == ("agrees", pytest.approx(26 / 4096))
-    assert sways.found.spread[1] > 1.7e-3
+    assert sways.ours.spread[1] > 1.7e-3
 
 
 def varied_runs(changed):
@@ -239,7 +239,7 @@ def by_key(found):
 def test_fluctuations_are_judged_at_no_load_over_starts(calm):
     speed = by_key(calm)["gear_speed"]
     assert (speed.verdict, speed.condition.load) == ("disagrees", 0.0)
-    assert speed.found.value == pytest.approx(0.25, rel=1e-3)
+    assert speed.ours.value == pytest.approx(0.25, rel=1e-3)
     assert speed.rated is not None
     assert speed.rated.value == pytest.approx(0.25, rel=1e-3)
     assert len(calm.findings["idle"]["as it is"]["gear_speed"]["pin"]) == STARTS_OF_PAPER
@@ -471,7 +471,7 @@ def test_the_shafts_peaks_depend_on_what_brings_them_in_any_start(idle):
     assert "contact law IMPACT" in found.decided_by
     told = found.removals[0]
     assert (told.what, told.verdict) == ("contact law IMPACT", "agrees")
-    assert told.found == ("75 to 75 and 255 to 255 deg, in the median 75 and 255; 12 of 12 starts near the paper's")
+    assert told.ours == ("75 to 75 and 255 to 255 deg, in the median 75 and 255; 12 of 12 starts near the paper's")
 
 
 def evidence_of(stress, starts, varied=None):
@@ -558,7 +558,7 @@ def test_the_order_of_parts_is_searched_over_treatments_of_contact(idle):
         found = judged(stressed(), stressed(shaft=(9.0, 9.5), ring=(5.0, 5.5)), idle, reached=reached)
     parts = found["stress_order_of_parts_pin"]
     assert parts.verdict == "not determined"
-    assert (parts.removals[0].found, parts.removals[0].verdict) == ("shaft 90, ring 60, gear 20 MPa", "agrees")
+    assert (parts.removals[0].ours, parts.removals[0].verdict) == ("shaft 90, ring 60, gear 20 MPa", "agrees")
     assert found["stress_order_of_parts_nonpin"].verdict == "agrees"
     upside = stressed(shaft=(0.1, 0.2), ring=(5.0, 6.0), gear=(7.0, 8.0))
     with np.errstate(invalid="ignore"):

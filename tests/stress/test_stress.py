@@ -517,7 +517,7 @@ def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
 
 def test_a_pin_without_load_is_told_to_be_idle():
     judged = claims([made_findings("pin", pin_1=np.zeros(36))])
-    assert "never loaded" in judged[0].found.text
+    assert "never loaded" in judged[0].ours.text
 
 
 # The study and the command

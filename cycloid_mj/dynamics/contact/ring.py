@@ -92,7 +92,7 @@ class Minimum(NamedTuple):
 
     Attributes
     ----------
-    found
+    exists
         Whether there is one strictly inside.
     B, distance, t
         Its phase, the signed distance [m] and the trochoid parameter of the gear's point.
@@ -100,7 +100,7 @@ class Minimum(NamedTuple):
         Outward normal of the gear.
     """
 
-    found: bool
+    exists: bool
     B: float
     distance: float
     t: float

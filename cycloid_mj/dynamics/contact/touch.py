@@ -283,7 +283,7 @@ def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: 
                     continue
             least = root_minimum(left, right, start if pieces == 1 else 0.5 * (left + right), ring, flank, posed)
             gap = least.distance + offset - arc_radius
-            if not (least.found and gap < margin):
+            if not (least.exists and gap < margin):
                 continue
             x, y, _, _, curvature = offset_root(least.B, ring)
             bend = trochoid_curvature(least.t, flank.curve)
