@@ -27,12 +27,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = Path("cycloid_mj")
-FILES = ("reducer/bodies.py", "reducer/gaps.py", "reducer/limits.py", "statics/kernel.py")
+KERNEL = tuple(
+    f"statics/kernel/{name}.py"
+    for name in ("contacts", "system", "newton", "continuation", "search", "samples", "hysteresis")
+)
+"""The balance: the rows of gaps and stops, and the search that they are held against, add nothing to its own."""
+
+FILES = ("reducer/bodies.py", "reducer/gaps.py", "reducer/limits.py", *KERNEL)
 MODEL = "reducer/bodies.py"
 """The file that models are made from; what the others hold is seen without one, and without compiling."""
-
-KERNEL = "statics/kernel.py"
-"""The balance: the rows of gaps and stops, and the search that they are held against, add nothing to its own."""
 
 KERNEL_TESTS = ("reducer/test_mechanism.py", "statics/test_kernel.py")
 TESTS = ("reducer/test_limits.py", *KERNEL_TESTS)
@@ -47,19 +50,19 @@ TIME = "costs only time: a way to the balance, which is found by its residual; a
 ALL: frozenset[str] = frozenset()
 """Of whatever a function makes, its decisions too."""
 
-ON_THE_WAY = {
-    KERNEL: {
-        **dict.fromkeys(
-            ("_lead", "_search", "_shares", "_hardest", "_depth", "_play", "_newton", "_solve", "_roll_off"), ALL
-        ),
-        **dict.fromkeys(("_open", "_along", "_give", "_direct", "_step_on", "_across", "_corner"), ALL),
-        **dict.fromkeys(("_leap", "_settle", "_renew", "_solve_stable"), ALL),
-        "balance": {"near"},
-        "balance_along": {"z"},
-        "_assemble": {"assembled"},
-        "_is_open": {"rim"},
-        "_weigh": {"work"},
-    }
+ON_THE_WAY: dict[str, dict[str, frozenset[str]]] = {
+    "contacts": {"largest_play": ALL, "surely_open": frozenset({"rim"})},
+    "system": {"assemble": frozenset({"assembled"})},
+    "newton": dict.fromkeys(("newton", "solve", "solve_stable", "roll_off"), ALL),
+    "continuation": dict.fromkeys(
+        ("by_continuation", "_shares", "_along", "_give", "_direct", "_step_on", "_across", "_corner"), ALL
+    ),
+    "search": {
+        **dict.fromkeys(("_lead", "_search", "_hardest", "_depth"), ALL),
+        "balance": frozenset({"near"}),
+        "balance_along": frozenset({"z"}),
+    },
+    "hysteresis": {**dict.fromkeys(("_leap", "_settle", "_renew"), ALL), "_weigh": frozenset({"work"})},
 }
 """What only leads to a balance, by file, function and what is made there: where no row sees a sign, it costs time.
 
@@ -84,7 +87,7 @@ class Flip:
     @property
     def leads(self) -> bool:
         """Whether it only leads to a balance."""
-        ways = ON_THE_WAY.get(self.file, {}).get(self.within, frozenset())
+        ways = ON_THE_WAY.get(Path(self.file).stem if self.file in KERNEL else "", {}).get(self.within, frozenset())
         return ways is ALL or self.makes in ways
 
     def __str__(self) -> str:
@@ -199,7 +202,7 @@ def tested(file: str) -> bool:
     import pytest
 
     arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts=", "--noconftest", f"--rootdir={ROOT}"]
-    tests = {MODEL: MODEL_TESTS, KERNEL: KERNEL_TESTS}.get(file, TESTS)
+    tests = MODEL_TESTS if file == MODEL else KERNEL_TESTS if file in KERNEL else TESTS
     return pytest.main([*arguments, *(str(ROOT / "tests" / test) for test in tests)]) != 0
 
 
@@ -209,7 +212,7 @@ def validated(file: str) -> bool:
 
     if file == MODEL:
         parts = mechanism.MODELS
-    elif file == KERNEL:
+    elif file in KERNEL:
         parts = (*balance.STATICS, *mechanism.RUBBED)
     else:
         parts = (*mechanism.STATICS, *balance.STATICS)
@@ -292,7 +295,7 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
 
 def wanted(only: str, lines: str, sample: int) -> list[Flip]:
     """List the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
-    files = [ROOT / PACKAGE / file for file in FILES if only in ("", file, Path(file).name)]
+    files = [ROOT / PACKAGE / file for file in FILES if not only or f"/{file}".endswith(f"/{only}")]
     of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files)
     every = [flip for of_file in of_files for flip in of_file]
     if lines:
@@ -306,7 +309,7 @@ def wanted(only: str, lines: str, sample: int) -> list[Flip]:
 def main(arguments: list[str] | None = None) -> int:
     """Try flips and report those that nothing sees; give the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="flip the signs of one file: gaps.py, kernel.py, ...")
+    parser.add_argument("--only", default="", help="flip the signs of one file: gaps.py, kernel/search.py, ...")
     parser.add_argument("--lines", default="", help="flip those of some lines: 400-900")
     parser.add_argument("--sample", type=int, default=0, help="flip this many, spread over all; 0: every one")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")

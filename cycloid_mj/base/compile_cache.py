@@ -3,6 +3,9 @@
 Numba unpickles what it kept and runs it: an empty or cut file raises, and a flipped byte of machine code computes
 something else or ends the process. Each file here ends in a digest of all before it. One whose digest is wrong is
 passed over, the code compiled anew and the file replaced; what cannot be kept is compiled for this run only.
+
+Numba keeps code until the file it is from changes, and does not see a change of another that it calls. Here it is kept
+until any source in its folder changes; for what is called in other folders see ``compiling.digest``.
 """
 
 import hashlib
@@ -38,7 +41,7 @@ class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
         # under a name of its own: the files that numba itself writes have no seal
-        name, stamp = f"{self._impl.filename_base}.sealed", self._impl.locator.get_source_stamp()
+        name, stamp = f"{self._impl.filename_base}.sealed", _stamp(Path(function.__code__.co_filename).parent)
         self._cache_file = _SealedFiles(cache_path=self._cache_path, filename_base=name, source_stamp=stamp)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
@@ -89,6 +92,12 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no ty
         if not whole:
             _say_damaged(self._cache_path)
         return whole
+
+
+def _stamp(sources: Path) -> tuple[tuple[str, int, int], ...]:
+    """List the sources in a folder: name, time of the last change [ns] and size [byte] of each."""
+    found = ((path.name, path.stat()) for path in sorted(sources.glob("*.py")))
+    return tuple((name, state.st_mtime_ns, state.st_size) for name, state in found)
 
 
 def _digest(content: bytes) -> bytes:

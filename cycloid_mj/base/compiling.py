@@ -48,9 +48,9 @@ def cacheable() -> bool:
 
 
 def digest(*modules: ModuleType) -> int:
-    """Compute a digest of the sources of modules whose code is compiled into another's.
+    """Compute a digest of the sources of modules whose code is compiled into that of another folder.
 
-    Numba does not follow them into other files: with the digest among what a function closes over, its cache does.
+    A `SealedCache` does not follow them there: with the digest among what a function closes over, it does.
     """
     return zlib.crc32(b"".join(Path(module.__file__).read_bytes() for module in modules if module.__file__))
 

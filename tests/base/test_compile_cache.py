@@ -115,6 +115,15 @@ def test_index_of_types_that_are_gone_is_passed_over_and_replaced(kernels, tmp_p
     assert kernels() == ((1, 1), [])
 
 
+def test_code_is_compiled_anew_where_a_file_beside_it_changes(kernels, tmp_path):
+    (tmp_path / "other.py").write_text("number = 1\n")
+    kernels()
+    assert kernels() == ((1, 1), [])
+    (tmp_path / "other.py").write_text("number = 10\n")
+    assert kernels() == ((0, 0), [])
+    assert kernels() == ((1, 1), [])
+
+
 def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))

@@ -1,0 +1,38 @@
+"""The static balance of springs that only push, compiled: one small Newton iteration for each crank angle.
+
+Every spring is a gap from ``reducer.gaps``, round by its `bend`; the cams are circles in circles. `contacts` has the
+springs and how wide each gap is, `system` their energy, stiffness and what is left over of the load, `newton` Newton's
+method on these. `search` says which way leads to a balance and `continuation` is the one that always does; `samples`
+balances many reducers alike, and `hysteresis` follows loads along a path with friction that remembers.
+"""
+
+from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_open
+from cycloid_mj.statics.kernel.hysteresis import FINEST, Rubbing, follow_path, state_after
+from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Left
+from cycloid_mj.statics.kernel.samples import CARRIES, FIGURES, Effects, SampleDeviations, balance_samples
+from cycloid_mj.statics.kernel.search import balance, balance_along
+from cycloid_mj.statics.kernel.system import State, state
+
+__all__ = [
+    "BALANCED",
+    "CARRIES",
+    "FIGURES",
+    "FINEST",
+    "FLOATING",
+    "FOLLOWED",
+    "Curved",
+    "Effects",
+    "KernelSprings",
+    "Left",
+    "Rubbing",
+    "SampleDeviations",
+    "State",
+    "balance",
+    "balance_along",
+    "balance_samples",
+    "follow_path",
+    "gap",
+    "is_open",
+    "state",
+    "state_after",
+]

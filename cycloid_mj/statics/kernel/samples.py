@@ -1,0 +1,139 @@
+"""Balances of samples within tolerances, many in one call."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.compiling import cacheable, njit
+from cycloid_mj.statics.kernel.contacts import KernelSprings
+from cycloid_mj.statics.kernel.search import balance_along
+from cycloid_mj.statics.kernel.system import cam_at
+
+CARRIES = 0.01
+"""A tooth carries where its force is at least this share of the largest over the turn."""
+
+
+FIGURES = 9
+"""Numbers of a sample: of gear and output the mean turn and its range; peaks of a tooth, an output pin, the cam; teeth
+that carry on average; what no balance was found for."""
+
+
+class Effects(NamedTuple):
+    """How far the curves of a contact are moved by errors of the parts, per error [1], [1], [1], [m/rad].
+
+    `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the place of its pin or hole in x and y,
+    the gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the
+    eccentricity, `turned` (k, 2) cosine and sine of the crank angle. `waves` (k, n, w) [1] is that of `distance` by the
+    waves of the gear's profile.
+    """
+
+    distance: Array
+    shift: Array
+    cam_place: Array
+    turned: Array
+    waves: Array
+
+
+class SampleDeviations(NamedTuple):
+    """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m], and that of cams (s, D, 2).
+
+    `waves` (s, w) [m] are those of the profile. The rest has the shape (s,): `pin_circle` [m], `rotation` [rad],
+    `eccentricity` [m], and the `cam`'s clearance [m].
+    """
+
+    room: Array
+    place: Array
+    waves: Array
+    cam_place: Array
+    pin_circle: Array
+    rotation: Array
+    eccentricity: Array
+    cam: Array
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def balance_samples(
+    ideal: KernelSprings, effects: Effects, made: SampleDeviations, load: Array, first: int, last: int, out: Array
+) -> None:
+    """Balance samples `first` to `last` under a load (k, u) [N] at crank angles that follow each other.
+
+    `ideal` are the springs of ideal parts; the row of each sample in `out` (s, ``FIGURES``) is filled in.
+    """
+    count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
+    distance, shift = np.empty((count, contacts)), np.empty((count, contacts))
+    z, force, cam_place = np.empty(load.shape), np.empty((count, contacts)), np.empty(effects.cam_place.shape)
+    for s in range(first, last):
+        circle, rotation = made.pin_circle[s], made.rotation[s]
+        for k in range(count):
+            for i in range(contacts):
+                across = along = 0.0
+                for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
+                    across += effects.distance[k, i, j] * size
+                    along += effects.shift[k, i, j] * size
+                for j in range(made.waves.shape[1]):
+                    across += effects.waves[k, i, j] * made.waves[s, j]
+                distance[k, i], shift[k, i] = across, along
+            cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
+            for disc in range(discs):
+                x, y = made.cam_place[s, disc, 0], made.cam_place[s, disc, 1]
+                out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
+                cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
+                cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
+        springs = KernelSprings(
+            ideal.radius,
+            ideal.disc,
+            ideal.turning,
+            made.room[s],
+            distance,
+            ideal.slope,
+            shift,
+            ideal.shift_slope,
+            ideal.bend,
+            ideal.twist,
+            ideal.phase,
+            ideal.trochoid,
+            ideal.stiffness,
+            cam_place,
+            made.cam[s],
+            ideal.cam_stiffness,
+            ideal.rubbing,
+            ideal.cam_rubbing,
+            ideal.bending,
+            ideal.pins,
+        )
+        left = balance_along(springs, load, z, force)
+        _sum_up(springs, z, force, out[s])
+        out[s, FIGURES - 1] = left.force
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
+    """Write the figures of one sample, but the last."""
+    count, discs = len(z), springs.cam_place.shape[1]
+    for part in range(2):
+        total, least, most = 0.0, math.inf, -math.inf
+        for k in range(count):
+            turned = z[k, 3 * discs] if part else 0.0
+            for disc in range(0 if part else discs):
+                turned += z[k, 3 * disc + 2] / discs
+            total, least, most = total + turned, min(least, turned), max(most, turned)
+        out[2 * part], out[2 * part + 1] = total / count / springs.radius, (most - least) / springs.radius
+    tooth = pin = cam = 0.0
+    for k in range(count):
+        for i in range(force.shape[1]):
+            if springs.turning[i]:
+                tooth = max(tooth, force[k, i])
+            else:
+                pin = max(pin, force[k, i])
+        for disc in range(springs.cam_place.shape[1]):
+            pressing = cam_at(springs, k, disc, z[k])
+            # where both sides press, what the harder one does: depth is what it has more, both what they have together
+            cam = max(cam, 0.5 * springs.cam_stiffness * (pressing.depth + pressing.both))
+    carrying = 0
+    for k in range(count):
+        for i in range(force.shape[1]):
+            if springs.turning[i] and force[k, i] > CARRIES * tooth:
+                carrying += 1
+    out[4], out[5], out[6], out[7] = tooth, pin, cam, carrying / count

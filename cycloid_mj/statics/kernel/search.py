@@ -1,0 +1,189 @@
+"""The search for balances at crank angles, one after the other."""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.compiling import cacheable, njit
+from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, largest_play, opened_by
+from cycloid_mj.statics.kernel.continuation import by_continuation
+from cycloid_mj.statics.kernel.newton import BALANCED, Left, clear, copy, largest, newton
+from cycloid_mj.statics.kernel.system import Linearised, new_system
+
+_SHORT = 3
+"""How often a system is put together in a short search."""
+
+
+_TRIES = (
+    (10.0, 1.0, False),
+    (1.0, 0.125, False),
+    (10.0, 0.03, False),
+    (10.0, 0.06, True),
+)
+"""Paths that are tried one after the other: how many plays deep soft springs are pressed, the longest step as a share
+of the way, and whether springs are hardened before friction is brought on."""
+
+
+_EXACTLY, _DAMPED, _LEAST = 2, 0.1, 1e-4
+"""The path from which the foot point of every tooth is looked for; stiffness that damps Newton's steps until all
+friction is borne, as a share of the cam's for the share of the load that is left over; the least step of a path."""
+
+
+_LAGS = (1.0, -1.0, 0.0)
+"""By how much play comes after friction on the paths that are followed one after the other, until one leads to a
+balance, as a share of the way of each. Where two branches nearly meet a step may change over from one to the other."""
+
+
+_OPENINGS = 32
+"""Steps in which play opens where a path without friction is lost: downhill, from one least energy to the next."""
+
+
+_WEDGED, _DEEP = 100.0, 100.0
+"""Force on a cam over the load, and its depth in plays, beyond which parts are wedged: friction holds what nothing has
+pressed together."""
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Left:
+    """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
+
+    z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
+    others start where the balances before them lead.
+
+    Returns
+    -------
+    The worst of all angles, and their work together: where its force is above ``BALANCED``, no balance was found, and
+    that angle is the last.
+    """
+    count, number = load.shape
+    system = new_system(springs)
+    start, near, left = np.zeros(number), False, Left(0.0, 1.0, 0)
+    worst = 0.0
+    for k in range(count):
+        here = z[k]
+        copy(here, start)
+        if follow and k:
+            _lead(z, k, near)
+        begun = system.assembled[0]
+        keep = follow and k > 0 and not near
+        left = _search(springs, k, load[k], here, start, keep, system)
+        near = system.assembled[0] - begun <= _SHORT
+        copy(system.pressed, force[k])
+        worst = max(worst, left.force)
+        if not left.force <= BALANCED:
+            break
+    return Left(worst, left.friction, system.assembled[0])
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array) -> Left:
+    """Balance crank angles that follow each other closely: `balance`, with every disc where its cam is at first."""
+    for k in range(len(z)):
+        clear(z[k])
+        for disc in range(springs.cam_place.shape[1]):
+            z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
+    return balance(springs, load, z, force, YES)
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _lead(z: Array, k: int, near: bool) -> None:
+    """Put the departures at an angle where those before lead: to the second order, where the search was short."""
+    for j in range(z.shape[1]):
+        z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
+        if near and k > 2:
+            z[k, j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _search(
+    springs: KernelSprings, k: int, load: Array, here: Array, start: Array, keep: bool, system: Linearised
+) -> Left:
+    """Solve for the departures `here` (u,) [m] by Newton's method from where they are; else along a path.
+
+    Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
+    finds from a `start`. From there friction is brought on and the springs are hardened, in steps that are halved until
+    Newton's method, with friction and springs at once, gets to the end of each. Where that path has an end, as where
+    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then. Where all
+    of these end, the paths of `by_continuation` are followed by their length, one where another is lost.
+
+    For `keep` see `newton`.
+    """
+    scale, rubbed = largest(load) or 1.0, springs.rubbing.shape[0] > 0
+    softest, friction, soft, way, further, stride, boldest, borne = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0, 0.0
+    attempt, downhill, left, most = -1, NO, 0.0, BALANCED * scale
+    while True:
+        damping = _DAMPED / scale if attempt >= 0 and friction < 1.0 else 0.0
+        exact = attempt >= _EXACTLY
+        left = newton(springs, k, load, here, soft, friction, exact, most, damping, keep, downhill, system)
+        keep = NO
+        if rubbed and soft == 1.0 and friction == 1.0 and _wedged(springs, k, here, scale):
+            left = math.inf
+        if left <= most:
+            if soft == 1.0 and friction == 1.0:
+                borne = 1.0
+                break
+            if soft == 1.0:
+                borne = max(borne, friction)
+            way, stride = (further, min(2.0 * stride, boldest)) if further > 0.0 else (0.0, boldest)
+            copy(here, system.back)
+        else:
+            stride *= 0.5
+            copy(system.back, here)
+        if not stride >= _LEAST:
+            attempt += 1
+            if attempt == len(_TRIES):
+                break
+            copy(start, here)
+            copy(start, system.back)
+            further, stride, way = 0.0, 0.0, 0.0
+            softest = min(1.0, scale / (_hardest(springs, k) * _depth(springs, _TRIES[attempt][0])))
+        else:
+            further = min(way + stride, 1.0 if way < 1.0 else 2.0)
+        _, boldest, hardens_first = _TRIES[attempt]
+        if not rubbed and not hardens_first and 0.0 < further <= 1.0:
+            further = min(1.0 + stride, 2.0)
+        first, last = min(further, 1.0), max(further - 1.0, 0.0)
+        friction, hardened = (last, first) if hardens_first else (first, last)
+        soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
+    for lag in _LAGS:
+        if borne == 1.0:
+            break
+        copy(start, here)
+        left, carried = by_continuation(springs, k, load, here, lag if rubbed else 0.0, most, system)
+        if rubbed and left <= most and _wedged(springs, k, here, scale):
+            left, carried = math.inf, borne
+        borne = max(borne, carried)
+        if not rubbed:
+            break
+    for step in range(_OPENINGS + 1 if left > most and not rubbed else 0):
+        opened = opened_by(springs, step / _OPENINGS, system.row[:, 0].copy())
+        left = newton(opened, k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
+    return Left(left / scale, borne if rubbed else 1.0, 0)
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _depth(springs: KernelSprings, plays: float) -> float:
+    """Compute how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
+    return min(plays * largest_play(springs), 0.1 * springs.trochoid[1])
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _hardest(springs: KernelSprings, k: int) -> float:
+    """Compute the largest stiffness of all contacts and cams [N/m]."""
+    hardest = springs.cam_stiffness
+    for i in range(springs.disc.size):
+        hardest = max(hardest, springs.stiffness[k, i])
+    return hardest
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _wedged(springs: KernelSprings, k: int, here: Array, load: float) -> bool:
+    """Tell whether at departures (u,) [m] a cam is pressed as no load [N] presses it: friction holds it so."""
+    deepest = max(_DEEP * largest_play(springs), _WEDGED * load / springs.cam_stiffness)
+    for disc in range(springs.cam_place.shape[1]):
+        x = here[3 * disc] - springs.cam_place[k, disc, 0]
+        y = here[3 * disc + 1] - springs.cam_place[k, disc, 1]
+        if x * x + y * y > deepest * deepest:
+            return True
+    return False
