@@ -29,6 +29,9 @@ Progress = Callable[[int], None]
 ALIKE = 0.95
 """Correlation from which on a loop cannot tell two values apart."""
 
+MOST_KNOWN = 0.5
+"""Share of what is known of a value from which on the drawing tells it, and not the loops."""
+
 SILENT = 1e-6
 """Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
 
@@ -63,7 +66,10 @@ class Estimate:
         The ends of its interval of 95 %.
     identified
         Whether the loop determines it: both ends of the interval are told by the loop, not by the bounds of what is
-        looked for, and it is no wider than the value.
+        looked for, nor for the most part by the drawing, and it is no wider than the value.
+    drawn, deviation, source
+        What is known of it without the loops: where the search began, its standard deviation, inf where nothing is
+        known, and what says so.
     """
 
     value: float
@@ -71,6 +77,9 @@ class Estimate:
     meaning: str
     ci95: tuple[float, float]
     identified: bool
+    drawn: float
+    deviation: float
+    source: str
 
 
 @dataclass(frozen=True)
@@ -166,6 +175,7 @@ class Calibration(Presented):
                 f"{estimate.ci95[0]:.4g} to {estimate.ci95[1]:.4g}",
                 estimate.unit,
                 "" if estimate.identified else "no",
+                f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else "",
             )
             for key, estimate in self.estimates.items()
         )
@@ -194,7 +204,7 @@ class Calibration(Presented):
         tables = [
             Table(
                 f"{self.design.name}: fitted values",
-                ("value", "fitted", "95 %", "unit", "determined by the loop"),
+                ("value", "fitted", "95 %", "unit", "determined by the loop", "known without it (one sigma)"),
                 rows,
             ),
             Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), figures),
@@ -243,6 +253,11 @@ class Calibration(Presented):
                     "ci95": list(estimate.ci95),
                     "identified": estimate.identified,
                     "meaning": estimate.meaning,
+                    "prior": (
+                        {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
+                        if estimate.source
+                        else None
+                    ),
                 }
                 for key, estimate in self.estimates.items()
             },
@@ -323,7 +338,8 @@ def calibrate(
     if not loops:
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
-    model, bench = Model(reducer, Losses(drag), rub(keys)), LoopCondition(held, crank)
+    model = Model(reducer, Losses(drag), rub(keys))
+    bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
     chosen, counted = parameters(reducer, keys, loops), _counting(progress)
     _require_answers(FitProblem(model, chosen, tuple(loops), bench, counted))
@@ -412,9 +428,9 @@ def _counting(progress: Progress) -> Callable[[], None]:
 def _calibration(fitted: Fitted) -> Calibration:
     count = len(fitted.parameters)
     estimates = {
-        parameter.key: _estimate(parameter, float(place), ends, bool(bound))
-        for parameter, place, ends, bound in zip(
-            fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, strict=False
+        parameter.key: _estimate(parameter, float(place), ends, bool(bound), float(known))
+        for parameter, place, ends, bound, known in zip(
+            fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, fitted.known, strict=False
         )
     }
     related = correlations(fitted)
@@ -435,11 +451,12 @@ def _calibration(fitted: Fitted) -> Calibration:
     )
 
 
-def _estimate(parameter: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
+def _estimate(parameter: Parameter, place: float, ends: Array, at_bound: bool, known: float) -> Estimate:
     value, low, high = (parameter.value(float(at)) for at in (place, *ends))
     bounded = parameter.place(parameter.least) + STEP < ends[0] and ends[1] < parameter.place(parameter.most) - STEP
-    identified = bool(not at_bound and bounded and high - low < abs(value))
-    return Estimate(value, parameter.unit, parameter.meaning, (low, high), identified)
+    identified = bool(not at_bound and bounded and known < MOST_KNOWN and high - low < abs(value))
+    drawn = parameter.start, parameter.deviation, parameter.source
+    return Estimate(value, parameter.unit, parameter.meaning, (low, high), identified, *drawn)
 
 
 def _smooth(reducer: Reducer) -> Design:

@@ -7,7 +7,8 @@ valleys that explain the loops alike: an interval reaches as far as any of them 
 
 A model is off by more than noise. Whatever the course of an error of the rms value d is, it moves a value by no more
 than d times the root of its inverse curvature (by Cauchy and Schwarz, where the model is straight): intervals reach as
-much farther than noise alone carries them, with d = `DISCREPANCY`.
+much farther than noise alone carries them, with d = `DISCREPANCY`. What is known without the loops, as of a clearance
+whose tolerance the design states, counts as one that is off by as much at one standard deviation.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,14 +24,11 @@ from cycloid_mj.base.level import rms
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.bench.search import FAILED, LONG, SHORT, FitProblem, offset_scales
+from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, FitProblem, offset_scales
 from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
 """Distance from a bound, on a value's scale, at which a value is at it."""
-
-DISCREPANCY = 0.03
-"""What the model itself may miss the loops by, rms, as a share of their ranges: no model of a drive is nearer."""
 
 PROFILED, DOUBLED = 4, 4
 """Steps of the search for all other values with one of them held, and how often that one is moved twice as far."""
@@ -59,6 +57,8 @@ class Fitted:
         Which of them are.
     ends
         Of the interval of each place that covers `COVERED`, shape (values, 2); one-sided at a bound.
+    known
+        Share of what is known of each place that the loops do not tell, but the drawing: from 0 to 1, shape (values,).
     """
 
     model: Model
@@ -71,6 +71,7 @@ class Fitted:
     spread: FitUncertainty
     at_bound: Mask
     ends: Array
+    known: Array
 
     @property
     def values(self) -> Array:
@@ -166,12 +167,14 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
     parts = search.parts(places)
     if all(np.all(part == FAILED) for part in parts):
         raise RunError("no model of the loop has a static balance near the design: is its friction too large?")
-    slopes = search.slopes(places, range(len(places)), central=True)
+    # those of what is known without the loops stand last
+    slopes = search.slopes(places, range(len(places)), central=True)[: sum(map(len, parts))]
+    known = DISCREPANCY * search.known
     at_bound = ~((places > low + AT_BOUND) & (places < high - AT_BOUND))
     of_loops = np.split(slopes, np.cumsum([len(part) for part in parts])[:-1])
     weighted = [part / np.sqrt(len(part)) for part in parts]
-    sure = spread(of_loops, weighted, ~at_bound)
-    whole = spread(of_loops, weighted, np.ones_like(at_bound)) if at_bound.any() else sure
+    sure = spread(of_loops, weighted, ~at_bound, known)
+    whole = spread(of_loops, weighted, np.ones_like(at_bound), known) if at_bound.any() else sure
     each = (whole if bound else sure for bound in at_bound.tolist())
     reach = np.array(
         [
@@ -191,6 +194,7 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
         spread=sure,
         at_bound=at_bound,
         ends=ends,
+        known=known**2 * np.diag(sure.inverse),
     )
 
 

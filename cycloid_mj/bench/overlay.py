@@ -4,23 +4,22 @@ A point's distance counts torque and deflection as shares of their ranges: where
 torque is a large turn, and where it sticks it is none, so that neither alone would do.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.compiling import announced, njit
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
+from cycloid_mj.statics.locked import locked_branches, locked_curve, slip_elements
 from cycloid_mj.statics.sliding import Held, course_along
 
 GRID, LEAD = 24, 8
 """Torques of a branch of the model, and of each that only leads to the loop."""
-
-LOCKED_GRID = 96
-"""Torques of a branch where contacts do not rub: there are no more where the output leaps."""
 
 REACH = 0.05
 """Turn between two points of the model, as a share of the loop's height, from which on there are more between them."""
@@ -30,10 +29,11 @@ Branches = list[tuple[Array, Array]]
 
 @dataclass(frozen=True, eq=False)
 class LoopCondition:
-    """Under what the loops were taken: what was held, and at which crank angle [rad]."""
+    """Under what the loops were taken: what was held, at which crank angle [rad], and up to which torque [N m]."""
 
     held: Held
     crank: float
+    most: float
 
 
 def put_all(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
@@ -53,22 +53,22 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     RunError
         There is no balance.
     """
-    ends, points = [end - shift for end in loop.turns], GRID if model.rubs else LOCKED_GRID
+    ends = [end - shift for end in loop.turns]
+    if model.rubs:
+        return _rubbing_branches(model, bench, ends, REACH * loop.height)
+    curve = locked_curve(model.reducer, bench.most, bench.crank)
+    # two stretches lead to the loop: from rest to its second end, and round to its first
+    return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends])[2:]
+
+
+def _rubbing_branches(model: Model, bench: LoopCondition, ends: list[float], reach: float) -> Branches:
     ways = list(pairwise(ends))
     lead = [np.linspace(a, b, LEAD, endpoint=False) for a, b in ((0.0, ends[1]), (ends[1], ends[0]))]
     first = [way for place, way in enumerate(ways) if ways.index(way) == place]
-    each = [np.linspace(a, b, points) for a, b in first]
-    course = np.concatenate([*lead, *each])
-    if model.rubs:
-        when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, REACH * loop.height)
-    else:
-        curve = locked_curve(model.reducer, max(map(abs, ends)), bench.crank)
-        when, turn = (
-            np.arange(len(course), dtype=np.float64),
-            locked_course(curve, slip_elements(model.reducer), course),
-        )
+    course = np.concatenate([*lead, *(np.linspace(a, b, GRID) for a, b in first)])
+    when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, reach)
     load = np.interp(when, np.arange(len(course)), course)
-    parts = np.searchsorted(when, 2 * LEAD + points * np.arange(len(each) + 1))
+    parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(first) + 1))
     branches = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
     # a closed loop takes the same way again
     return [branches[first.index(way)] for way in ways]
@@ -91,24 +91,24 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
     """
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))
-    for number, (loads, turns) in enumerate(branches):
-        here = loop.branch == number
-        points = np.stack([loop.torque[here] / ranges[0], loop.deflection[here] / ranges[1]], axis=-1)
-        line = np.stack([(loads + torque) / ranges[0], (turns + deflection) / ranges[1]], axis=-1)
-        distance[here] = _from_line(points, line)
+    points = loop.torque / ranges[0], loop.deflection / ranges[1]
+    with announced():
+        for number, (loads, turns) in enumerate(branches):
+            line = (loads + torque) / ranges[0], (turns + deflection) / ranges[1]
+            _put_distances(points, loop.branch == number, line, distance)
     return distance[loop.lead :]
 
 
-def _from_line(points: Array, line: Array) -> Array:
-    """Compute the distance of points (n, 2) from a line through points (m, 2), positive to the right of its way."""
-    begin, along = line[:-1], np.diff(line, axis=0)
-    square = np.maximum(np.sum(along**2, axis=1), 1e-30)
-    way = points[:, np.newaxis] - begin
-    share = np.clip(np.sum(way * along, axis=-1) / square, 0.0, 1.0)
-    apart = way - share[..., np.newaxis] * along
-    distance = np.linalg.norm(apart, axis=-1)
-    nearest = np.argmin(distance, axis=1)
-    rows = np.arange(len(points))
-    beside, direction = apart[rows, nearest], along[nearest]
-    cross = direction[:, 0] * beside[:, 1] - direction[:, 1] * beside[:, 0]
-    return np.asarray(np.where(cross < 0.0, -1.0, 1.0) * distance[rows, nearest])
+@njit(cache=True)
+def _put_distances(points: tuple[Array, Array], chosen: Mask, line: tuple[Array, Array], distance: Array) -> None:
+    """Put the distance of chosen points (n,) from a line through points (m,), positive to the left of its way."""
+    for place in np.flatnonzero(chosen):
+        nearest = np.inf
+        for begin in range(len(line[0]) - 1):
+            way_x, way_y = line[0][begin + 1] - line[0][begin], line[1][begin + 1] - line[1][begin]
+            x, y = points[0][place] - line[0][begin], points[1][place] - line[1][begin]
+            share = min(max((x * way_x + y * way_y) / max(way_x**2 + way_y**2, 1e-30), 0.0), 1.0)
+            apart = math.hypot(x - share * way_x, y - share * way_y)
+            if apart < nearest:
+                nearest = apart
+                distance[place] = apart if way_x * y - way_y * x >= 0.0 else -apart

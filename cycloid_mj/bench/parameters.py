@@ -14,6 +14,7 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.reading import coulomb_of
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
+from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.sliding import Losses
@@ -25,6 +26,20 @@ MOST_PLAY = 900.0
 
 STIFFEST = 0.95
 """Stiffness of the structure that is looked for at most, over that of carrier and shaft alone."""
+
+
+SHIFTING = {
+    "mesh": "teeth",
+    "seat": "teeth",
+    "pin_position": "teeth",
+    "pin_radius": "teeth",
+    "pin_circle": "teeth",
+    "disc_size": "teeth",
+    "output": "output",
+    "hole_position": "output",
+    "cam": "cam",
+}
+"""Tolerances that move a clearance, and which."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +78,8 @@ class Parameter:
         A model with another value of it.
     by_factor
         Whether it is looked for by factors, as what is known to within a decade at first; `scale` is then one of them.
+    deviation, source
+        Standard deviation about `start` that is known without the loops, and what says so; inf where nothing does.
     """
 
     key: str
@@ -74,6 +91,13 @@ class Parameter:
     most: float
     put: Callable[[Model, float], Model]
     by_factor: bool = False
+    deviation: float = math.inf
+    source: str = ""
+
+    @property
+    def place_deviation(self) -> float:
+        """How far it may be from where the search begins, without the loops: standard deviation on its scale."""
+        return self.deviation / self.scale
 
     def place(self, value: float) -> float:
         """Compute where a value is on the scale on which it is looked for."""
@@ -142,8 +166,16 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
     mesh = getattr(clearance, tooth) + design.pin_play
     um = MICROMETRE.from_si
 
+    zones = tolerances(reducer)
+
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
-        return Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
+        told = [one for one in SHIFTING if one in zones and {"teeth": tooth}.get(SHIFTING[one], SHIFTING[one]) in kinds]
+        parameter = Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
+        if not told:
+            return parameter
+        squares = sum(zones[one].deviation ** 2 + zones[one].middle ** 2 for one in told)
+        source = f"tolerance: {', '.join(told)}"
+        return replace(parameter, deviation=um(math.sqrt(squares)), source=source)
 
     mated = (tooth, *([design.seat_pair] if design.seat_pair else []))
     friction = design.friction_of(tooth) or 0.05
@@ -255,11 +287,11 @@ def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 def _structure(model: Model, value: float) -> Model:
     """Put into the housing what the structure gives beyond carrier and shaft: all that twists turns the output."""
-    reducer = Reducer(model.reducer.design.but(structure="springs"))
+    reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
     rest = 1.0 / value - compliance["carrier"] - compliance["shaft"]
     housing = stiffness["housing"] * compliance["housing"] / rest
-    return replace(model, reducer=Reducer(reducer.design.but(springs={"housing": housing})))
+    return _of_springs(replace(model, reducer=reducer), "housing", housing)
 
 
 def _most_structure(reducer: Reducer) -> float:
@@ -292,7 +324,10 @@ def _drag_travel(model: Model, value: float) -> Model:
 
 
 def _of_springs(model: Model, name: str, value: float) -> Model:
-    return replace(model, reducer=Reducer(model.reducer.design.but(springs={name: value})))
+    """Put a value that is within the bounds of its key: a search does so at each step, so that nothing is checked."""
+    design = model.reducer.design
+    springs = design.springs.model_copy(update={name: value})
+    return replace(model, reducer=Reducer(design.model_copy(update={"springs": springs})))
 
 
 def _of_file(reducer: Reducer, key: str) -> Parameter:

@@ -51,7 +51,8 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     RunError
         No static balance was found.
     """
-    model, condition = Model(reducer, Losses(), rubs=False), LoopCondition("crank", crank)
+    model = Model(reducer, Losses(), rubs=False)
+    condition = LoopCondition("crank", crank, max(loop.most for loop in loops))
     turns = []
     for loop in loops:
         turn = deflections(loop, model_branches(model, condition, loop))

@@ -83,16 +83,21 @@ class FitUncertainty:
         return float(stdtrit(min(max(freedom, 1.0), most), 0.5 + 0.5 * covered))
 
 
-def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> FitUncertainty:
+def spread(
+    slopes: Sequence[Array], residuals: Sequence[Array], free: Mask, known: Array | None = None
+) -> FitUncertainty:
     """Tell how sure fitted values are.
 
     `slopes` (n, v) and `residuals` (n,) are those of each loop, weighted as in the sum of squares. Noise of a turn is
     none along a branch that is steep, so that each point brings its own: the sandwich estimate HC3 of MacKinnon and
     White (J. Econometrics 29, 1985, 305-325), (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with leverages h, in which a
-    point counts as often as `memory` tells. Values that are not `free` (v,) have none; what no residual answers to has
-    an infinite error, here `UNKNOWN`.
+    point counts as often as `memory` tells. What is `known` of each value without the loops (v,), as the slope of a
+    residual of its own, has no noise: it only bounds. Values that are not `free` (v,) have none; what no residual
+    answers to has an infinite error, here `UNKNOWN`.
     """
     information = np.sum([rows.T @ rows for rows in slopes], axis=0)
+    if known is not None:
+        information += np.diag(known**2)
     inverse = np.zeros_like(information)
     chosen = np.ix_(free, free)
     values, vectors = np.linalg.eigh(information[chosen])

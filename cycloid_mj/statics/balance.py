@@ -59,11 +59,12 @@ class Loads:
         return forces.reshape(len(forces), self.discs, -1)
 
 
-def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = False) -> Loads:
+def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
     """Compute what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
 
-    A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise. `follow`
-    tells that the crank angles follow each other closely: each search then starts from the balances before.
+    There may be a torque for each crank angle, shape (m,). A ring that turns under friction leaves the carrier its
+    torque less the crank's, which the losses raise. `follow` tells that angles and torques follow each other closely:
+    each search then starts from the balances before.
 
     Raises
     ------
@@ -76,7 +77,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = Fals
     return replace(balanced, output_turn=balanced.output_turn + wind_up(reducer) * torque)
 
 
-def _on_ring(reducer: Reducer, springs: Springs, torque: float, balanced: Loads, follow: bool) -> Loads:
+def _on_ring(reducer: Reducer, springs: Springs, torque: float | Array, balanced: Loads, follow: bool) -> Loads:
     """Correct the balance under a torque on a ring [N m] for the losses, and turn it back with the ring."""
     carried, speed = reducer.share * torque, float(against_ring(reducer.design, reducer.design.drive.speed))
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
@@ -87,7 +88,7 @@ def _on_ring(reducer: Reducer, springs: Springs, torque: float, balanced: Loads,
     return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
 
 
-def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
+def _balanced(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
     """Compute what the contacts carry under a torque on the carrier [N m], all seen from the ring, and twist aside."""
     contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)

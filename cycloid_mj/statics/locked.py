@@ -7,13 +7,16 @@ Unlike `statics.sliding`, the contacts themselves do not rub: with stiff ones, a
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.compiling import announced, njit
 from cycloid_mj.design.model import StructureSprings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
@@ -70,7 +73,9 @@ def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
     RunError
         No balance was found.
     """
-    shaped = reducer.but(springs=StructureSprings().model_dump(), drive={"speed": 0.0})
+    design = reducer.design
+    drive = design.drive.model_copy(update={"speed": 0.0})
+    shaped = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
     curve = _curve(shaped, 2.0 ** math.ceil(math.log2(most)), crank)
     return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(shaped)) * curve.torque)
 
@@ -79,12 +84,11 @@ def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
 def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
     """Solve a curve of contacts: what twists behind them is added to it, so that a fit of that solves none anew."""
     still = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, [crank], friction=False)
     shares = np.array(SHARES)
-    sides = [
-        np.array([float(loads(still, springs, way * share * most).output_turn[0]) for share in shares.tolist()])
-        for way in (-1.0, 1.0)
-    ]
+    springs = springs_of(still, np.full(len(shares), crank), friction=False)
+    # from the largest down: soft contacts that hardly touch are found from those that do, and not from nothing
+    falling = most * shares[::-1]
+    sides = [loads(still, springs, way * falling, follow=True).output_turn[::-1] for way in (-1.0, 1.0)]
     # the line through the two smallest torques leads to where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     torque = most * np.concatenate([-shares[::-1], [-SLOPE, SLOPE], shares])
@@ -95,21 +99,52 @@ def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
 def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the turn of the output [rad] along a course of torque [N m], shape (n,) each; it begins at rest.
 
-    Beyond its ends the curve goes on straight. T(x) is straight lines between the curve's points and where elements
-    begin to slip; it rises, and is read backwards.
+    Beyond its ends the curve goes on straight.
     """
-    turn, carried = _extended(curve, float(np.abs(torque).max()) + float(elements.limits.sum()))
-    slip = elements.limits / elements.stiffness
+    course = np.concatenate([[0.0], torque])
+    turning = 1 + np.flatnonzero(np.diff(np.sign(np.diff(course))))
+    ends = [0, *turning.tolist(), len(torque)]
+    lines = locked_branches(curve, elements, course[ends].tolist())
+    stretches = zip(pairwise(ends), lines, strict=True)
+    return np.concatenate([np.interp(course[a + 1 : b + 1], *_rising(line)) for (a, b), line in stretches])
+
+
+def locked_branches(curve: LockedCurve, elements: SlipElements, ends: Sequence[float]) -> list[tuple[Array, Array]]:
+    """Compute torque [N m] and turn [rad] where they bend, shape (m,) each, from one torque to the next; from rest.
+
+    T(x) is straight lines between the curve's points and where elements begin to slip; it rises, and is read backwards.
+    """
+    turn, carried = _extended(curve, max(map(abs, ends)) + float(elements.limits.sum()))
+    with announced():
+        lines: list[tuple[Array, Array]] = _bent(turn, carried, elements.limits, elements.stiffness, np.array(ends))
+    return lines
+
+
+@njit(cache=True)
+def _bent(turn: Array, carried: Array, limits: Array, stiffness: Array, ends: Array) -> list[tuple[Array, Array]]:
+    slip = limits / stiffness
     # where the spring of each element is at rest
     origin = np.zeros(len(slip))
-    turns = np.empty(len(torque))
-    for place, pulled in enumerate(torque.tolist()):
-        bends = np.sort(np.concatenate([turn, origin - slip, origin + slip]))
-        stretch = np.minimum(np.maximum(bends[:, np.newaxis] - origin, -slip), slip)
-        reached = float(np.interp(pulled, np.interp(bends, turn, carried) + stretch @ elements.stiffness, bends))
-        origin = np.minimum(np.maximum(origin, reached - slip), reached + slip)
-        turns[place] = reached
-    return turns
+    lines = []
+    for place in range(len(ends) - 1):
+        bends = np.sort(np.concatenate((turn, origin - slip, origin + slip)))
+        held = np.interp(bends, turn, carried)
+        for element in range(len(slip)):
+            stretch = np.minimum(np.maximum(bends - origin[element], -slip[element]), slip[element])
+            held += stiffness[element] * stretch
+        low, high = min(ends[place], ends[place + 1]), max(ends[place], ends[place + 1])
+        between = held[(held > low) & (held < high)]
+        torque = np.concatenate((np.array([low]), between, np.array([high])))
+        if ends[place + 1] < ends[place]:
+            torque = torque[::-1].copy()
+        reached = np.interp(torque, held, bends)
+        lines.append((torque, reached))
+        origin = np.minimum(np.maximum(origin, reached[-1] - slip), reached[-1] + slip)
+    return lines
+
+
+def _rising(line: tuple[Array, Array]) -> tuple[Array, Array]:
+    return line if line[0][-1] >= line[0][0] else (line[0][::-1], line[1][::-1])
 
 
 def _extended(curve: LockedCurve, far: float) -> tuple[Array, Array]:

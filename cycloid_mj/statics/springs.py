@@ -52,8 +52,11 @@ class Springs:
     body_force: Array
     slip: Array
 
-    def load(self, torque: float) -> Array:
-        """Compute the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
+    def load(self, torque: float | Array) -> Array:
+        """Compute the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m].
+
+        There may be a torque for each crank angle, shape (m,).
+        """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
             load[:, 3 * disc : 3 * disc + 2] = self.body_force[:, disc]

@@ -30,10 +30,11 @@ from cycloid_mj.bench import (
     read_te,
 )
 from cycloid_mj.bench.calibration import variants
-from cycloid_mj.bench.fit import DISCREPANCY, Fitted, fit, widen
+from cycloid_mj.bench.fit import Fitted, fit, widen
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, parameters
 from cycloid_mj.bench.reading import read_figures
+from cycloid_mj.bench.search import DISCREPANCY
 from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
@@ -343,7 +344,7 @@ def test_a_leap_has_its_own_torque() -> None:
     model = KNOWN["printed"].model
     for most in (19.0, 20.0, 21.0):
         ends = measured_loop("ends", *[most * course(0.0, 1.0, -1.0, 0.0)] * 2)
-        for torque, turn in model_branches(model, LoopCondition("crank", 0.0), ends):
+        for torque, turn in model_branches(model, LoopCondition("crank", 0.0, 25.0), ends):
             leap = int(np.argmax(np.abs(np.diff(turn))))
             assert abs(torque[leap]) == pytest.approx(KNOWN["printed"].values["drag"], rel=0.01)
 
@@ -410,7 +411,7 @@ def bench() -> Fitted:
         Model(Reducer(design), Losses()),
         chosen,
         loops,
-        LoopCondition("crank", 0.0),
+        LoopCondition("crank", 0.0, 25.0),
         start=np.concatenate([near, np.zeros(2 * len(loops))]),
         intervals=False,
     )
