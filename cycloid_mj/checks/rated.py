@@ -72,15 +72,7 @@ class Rated:
 
 @once
 def rated(reducer: Reducer) -> Rated:
-    """Return a sound design under its rated torque.
-
-    Raises
-    ------
-    ContactError
-        The working force flattens a pin beyond a line contact.
-    RunError
-        No static balance was found.
-    """
+    """Return a sound design under its rated torque."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
     return Rated(reducer, torque, springs, loads(reducer, springs, torque))

@@ -39,13 +39,7 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Measure the forces of a run.
-
-    Raises
-    ------
-    LogError
-        The run lacks the forces of its pairs.
-    """
+    """Measure the forces of a run."""
     parts = turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
     teeth, cam = tooth_forces(motion)[rows], _sizes(motion, "cam")[rows]

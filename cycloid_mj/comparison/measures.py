@@ -47,13 +47,7 @@ def settling(reducer: Reducer) -> float:
 
 
 def settled(run: Run, q: npt.ArrayLike | None = None) -> Series:
-    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which lists the errors.
-
-    Raises
-    ------
-    LogError
-        The run did not reach the hold, too.
-    """
+    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which lists the errors."""
     motion = series(run, q, settling(Reducer(design_of(run))))
     require_hold(motion.reducer, motion.time)
     return motion

@@ -185,13 +185,7 @@ def task_of(
     follow: str | Sequence[str] = (),
     solver: Solver = "planar",
 ) -> Task:
-    """Return what is done at each point; measures are named one by one or as ``a,b``.
-
-    Raises
-    ------
-    UsageError
-        There is no such measure, or no such key to follow.
-    """
+    """Return what is done at each point; measures are named one by one or as ``a,b``."""
     names = require_measures(name.strip() for words in measures for name in words.split(","))
     options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys, solver)
     return Task(reducer, points.keys, names, options, following(reducer, follow, points.keys))

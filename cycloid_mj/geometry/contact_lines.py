@@ -39,13 +39,7 @@ class ContactLines:
 
 
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
-    """Compute every contact line at some crank angles [rad], without clearance.
-
-    Raises
-    ------
-    DesignError
-        If the gear is undercut.
-    """
+    """Compute every contact line at some crank angles [rad], without clearance."""
     profile.require_no_undercut(gear)
     pieces = [piece for angle in np.ravel(crank_angles) for piece in _at(gear, kind, float(angle))]
     columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}

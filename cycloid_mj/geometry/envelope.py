@@ -192,11 +192,6 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     """Ring whose chords leave the curve by at most `chord_error` [m], with few points; every lobe the same.
 
     The junctions are among the points, so that each chord spans an arc or a Sigma only.
-
-    Raises
-    ------
-    DesignError
-        If the gear is undercut or `chord_error` is below 1e-12 m.
     """
     require_envelope(gear)
     B0, alpha, rho = profile.best_phase(gear), largest_alpha(gear), gear.pin_radius

@@ -83,11 +83,6 @@ def ideal_ring_load_sharing(gear: CycloidGear, torque: float, crank_angle: float
     """Share the load between the N arcs of the double-enveloping ring and, after them, its `sigma_contacts`.
 
     All contacts are equally stiff; `torque` [N m], `crank_angle` [rad], counter-clockwise.
-
-    Raises
-    ------
-    DesignError
-        If the gear is undercut.
     """
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
     arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))

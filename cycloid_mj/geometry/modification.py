@@ -92,11 +92,6 @@ def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation
     """Compute the outline of the gear with turned flanks, (n, 2) [m], clockwise from the valley on +y.
 
     Its chords leave the flanks by at most `chord_error` [m]; every lobe is the same, and the corners are points of it.
-
-    Raises
-    ------
-    DesignError
-        The outline is undercut, `chord_error` is below 1e-12 m, or the turn leaves nothing of the lobes.
     """
     profile.require_no_undercut(gear, offset)
     ends, half_pitch = flank_ends(gear, offset, rotation), np.pi / gear.lobes

@@ -296,11 +296,6 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
     """Parameters t [rad] of an outline whose chords leave the curve by at most `chord_error` [m]; every lobe the same.
 
     They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc.
-
-    Raises
-    ------
-    DesignError
-        If the outline is undercut or `chord_error` is below 1e-12 m.
     """
     require_no_undercut(gear, offset)
     flank = SmoothArc(

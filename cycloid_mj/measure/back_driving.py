@@ -57,11 +57,6 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
     that of the parts' own weight and inertia; what is in proportion to the load is in the efficiency of back-driving.
     The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets zero at the torque T0.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
     """
     largest = GROWTH * reducer.design.rated_torque
     forward = -braking(reducer)

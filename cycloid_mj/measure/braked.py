@@ -32,11 +32,6 @@ def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "
 
     A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
     have the stiffness of the output torque that it holds without losses.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
     """
     reducer = working_at(reducer, torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed

@@ -63,13 +63,6 @@ def efficiency(
         Torques that a paper gives for this design, to stand beside ours.
     solver
         What takes the steps of the runs.
-
-    Raises
-    ------
-    RunError
-        A run went wrong.
-    DesignError
-        The crank does not turn.
     """
     reducer = Reducer(design)
     steady = steady_design(reducer)

@@ -98,11 +98,6 @@ def run_map(
     The map, and the rated point with an input varied, are of massless pins where pins move.
 
     `torques` on the output [N m] and crank `speeds` [rad/s] make the map.
-
-    Raises
-    ------
-    RunError
-        A run went wrong.
     """
     design = reducer.design
     rated, speed = design.rated_torque, design.drive.speed

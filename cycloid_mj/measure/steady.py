@@ -47,11 +47,6 @@ def steady(
     `compiled` is a model for another `course`, by default the solver's own.
 
     A drive that settles more slowly than the paper's is given as much longer.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
     """
     settled *= slowness(reducer)
     timed = reducer.steady(settled, periods / reducer.mesh_periods)
@@ -62,13 +57,7 @@ def steady(
 
 
 def steady_design(reducer: Reducer) -> Reducer:
-    """Return the design with the log rate of these runs, at full speed from the start.
-
-    Raises
-    ------
-    DesignError
-        The crank does not turn.
-    """
+    """Return the design with the log rate of these runs, at full speed from the start."""
     require_motion(reducer)
     return reducer.but(settings={"log_rate": LOG_RATE})
 

@@ -101,13 +101,7 @@ class Sway:
 
 
 def sway(reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int) -> Sway:
-    """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
-    """
+    """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled."""
     every = max(1, min(FASTER, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
     settling = SETTLING * slowness(reducer)
     reducer = reducer.steady(

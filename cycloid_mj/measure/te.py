@@ -64,13 +64,6 @@ def te(
         Called after each run with how many are done, and how many there are.
     solver
         What takes the steps of the runs.
-
-    Raises
-    ------
-    DesignError
-        The design's crank stands still.
-    RunError
-        A run went wrong.
     """
     reducer = Reducer(design)
     require_motion(reducer)

@@ -64,13 +64,6 @@ def torque(
         Torques that a paper gives for this design, to stand beside ours.
     solver
         What takes the steps of the runs.
-
-    Raises
-    ------
-    RunError
-        A run went wrong.
-    DesignError
-        The crank does not turn.
     """
     reducer = Reducer(design)
     steady = working_at(steady_design(reducer), reducer.design.rated_torque)

@@ -36,11 +36,6 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
         The reducer.
     chord_error
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
-
-    Raises
-    ------
-    DesignError
-        A part cannot be made, or the parts do not fit into each other.
     """
     return dict(_parts(reducer.shape, chord_error))
 
@@ -49,11 +44,6 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
     """Build what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
 
     The shaft is the whole crank then, and the output has its rollers, after its own prisms.
-
-    Raises
-    ------
-    DesignError
-        As `parts`.
     """
     whole = {
         by: make(reducer.shape)

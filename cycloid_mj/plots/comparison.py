@@ -61,11 +61,6 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     ----------
     motions
         The runs, load by load, each in the order of the designs.
-
-    Raises
-    ------
-    LogError
-        A run lacks the forces of its pairs.
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]

@@ -54,13 +54,6 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
         If given, the parts stand as in its last turn, and the forces on the gear are drawn as the run has them.
     crank_angle
         Crank angle [rad]; with a run, the nearest sample's, modulo a turn, and by default that of the last one.
-
-    Raises
-    ------
-    DesignError
-        A part cannot be made.
-    LogError
-        The run lacks a column of the motion.
     """
     figure = Figure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()

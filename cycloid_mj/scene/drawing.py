@@ -177,13 +177,7 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
 
 
 def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units.
-
-    Raises
-    ------
-    LogError
-        A column of the parts' motion is missing.
-    """
+    """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units."""
     design = reducer.design
     place, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
     mesh, gear = tooth_profile(design), place[gears(design.gear.discs)[disc]]
@@ -215,13 +209,7 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 
 
 def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
-    """Place everything by its gaps.
-
-    Raises
-    ------
-    UsageError
-        The magnification is not possible; see `drawn_radii`.
-    """
+    """Place everything by its gaps."""
     gear = measured.gear
     opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening

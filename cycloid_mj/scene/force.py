@@ -116,11 +116,6 @@ def contact_forces(
         If given, the points are where this drawing of the same samples has the parts.
     kinds
         Kinds of pairs.
-
-    Raises
-    ------
-    LogError
-        A column of the parts' motion is missing.
     """
     acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)

@@ -132,11 +132,6 @@ class Scene:
             Shape (k,), [s].
         columns
             Name -> values, shape (k,), in SI units.
-
-        Raises
-        ------
-        LogError
-            A column of the parts' motion is missing.
         """
         place = poses(self.reducer, columns)
         parts, by_time = list(place), np.stack(list(place.values()), axis=1)

@@ -36,13 +36,6 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
         Its reducer.
     path
         File to write; replaced if it exists.
-
-    Raises
-    ------
-    CycloidError
-        Rerun is not installed, or the file cannot be written.
-    LogError
-        A column of the parts' motion is missing.
     """
     rr = extra("rerun", "a recording", "rerun")
     place, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)

@@ -41,11 +41,6 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     The disc of the output is a piece of its own that can be seen through: the mechanism is looked at from its side,
     where x points right and y up. A built-up crank is the shaft with its cams and spacers, the output has its rollers;
     several discs stand in their planes.
-
-    Raises
-    ------
-    DesignError
-        A part of the design cannot be made.
     """
     solids, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
     planes = {

@@ -87,13 +87,7 @@ def rated_design(kind: str, *changes: str) -> Design:
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
-    """Run at rated load; give the settled samples over whole mesh periods, and the design.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
-    """
+    """Run at rated load; give the settled samples over whole mesh periods, and the design."""
     design = reducer_of(
         kind,
         f"drive.speed_rpm={rpm!r}",

@@ -140,26 +140,14 @@ NEEDED = {
 """Flags that a command cannot do without."""
 
 
-RESULTS = {
-    ("simulate",),
-    ("analyze",),
-    ("compare",),
-    ("stress",),
-    ("reduce",),
-    ("validate",),
-    ("calibrate",),
-    ("compare-bench",),
-    ("statics",),
-    ("rate",),
-    ("datasheet",),
-    ("design", "check"),
-    ("sweep",),
-    ("tolerance",),
-    ("optimize",),
-    ("reproduce",),
+WRITERS = {
+    *(("design", "new"), ("design", "show"), ("figures",), ("doctor",), ("app",), ("view",)),
+    *(("build",), ("export",), ("profile",), ("kinematics",), ("plot",), ("report",), ("animate",), ("render",)),
 }
-RESULTS |= {chain for chain in LEAVES if chain[0] == "measure"}
-"""Commands whose results go out by `cycloid_mj.cli.delivery`."""
+"""Commands that compute no figures of a design or a run: they write files, list, or open a window."""
+
+RESULTS = {chain for chain in LEAVES if chain not in WRITERS and chain[0] != "log"}
+"""Commands whose results go out by `cycloid_mj.cli.delivery`: every other one, a new one too."""
 
 DELIVERED = {"--out", "--html", "--json", "--all", "--force", "--quiet", "--workers"}
 

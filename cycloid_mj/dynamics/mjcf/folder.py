@@ -53,13 +53,6 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
     to be moved), there are keyframes, and convex pieces behind the teeth meet objects from outside.
 
-    Raises
-    ------
-    DesignError
-        A part cannot be made, or a decomposition is worse than its bound.
-    ContactError
-        MuJoCo cannot represent a contact's stiffness at this time step.
-
     Warns
     -----
     CycloidWarning

@@ -70,13 +70,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Build the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
-
-    Raises
-    ------
-    DesignError
-        The gear is undercut, or a slice is not convex.
-    """
+    """Build the flanks of the internal gear, ring frame, lobe 1 on +y, `member` the lobe, half a pitch to each side."""
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = _ring_nodes(gear, 2.0 * settings.chord_error)
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
