@@ -15,6 +15,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.spread import COVERED, memory
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
 LOADED = (0.5, 0.98)
 """Part of a loading branch that is read as straight, as shares of the torque at its end: beyond it parts creep."""
@@ -24,6 +25,12 @@ LEAPT = 1.2
 
 NEAR = 0.05
 """Half the width of the window about a level, as a share of the range."""
+
+LOST_MOTION_WINDOW = 0.2
+"""Half the width of the window about 3 % of the rated torque, as a share of that."""
+
+TO_ZERO = 0.005
+"""Share of the rated torque down to which a branch that is let go has not begun to cross its play."""
 
 FEWEST = 5
 """Points that a line is laid through at least."""
@@ -40,6 +47,10 @@ DEFINITIONS = {
     "carry nothing",
 }
 """How each figure of a loop is read, by its key in JSON."""
+
+
+_Across = tuple[float, float, float]
+"""Value of a branch at a level, its variance and its freedom."""
 
 
 class LoopFigure(NamedTuple):
@@ -103,14 +114,54 @@ def read_figures(loops: Sequence[MeasuredLoop]) -> LoopReading:
     """
     loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = coulomb_of(lowest)
-    rising, falling = (_loading(loaded, way, coulomb.value) for way in (1, -1))
+    low, high = LOADED
+    below, above = loaded.ends
+    rising = _loading(loaded, 1, low * above, high * above, coulomb.value)
+    falling = _loading(loaded, -1, -low * below, -high * below, coulomb.value)
     positive, negative = _stiffness(rising), _stiffness(falling)
-    both = LoopFigure(
-        2.0 / (1.0 / positive.value + 1.0 / negative.value),
-        min(positive.low, negative.low),
-        max(positive.high, negative.high),
-    )
+    both = _of_both(positive, negative)
     return LoopReading(_play(rising, falling, coulomb), width_of(lowest), both, positive, negative, coulomb)
+
+
+def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure:
+    """Compute the mean slope of both loading branches between two torques [N m], as `stiffness_nm_per_rad` is read.
+
+    No number where the loop does not reach the higher one.
+    """
+    if min(high, *map(abs, loop.ends)) < high * LOADED[1]:
+        return NOTHING
+    coulomb = coulomb_of(loop).value
+    return _of_both(*(_stiffness(_loading(loop, way, low, high, coulomb)) for way in (1, -1)))
+
+
+def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
+    """Compute the turn between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
+    level = LOST_MOTION_SHARE * rated
+    sides = [_across(loop, loop.torque, loop.deflection, way * level, LOST_MOTION_WINDOW * level) for way in (1, -1)]
+    branches = [branch for side in sides if side for branch in side]
+    if len(branches) < 4:
+        return NOTHING
+    value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
+    away = _reach(min(one[2] for one in branches)) * 0.5 * sum(one[1] for one in branches) ** 0.5
+    return LoopFigure(value, value - away, value + away)
+
+
+def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
+    """Compute the turn between the branches at no torque [rad], each as it is let go: before it crosses the play.
+
+    By the line through the points of a branch from 3 % of a rated torque down to 0.5 %, drawn on to none.
+    """
+    sides = []
+    for way in (1, -1):
+        torque, here = way * loop.torque, loop.on_the_way(-way)
+        if not here.any() or not torque[here].min() < 0.0 < torque[here].max():
+            return NOTHING
+        near = (torque >= TO_ZERO * rated) & (torque <= LOST_MOTION_SHARE * rated)
+        line = _line(loop.torque, loop.deflection, here & near)
+        sides.append((*line.at(0.0), line.freedom) if line else _between(loop.torque[here], loop.deflection[here], 0.0))
+    (upper, of_upper, one), (lower, of_lower, other) = sides
+    away = _reach(min(one, other)) * (of_upper + of_lower) ** 0.5
+    return LoopFigure(upper - lower, upper - lower - away, upper - lower + away)
 
 
 def width_of(loop: MeasuredLoop) -> LoopFigure:
@@ -125,11 +176,10 @@ def coulomb_of(loop: MeasuredLoop) -> LoopFigure:
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
 
 
-def _loading(loop: MeasuredLoop, way: int, coulomb: float) -> _Line | None:
-    """Lay a line through the part of the loading branches to one end, deflection over torque."""
-    end = way * loop.ends[1 if way > 0 else 0]
+def _loading(loop: MeasuredLoop, way: int, low: float, high: float, coulomb: float) -> _Line | None:
+    """Lay a line through the part of the loading branches to one side between two torques, deflection over torque."""
     carried = way * loop.torque
-    loaded = (carried >= LOADED[0] * end) & (carried <= LOADED[1] * end) & ~(carried < LEAPT * coulomb)
+    loaded = (carried >= low) & (carried <= high) & ~(carried < LEAPT * coulomb)
     return _line(loop.torque, loop.deflection, loop.on_the_way(way) & loaded)
 
 
@@ -139,6 +189,15 @@ def _stiffness(line: _Line | None) -> LoopFigure:
     away = _reach(line.freedom) * line.of_slope**0.5
     return LoopFigure(
         1.0 / line.slope, 1.0 / (line.slope + away), 1.0 / (line.slope - away) if away < line.slope else math.inf
+    )
+
+
+def _of_both(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
+    """Compute the stiffness whose compliance is the mean of both sides'; the interval holds both."""
+    return LoopFigure(
+        2.0 / (1.0 / positive.value + 1.0 / negative.value),
+        min(positive.low, negative.low),
+        max(positive.high, negative.high),
     )
 
 
@@ -154,16 +213,27 @@ def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> L
 
 def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> LoopFigure:
     """Compute how far the falling branches lie above the rising ones where what is `along` is at a level."""
+    sides = _across(loop, along, values, level, NEAR * float(np.ptp(along)))
+    if sides is None:
+        return NOTHING
+    (above, of_above, one), (below, of_below, other) = sides
+    away_from = _reach(min(one, other)) * (of_above + of_below) ** 0.5
+    return LoopFigure(above - below, above - below - away_from, above - below + away_from)
+
+
+def _across(
+    loop: MeasuredLoop, along: Array, values: Array, level: float, window: float
+) -> tuple[_Across, _Across] | None:
+    """Compute where the falling and the rising branches pass a level, from the points within a window of it."""
     sides = []
     for way in (-1, 1):
         here = loop.on_the_way(way)
         if not here.any() or not along[here].min() < level < along[here].max():
-            return NOTHING
-        line = _line(along, values, here & (np.abs(along - level) <= NEAR * np.ptp(along)))
+            return None
+        line = _line(along, values, here & (np.abs(along - level) <= window))
         sides.append((*line.at(level), line.freedom) if line else _between(along[here], values[here], level))
-    (above, of_above, one), (below, of_below, other) = sides
-    away_from = _reach(min(one, other)) * (of_above + of_below) ** 0.5
-    return LoopFigure(above - below, above - below - away_from, above - below + away_from)
+    falling, rising = sides
+    return falling, rising
 
 
 def _between(x: Array, y: Array, level: float) -> tuple[float, float, float]:

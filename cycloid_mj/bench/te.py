@@ -189,11 +189,8 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError("--load-nm 0: without a load the parts float in their clearances; give a torque")
-    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
-    count = PER_MESH_PERIOD * teeth * lobes
-    crank = 2.0 * np.pi * lobes * np.arange(count) / count
-    ideal = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
-    ideal = ideal - ideal.mean()
+    lobes = reducer.design.lobes
+    ideal = model_error(reducer, torque)
     zero = _zero(ideal, measured, lobes)
     model = _at(ideal, measured.crank + zero, lobes)
     order = _orders(reducer, measured)
@@ -219,6 +216,21 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
         amplitude[:, 1],
         names,
     )
+
+
+def model_error(reducer: Reducer, torque: float) -> Array:
+    """Compute the output's error about its mean [rad] under a torque on it [N m], evenly all over its turn, shape (n,).
+
+    Raises
+    ------
+    RunError
+        No static balance was found.
+    """
+    lobes = reducer.design.lobes
+    count = PER_MESH_PERIOD * reducer.design.ring.teeth * lobes
+    crank = 2.0 * np.pi * lobes * np.arange(count) / count
+    error = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
+    return np.asarray(error - error.mean())
 
 
 def _orders(reducer: Reducer, measured: MeasuredError) -> Array:

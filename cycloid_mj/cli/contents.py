@@ -60,6 +60,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     },
     "Analyse": {
         "measure": Listed("Measure one figure with its error and its closed form.", "measure:commands"),
+        "protocol": Listed("Tell what makers state of a reducer, from model and bench.", "protocol:protocol"),
         "stress": Listed("Compute the stress of the parts by finite elements.", "stress:stress"),
         "compare": Listed("Run designs at no load and under load, side by side.", "compare:compare"),
         "validate": Listed("Hold the simulation against closed forms and other sources.", "validate:validate"),

@@ -3,9 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECOND, DEGREE
-from cycloid_mj.bench import BenchComparison, Calibration
+from cycloid_mj.bench import BenchComparison, Calibration, MeasuredLoop
+from cycloid_mj.bench.protocol import Protocol
 from cycloid_mj.plots.style import BLUE, GREY, ORANGE, THEORY, VERMILION, centred, legend_above, sheet, state, styled
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
 MEASURED = {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.5}
 MODEL = {"color": VERMILION, "linewidth": 1.1}
@@ -34,6 +37,30 @@ def calibration_figure(calibration: Calibration) -> Figure:
         figure, f"{calibration.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg"
     )
     return figure
+
+
+@styled
+def protocol_figure(result: Protocol) -> Figure:
+    """Draw the loops that a protocol is read off, the bench's laid on the middle of the model's."""
+    figure = sheet(3.2)
+    axes = figure.subplots(1, 1, squeeze=False)[0, 0]
+    for loop in result.loops:
+        axes.plot(loop.torque, _centred_turn(loop), **MODEL)
+    for loop in result.bench_loops:
+        axes.plot(loop.torque, _centred_turn(loop), **MEASURED)
+    for side in (-1.0, 1.0):
+        axes.axvline(side * LOST_MOTION_SHARE * result.rated, color=GREY, linewidth=0.6)
+    axes.set(xlabel="torque at the output [N m]", ylabel="deflection [deg]")
+    shown = [("model", MODEL), *([("measured", MEASURED)] if result.bench_loops else [])]
+    legend_above(axes, *shown)
+    state(figure, f"{result.design}, crank held; lines at 3 % of {result.rated:.4g} N m")
+    return figure
+
+
+def _centred_turn(loop: MeasuredLoop) -> Array:
+    """Return the deflection of a loop about the middle of its ends [deg], shape (n,): a bench's zero is its own."""
+    turn = loop.deflection / DEGREE
+    return np.asarray(turn - 0.5 * (turn.max() + turn.min()))
 
 
 @styled

@@ -1,0 +1,128 @@
+"""``cycloid-mj protocol``: what makers and standards state of a reducer, from the model and from a bench."""
+
+from functools import partial
+from math import isfinite, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, whole
+from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.bench.protocol import Protocol
+
+MOST_ANGLES = 360
+
+LoopFlag = Annotated[
+    tuple[Path, ...],
+    Parameter(
+        name="--loop",
+        metavar="LOOP.csv",
+        help="Measured loop at a held crank: columns torque_output_Nm, deflection_deg, in the order of time. "
+        "Repeatable: one for each crank angle.",
+    ),
+]
+TeFlag = Annotated[
+    Path | None,
+    Parameter(name="--te", metavar="TE.csv", help="Measured transmission error: columns crank_deg, te_arcsec."),
+]
+StartingFlag = Annotated[
+    Path | None,
+    Parameter(
+        metavar="START.csv",
+        help="A torque on the crank that grows until it turns, no load: columns crank_deg, torque_crank_Nm.",
+    ),
+]
+RunningFlag = Annotated[
+    Path | None,
+    Parameter(metavar="RUN.csv", help="The crank kept at its speed, no load: column torque_crank_Nm."),
+]
+BackDrivingFlag = Annotated[
+    Path | None,
+    Parameter(
+        metavar="BACK.csv",
+        help="A torque on the output that grows until the crank turns: columns crank_deg, torque_output_Nm.",
+    ),
+]
+RatedFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X", help="Rated torque on the output [N m], by whose shares all is defined. Default: the design's."
+    ),
+]
+AnglesFlag = Annotated[
+    int, Parameter(metavar="N", converter=whole, help="Crank angles at which the model is held, 1 to 360. Default: 6.")
+]
+EXAMPLES = """Examples:
+  cycloid-mj protocol --design pin
+  cycloid-mj protocol --design printed --rated-nm 24 --loop stiffness_loop.csv --html
+  cycloid-mj protocol --design my.toml --loop at_0.csv --loop at_60.csv --te te.csv --running run.csv --out told"""
+
+
+def protocol(
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
+    loop: LoopFlag = (),
+    te: TeFlag = None,
+    starting: StartingFlag = None,
+    running: RunningFlag = None,
+    back_driving: BackDrivingFlag = None,
+    rated_nm: RatedFlag = None,
+    angles: AnglesFlag = 6,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+) -> int:
+    """Tell what makers state of a reducer, from model and bench.
+
+    Lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in
+    three intervals, transmission error, no-load starting, running and back-driving
+    torque, each by the definition of makers and standards, which stands beside it.
+    Loops of the model and of a bench are read by the same functions; lines of
+    which the bench has no file are the model's alone. docs/protocol.md says how to
+    measure each.
+    """
+    from cycloid_mj.bench import read_loop, read_te
+    from cycloid_mj.bench.protocol import BenchFiles
+    from cycloid_mj.bench.protocol import protocol as computed
+    from cycloid_mj.cli.progress import counted
+
+    if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
+        raise UsageError(f"--rated-nm {rated_nm:g}: give a number more than 0")
+    if not 1 <= angles <= MOST_ANGLES:
+        raise UsageError(f"--angles {angles}: give from 1 to {MOST_ANGLES}")
+    files = BenchFiles(
+        tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
+    )
+    design = chosen.sound()
+    place = claimed(delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")])
+    found = computed(
+        Reducer(design), files, rated_nm or design.rated_torque, angles, counted("protocol", delivery.quiet)
+    )
+    return deliver(_outcome(found), place, delivery)
+
+
+def _outcome(found: "Protocol") -> Outcome:
+    from cycloid_mj.base.result import plain
+    from cycloid_mj.bench.protocol import LINES
+    from cycloid_mj.plots.bench import protocol_figure
+    from cycloid_mj.plots.save import drawn
+
+    measured = {key for key, one in found.bench.items() if not isnan(one.value)}
+    first = {key: found.bench[key] if key in measured else one for key, one in found.model.items()}
+    return Outcome(
+        title=f"protocol of {found.design}",
+        condition=f"rated torque {found.rated:.4g} N m",
+        headline={
+            f"{LINES[key].name}{', bench' if key in measured else ''}": f"{one.value:.4g} {LINES[key].unit}"
+            for key, one in first.items()
+        },
+        tables=[found.table()],
+        frame=found.frame,
+        notes=[*found.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
+        pictures={f"{found.design}-protocol": partial(drawn, protocol_figure(found))},
+        result=plain(found.as_json()),
+    )
