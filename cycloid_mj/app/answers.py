@@ -10,6 +10,7 @@ from typing import Any
 
 from cycloid_mj.app.drawing import PLACES
 from cycloid_mj.app.knobs import SYMBOLS, label_of
+from cycloid_mj.app.state import made_for
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
@@ -20,7 +21,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.lasting import decides, lasting_checks
+from cycloid_mj.life.lasting import decides, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance, load_of
@@ -61,10 +62,20 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
-    """List the checks that do not hold, errors before warnings, and how many there are."""
-    found = (*check(reducer.design), *lasting_checks(reducer))
+    """List the checks that do not hold at the load, errors before warnings, and how many there are."""
+    loaded = _at_load(reducer)
+    found = (*check(loaded.design), *lasting_checks(loaded))
     ordered = sorted(found, key=lambda one: one.severity != "error")
-    return {"count": len(found), "failed": _broken(reducer, ordered)}
+    return {"count": len(found), "failed": _broken(loaded, ordered)}
+
+
+def ways(reducer: Reducer) -> dict[str, Any]:
+    """List, for each check of life, heat and strength that does not hold at the load, the changes that mend it."""
+    loaded = _at_load(reducer)
+    return {
+        _spoken(name): [_change(loaded, key, value) for key, value in changes]
+        for name, changes in lasting_ways(loaded).items()
+    }
 
 
 def statics(reducer: Reducer) -> dict[str, Any]:
@@ -118,6 +129,12 @@ def life(reducer: Reducer) -> dict[str, Any]:
     }
 
 
+def _at_load(reducer: Reducer) -> Reducer:
+    """Return a reducer that is made for its load: a file may tell of two torques, the page shows one."""
+    load, _ = load_of(reducer)
+    return made_for(reducer, load)
+
+
 def _item(item: RatedItem, asked: float) -> dict[str, Any]:
     margin = item.margin(asked)
     counts = decides(item) and (item.safety is not None or item.life is not None)
@@ -136,7 +153,7 @@ def _item(item: RatedItem, asked: float) -> dict[str, Any]:
 def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
     return [
         {
-            "name": one.name.replace("_", " "),
+            "name": _spoken(one.name),
             "severity": one.severity,
             "place": PLACES.get(one.name, ""),
             "what": f"{_plain(one.key)} is {one.got}, must be {one.limit}",
@@ -149,8 +166,15 @@ def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
     ]
 
 
+def _spoken(name: str) -> str:
+    """Return the name of a check as it is spoken."""
+    return name.replace("_", " ")
+
+
 def _change(reducer: Reducer, key: str, value: float) -> dict[str, Any]:
-    """Return one change of a remedy as a button has it."""
+    """Return one change of a remedy as a button has it: the drive's torque as that of its output."""
+    if key == "drive.torque_nm":
+        key, value = "load.torque_nm", float(f"{value * reducer.design.reduction:.10g}")
     unit = unit_of(declared(key)).suffix
     before = value_of(reducer.design, key)
     sense = "raise" if value > before else "lower"

@@ -91,6 +91,11 @@ def checks(content: Content) -> dict[str, Any]:
     return answers.checks(_reducer(content))
 
 
+def ways(content: Content) -> dict[str, Any]:
+    """Find what mends the checks of life, heat and strength."""
+    return answers.ways(_reducer(content))
+
+
 def forces(content: Content) -> dict[str, Any]:
     """Solve the forces over a turn of the crank."""
     number = content.get("turn", 0)
@@ -116,6 +121,7 @@ QUICK: Mapping[str, Callable[[Content], dict[str, Any]]] = {"statics": statics, 
 SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "checks": checks,
     "life": life,
+    "ways": ways,
     "error": error,
     "solid": shape,
 }

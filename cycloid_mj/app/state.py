@@ -7,6 +7,7 @@ from typing import Any
 
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.reducer import Reducer
 
 BASE = PRESETS["pin"]
 
@@ -52,15 +53,28 @@ def values_of(design: Design) -> dict[str, Any]:
 
 
 def changed(design: Design, changes: Any) -> Design:
-    """Return a design with changes in the words of its file; errors as `design_of`."""
+    """Return a design with changes in the words of its file, and what is tied to them; errors as `design_of`.
+
+    The page has one torque: the load is what the drive is made for, whichever of the two is given.
+    """
     if not isinstance(changes, Mapping):
         raise UsageError("changes are asked for: keys of the design file with their values")
     if not changes:
         return design
     new = override(design, {str(key): _whole(key, value) for key, value in changes.items()})
     if any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
-        return new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
+        new = new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
+    if "drive.torque_nm" in changes:
+        return new.but(load={"torque": new.rated_torque})
+    if new.load.torque and (new.load.torque, new.reduction) != (design.load.torque, design.reduction):
+        return made_for(Reducer(new), abs(new.load.torque)).design
     return new
+
+
+def made_for(reducer: Reducer, torque: float) -> Reducer:
+    """Return a reducer whose drive is made for a torque on the output [N m], with as much power to spare as before."""
+    drive, needed = reducer.design.drive, torque / reducer.design.reduction
+    return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
 
 
 def _whole(key: str, value: Any) -> Any:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, millimetres, value_and_limit, verdict
+from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, millimetres, value_and_limit, verdict
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
@@ -199,7 +199,7 @@ def _drive_checks(reducer: Reducer) -> Iterator[Check]:
         Limit("drive.torque", "at most", OVERLOAD * drive.power / speed if speed else math.inf),
         severity="warning",
     )
-    capacity = design.rated_torque
+    capacity = design.rated_torque * (1.0 + STRICT_MARGIN)  # a load may be that torque, as it is rounded
     yield verdict(
         reducer,
         "load",

@@ -1,12 +1,15 @@
 """Whether a drive lasts at its rated torque: the checks of life, fatigue, heat and what is held once."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
-from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.checks.limit import Check
+from cycloid_mj.design import override
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import STOPS
+from cycloid_mj.life.rated import STOPS, rated_torque
 from cycloid_mj.reducer import Reducer
 
 UNDECIDED = ("_wear", "_way", "_pv", "power_lost")
@@ -16,11 +19,22 @@ REMEDY = (
     "lower drive.torque_nm to what `cycloid-mj datasheet` rates it for, or see `cycloid-mj rate` for what to change"
 )
 
+FEW, NEAR = 61, 5e-3
+"""Crank angles, and relative accuracy, of the torque that is to be borne instead."""
+
+BELOW, ABOVE = -1, 1
+
+WIDEST, SHORTEST = 2.0, 1.0
+"""Times as wide as it is that a gear may become, and the least life that may be asked for instead [h]."""
+
 KINDS = {
-    "momentary_torque": ("what is held once", "twice the rated torque is to be held once, as in an emergency stop"),
-    "heat": ("heat", "grease, seals, materials and clearances end where the housing gets hotter"),
-    "life": ("life", "the first part that wears out ends the drive (service.life_h)"),
-    "strength": ("strength", "surfaces yield, or a part breaks by fatigue"),
+    "momentary_torque": (
+        "the safety of what is held once",
+        "twice the rated torque is to be held once, as in an emergency stop",
+    ),
+    "heat": ("the safety against heat", "grease, seals, materials and clearances end where the housing gets hotter"),
+    "life": ("the life", "the first part that wears out ends the drive (service.life_h)"),
+    "strength": ("the safety of the strength", "surfaces yield, or a part breaks by fatigue"),
 }
 """Name of a check -> what it is about, and why."""
 
@@ -42,6 +56,51 @@ def lasting_checks(reducer: Reducer) -> tuple[Check, ...]:
     return checks_of(rating)
 
 
+def lasting_ways(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
+    """Find single changes that mend the failed ones of `lasting_checks`, each as a key of the file and its value.
+
+    They are less torque or, by what fails, a wider gear, a shorter life or a slower crank; each was tried.
+    """
+    try:
+        rating = rate(reducer.design)
+    except CycloidError:
+        return {}
+    failed = [one for one in checks_of(rating) if not one.passed]
+    return {
+        one.name: tuple(change for change in _candidates(reducer, rating, one) if _mends(reducer, change, one.name))
+        for one in failed
+    }
+
+
+def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tuple[str, float]]:
+    """Yield changes that may mend a failed check, by the laws of what fails."""
+    design = reducer.design
+    keys = {item.key for item in rating.items.values() if decides(item) and _kind(item) == failed.name}
+    with suppress(DesignError):  # no torque is borne at all
+        torque, _ = rated_torque(reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW, exact=NEAR)
+        yield "drive.torque_nm", _safely(torque, BELOW) / design.reduction
+        if failed.name in ("life", "strength") and (share := design.rated_torque / torque) < WIDEST:
+            yield "gear.face_width_mm", _safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
+    if failed.name == "life" and failed.value and failed.value > SHORTEST:
+        yield "service.life_h", _safely(failed.value, BELOW)
+    if failed.name == "heat" and failed.value:
+        yield "drive.speed_rpm", _safely(design.drive.speed / RPM * failed.value, BELOW)
+
+
+def _mends(reducer: Reducer, change: tuple[str, float], name: str) -> bool:
+    """Tell whether a check of `KINDS` holds after a change."""
+    try:
+        mended = checks_of(rate(override(reducer.design, dict([change]))))
+    except CycloidError:
+        return False
+    return all(one.passed for one in mended if one.name == name)
+
+
+def _safely(value: float, side: int) -> float:
+    """Round to three digits, on the safe side of a value that is right within ``NEAR``."""
+    return float(f"{(1.0 + 2.0 * side * NEAR) * value:.3g}")
+
+
 def checks_of(rating: Rating) -> tuple[Check, ...]:
     """Sum a rating up as checks: of each kind the weakest item."""
     items = [item for item in rating.items.values() if decides(item)]
@@ -60,7 +119,7 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
             name=kind,
             passed=margin >= 1.0,
             got=f"{weakest.verdict} by {weakest.name}",
-            limit=f"at least {rating.life:g} h" if by_life else "a safety of at least 1",
+            limit=f"at least {rating.life:g} h" if by_life else "at least 1",
             why=f"{why}; at {rating.duty}: {weakest.load} of {weakest.borne}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",

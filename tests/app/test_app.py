@@ -141,6 +141,28 @@ def test_checks_are_shown_at_parts_of_the_section() -> None:
     assert PLACES.keys() - names <= {"pin_in_socket", "sleeve"}, "no check has that name"
 
 
+def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
+    """The file of the printed drive is loaded by 10 N m, and made for 10.4."""
+    reducer = Reducer(loaded(PRESETS["printed"]))
+    (failed,) = answers.checks(reducer)["failed"]
+    assert f"life is {answers.life(reducer)['life']} by" in failed["what"]
+    ways = answers.ways(reducer)[failed["name"]]
+    assert ways[0]["key"] == "load.torque_nm"
+    for way in ways:
+        assert not answers.checks(Reducer(changed(reducer.design, {way["key"]: way["value"]})))["failed"]
+
+
+def test_the_page_has_one_torque() -> None:
+    design = loaded(PRESETS["pin"])
+    less = changed(design, {"load.torque_nm": 12.34})
+    assert less.rated_torque == pytest.approx(12.34)
+    assert less.drive.power / less.drive.torque == pytest.approx(design.drive.power / design.drive.torque)
+    assert changed(less, {"drive.torque_nm": 0.5}).load.torque == pytest.approx(17.5)
+    fewer = changed(less, {"ring.teeth": 30})
+    assert (fewer.load.torque, fewer.rated_torque) == pytest.approx((12.34, 12.34))
+    assert not [one for one in check(fewer) if one.name in ("load", "power") and not one.passed]
+
+
 def test_a_change_of_a_check_is_what_its_remedy_says() -> None:
     for one in check(UNDERCUT):
         for key, value in one.changes:

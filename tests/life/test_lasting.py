@@ -4,7 +4,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.life import rate
-from cycloid_mj.life.lasting import checks_of, lasting_checks
+from cycloid_mj.life.lasting import checks_of, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
@@ -54,6 +54,20 @@ def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
     assert found["life"].bound == PIN.service.life
     assert found["heat"].value == pytest.approx(rating.items["temperature"].safety)
     assert found["momentary_torque"].value == pytest.approx(rating.items["peak_yield"].safety)
+
+
+@pytest.mark.parametrize("name", ["pin", "printed", pytest.param("twodisc", marks=pytest.mark.slow)])
+def test_every_check_that_fails_is_mended_by_each_of_its_ways(name: str) -> None:
+    reducer = Reducer(PRESETS[name])
+    ways = lasting_ways(reducer)
+    assert ways.keys() == {item.name for item in lasting_checks(reducer) if not item.passed}
+    for check, changes in ways.items():
+        assert "drive.torque_nm" in dict(changes)
+        for key, value in changes:
+            mended = {
+                item.name: item.passed for item in lasting_checks(Reducer(override(reducer.design, {key: value})))
+            }
+            assert mended[check], key
 
 
 def test_a_drive_at_the_torque_of_its_data_sheet_lasts() -> None:

@@ -7,7 +7,7 @@ import { showKnobs, markKnob } from "./knobs.js";
 import { Tabs } from "./tabs.js";
 import { Start } from "./start.js";
 
-const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null };
+const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null };
 const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within it are one step of undo
 
@@ -20,8 +20,9 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
   forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
-  checks: newest("checks", told => showChecks(told.failed, told.count), words => showChecks([], 0, words)),
+  checks: newest("checks", told => { state.checks = told; showChecks(told.failed, told.count); }, words => showChecks([], 0, words)),
   life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
+  ways: newest("ways", mended, () => mended({})), // last: what the others found is shown while it tries
 };
 
 section.nextTurn = turn => ask("forces", { design: state.design, turn });
@@ -58,7 +59,7 @@ function show(told) {
   document.title = `${told.name}: ${told.head.ratio}:1, ${number(told.head.diameter_mm)} mm – cycloid_mj`;
   showWrong(told.errors);
   if (told.errors.length) {
-    state.statics = state.life = null;
+    state.statics = state.life = state.checks = null;
     for (const one of Object.values(solved)) one.drop();
     section.forces(null);
     showChecks(told.errors, 0);
@@ -73,7 +74,7 @@ function show(told) {
 
 // Show nothing any longer of the design before: another one comes in its place.
 function another() {
-  state.statics = state.life = null;
+  state.statics = state.life = state.checks = null;
   fill(byId("checks"), el("p", { class: "soft" }, "checking …"));
   tabs.another();
 }
@@ -125,8 +126,14 @@ function remedies(check) {
     { class: "remedy", title: `Sets ${change.key} = ${change.value}`, onclick: () => apply({ [change.key]: change.value }) }, change.words)));
 }
 
+// Ways that were tried, for checks that told none.
+function mended(ways) {
+  for (const one of state.checks?.failed || []) if (one.name in ways) one.changes = ways[one.name];
+  if (state.checks) showChecks(state.checks.failed, state.checks.count);
+}
+
 function showChecks(failed, count, words = "") {
-  byId("checks").classList.remove("old");
+  const open = new Set([...byId("checks").querySelectorAll("details[open]")].map(one => one.dataset.name));
   const errors = failed.filter(one => one.severity === "error").length;
   const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
     : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
@@ -134,7 +141,7 @@ function showChecks(failed, count, words = "") {
   fill(byId("checks"),
     el("h2", { class: errors ? "fails" : failed.length ? "near" : "holds" }, el("span", { class: "mark" }, errors ? "✗" : failed.length ? "!" : "✓"), title),
     words ? el("p", {}, words) : null,
-    ...failed.map((one, place) => el("details", { class: one.severity, open: place < 1 },
+    ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
       el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
       el("p", {}, `${one.what}: ${one.why}.`),
       one.changes.length ? remedies(one) : one.remedy ? el("p", { class: "soft" }, one.remedy) : null)));
