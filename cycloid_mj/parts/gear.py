@@ -2,17 +2,19 @@
 
 import math
 
+import numpy as np
+
 from cycloid_mj.base import names
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, sample_turned, tooth_profile
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below
 from cycloid_mj.parts.output import output_centres
-from cycloid_mj.parts.polygon import circle, turned
+from cycloid_mj.parts.polygon import circle, signed_area, turned
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
 
-__all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "tooth_profile"]
+__all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "section_area", "tooth_profile"]
 
 from cycloid_mj.base.array import Array
 
@@ -64,6 +66,29 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
     if rotation:
         return sample_turned(teeth, chord_error, offset, rotation)
     return profile.outline(teeth, profile.sagitta_parameters(teeth, chord_error, offset), offset)
+
+
+def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
+    """Compute the area of a disc's cross-section as `gear_solid` draws it [m2], without drawing it: by one lobe's edge.
+
+    Errors as there.
+    """
+    design = reducer.design
+    _require_room(reducer)
+    chord_error = drawing_error(reducer, chord_error)
+    bore = signed_area(circle(design.gear.bore_radius + design.clearance.cam, chord_error))
+    hole = signed_area(circle(design.output.hole_radius + design.clearance.output, chord_error))
+    return _area_inside(reducer, chord_error) - bore - design.output.pins * hole
+
+
+def _area_inside(reducer: Reducer, chord_error: float) -> float:
+    """Compute the area inside of `gear_outline` [m2]: lobes are alike, but for those of a turned profile."""
+    if reducer.design.modification.rotation:
+        return -signed_area(gear_outline(reducer, chord_error))
+    teeth, offset = reducer.gear_profile, reducer.profile_offset
+    parameters = profile.sagitta_parameters(teeth, chord_error, offset)
+    lobe = profile.outline(teeth, parameters[: len(parameters) // teeth.lobes + 1], offset)
+    return -teeth.lobes * signed_area(np.concatenate([lobe, np.zeros((1, 2))]))
 
 
 def _require_room(reducer: Reducer) -> None:

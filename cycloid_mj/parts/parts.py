@@ -102,9 +102,7 @@ def _whole_output(reducer: Reducer) -> Solid:
 
 @once
 def _stretches(reducer: Reducer, chord_error: float | None) -> Mapping[str, Prism]:
-    # several discs balance each other, whatever their weight
-    balanced = _gears(reducer, chord_error)[0] if reducer.design.gear.discs == 1 else None
-    return stretches(reducer, chord_error, balanced)
+    return stretches(reducer, chord_error)
 
 
 @once

@@ -9,8 +9,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below, too_small
-from cycloid_mj.parts.gear import gear_solid
-from cycloid_mj.parts.inertia import mass_properties
+from cycloid_mj.parts.gear import section_area
 from cycloid_mj.parts.output import AXIAL_GAP, near_face
 from cycloid_mj.parts.polygon import arc, area_moments, circle, turned
 from cycloid_mj.parts.prism import Prism, Solid
@@ -43,16 +42,16 @@ def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     )
 
 
-def stretches(reducer: Reducer, chord_error: float | None = None, gear: Solid | None = None) -> Mapping[str, Prism]:
+def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Prism]:
     """Build the stretches of the crank by name; see `shaft_solid`.
 
     Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; or
     journal, cam 1, neck with the spacer around it, cam 2, ...; and where the shaft straddles the discs, a journal
-    beyond them, for the bearing in the output's hub. `gear` is what the counterweight balances, if it is drawn already.
+    beyond them, for the bearing in the output's hub.
     """
     chord_error = drawing_error(reducer, chord_error)
     if reducer.design.gear.discs == 1:
-        return _with_counterweight(reducer, gear or gear_solid(reducer, chord_error), chord_error)
+        return _with_counterweight(reducer, chord_error)
     return _of_several(reducer, chord_error)
 
 
@@ -79,7 +78,7 @@ def crank_parts(reducer: Reducer, chord_error: float | None = None) -> tuple[Sol
     )
 
 
-def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> dict[str, Prism]:
+def _with_counterweight(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
     """Build the crank of one disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
@@ -87,7 +86,7 @@ def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> di
     cam = Prism(circle(design.gear.bore_radius, chord_error, (0.0, design.gear.eccentricity)), (), -half, half)
     counterweight = _counterweight(reducer, chord_error)
     end = near_face(reducer)
-    start = end - _balancing_thickness(reducer, gear, cam, counterweight)
+    start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
     prisms = {
         JOURNAL: Prism(journal, (), end - shaft.length, start),
         COUNTERWEIGHT: Prism(counterweight, (), start, end),
@@ -174,16 +173,15 @@ def _journal(reducer: Reducer, chord_error: float) -> Array:
     return np.concatenate(list(halves))
 
 
-def _balancing_thickness(reducer: Reducer, gear: Solid, cam: Prism, counterweight: Array) -> float:
+def _balancing_thickness(reducer: Reducer, cam: Prism, counterweight: Array, chord_error: float) -> float:
     """Solve the balance of static moments about the axis, over the shaft's density [m4], for its thickness t [m].
 
     t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.
     """
     design = reducer.design
-    lighter = gear.density / design.material_of("shaft").density
-    unbalance = (
-        cam.height * area_moments(cam.outline).y + mass_properties(gear).volume * lighter * design.gear.eccentricity
-    )
+    lighter = design.material_of("gear").density / design.material_of("shaft").density
+    volume = design.gear.face_width * section_area(reducer, chord_error)
+    unbalance = cam.height * area_moments(cam.outline).y + volume * lighter * design.gear.eccentricity
     thickness = -unbalance / area_moments(counterweight).y
     shaft = design.shaft
     if thickness >= shaft.length:

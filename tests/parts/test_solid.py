@@ -36,6 +36,7 @@ from cycloid_mj.parts import (
     pin_solid,
     shaft_solid,
 )
+from cycloid_mj.parts.gear import section_area
 from cycloid_mj.parts.polygon import arc, area_moments, crossing
 from cycloid_mj.reducer import Reducer
 
@@ -281,6 +282,14 @@ def test_the_counterweight_balances_a_gear_of_another_material() -> None:
     assert not balance(Reducer(short)).passed
     with pytest.raises(DesignError, match="no counterweight within the shaft's length"):
         shaft_solid(Reducer(short))
+
+
+@pytest.mark.parametrize("change", ["modification.rotation_arcsec=0", "modification.rotation_arcsec=40"])
+def test_the_area_of_a_disc_is_that_of_its_solid(change: str) -> None:
+    reducer = Reducer(override(PIN, [change]))
+    for chord_error in (None, VISUAL_CHORD_ERROR):
+        volume = mass_properties(gear_solid(reducer, chord_error)).volume
+        assert section_area(reducer, chord_error) * PIN.gear.face_width == pytest.approx(volume, rel=1e-11)
 
 
 def test_the_counterweight_has_the_closed_thickness() -> None:
