@@ -1,9 +1,7 @@
 """What the page has made of a design: files, pages, a run, each as names and bytes to be fetched."""
 
-import io
 import json
 import math
-import zipfile
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -11,6 +9,7 @@ from cycloid_mj.app.jobs import Made
 from cycloid_mj.app.state import design_of
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import plain
+from cycloid_mj.base.whole import zipped
 from cycloid_mj.design import Design, dump
 from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, export, plate, threemf_bytes
 from cycloid_mj.reducer import Reducer
@@ -121,8 +120,4 @@ def run(told: Told, values: Any) -> Made:
 
 
 def _packed(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for place, content in sorted(files.items()):
-            archive.writestr(zipfile.ZipInfo(f"{name}/{place}", (1980, 1, 1, 0, 0, 0)), content)
-    return {f"{name}.zip": packed.getvalue()}
+    return {f"{name}.zip": zipped({f"{name}/{place}": content for place, content in sorted(files.items())})}

@@ -1,7 +1,9 @@
 """Atomic file writing: every result file is written whole or not at all."""
 
+import io
 import os
 import secrets
+import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -9,6 +11,9 @@ from pathlib import Path
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.replacing import LOG, as_own, require_replaceable
+
+EPOCH = (1980, 1, 1, 0, 0, 0)
+"""Time of all files in a package."""
 
 
 @contextmanager
@@ -94,3 +99,12 @@ def _claimed(path: Path, called: Path) -> Path:
     hidden = hidden_beside(path)
     with hidden.open("xb"):
         return hidden
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """Pack files by name, in their order; the same files always give the same bytes."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as package:
+        for name, file in files.items():
+            package.writestr(zipfile.ZipInfo(name, EPOCH), file, zipfile.ZIP_DEFLATED)
+    return content.getvalue()

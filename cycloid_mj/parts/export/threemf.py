@@ -1,11 +1,10 @@
 """A plate of parts as 3MF (Core Specification 1.3): each an object of its own, by its name, in millimetres."""
 
-import io
-import zipfile
 from collections import Counter
 from collections.abc import Iterator
 
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.base.whole import zipped
 from cycloid_mj.parts import Mesh
 from cycloid_mj.parts.export.plate import PrintPlate
 
@@ -22,17 +21,12 @@ RELATIONS = (
     'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
 )
 MODEL = "3D/3dmodel.model"
-EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Time of all files in it: the same plate always gives the same bytes."""
 
 
 def threemf_bytes(plate: PrintPlate) -> bytes:
     """Encode a plate; of several alike, the copies are numbered."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as package:
-        for name, text in (("[Content_Types].xml", TYPES), ("_rels/.rels", RELATIONS), (MODEL, _model(plate))):
-            package.writestr(zipfile.ZipInfo(name, EPOCH), text, zipfile.ZIP_DEFLATED)
-    return content.getvalue()
+    texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate)}
+    return zipped({name: text.encode() for name, text in texts.items()})
 
 
 def _model(plate: PrintPlate) -> str:
