@@ -13,6 +13,7 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import carried, output_centres, pin_radius, sleeve_core_radius
 from cycloid_mj.parts.export.bill import cam_bearing
 from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
     DOWEL,
     FLANGE,
     FLANGE_SCREW,
@@ -34,8 +35,6 @@ from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import gear_angle, ring_angle
-
-CAM_BEARING = "cam_bearing"
 
 COLOURS: Mapping[str, Colour] = {
     names.HOUSING: (0.55, 0.58, 0.62, 1.0),
@@ -130,18 +129,21 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     return _assembled(reducer.design.name, drawn, places(reducer, crank, sizes))
 
 
-def assembly_sections(reducer: Reducer, sizes: Casing | None = None) -> dict[str, tuple[PartSection, ...]]:
+def assembly_sections(
+    reducer: Reducer, sizes: Casing | None = None, splines: int = SPLINES
+) -> dict[str, tuple[PartSection, ...]]:
     """Build the sections of every part as it is put together, with covers and all they need if their sizes are given.
 
     Pins that are pressed into housing or output are parts of their own; cams are as thick as the bore of their bearing,
-    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough.
+    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough. A lobe is drawn by so
+    many splines.
 
     Raises
     ------
     DesignError
         A part cannot be made, or has no room.
     """
-    sections = part_sections(reducer, SPLINES)
+    sections = part_sections(reducer, splines)
     if reducer.design.ring.has_sleeves:
         wheel, core, *_ = sections[names.HOUSING]
         sections[names.HOUSING] = (wheel,)

@@ -14,10 +14,12 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches, parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
     DOWEL,
     FLANGE_SCREW,
     OUTPUT_BEARING,
     SCREW,
+    SHAFT_BEARING,
     Casing,
     casing_places,
     flange_screw_length,
@@ -177,18 +179,18 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
         if found and cam_seat in (0.0, round(0.5 * found[0].bore, 9)):
             bearing, count = found
             size = _sizes_of(bearing)
-            yield BillLine("cam_bearing", gear.discs * count, size, "", "bought", bearing.designation, _fit_of(bearing))
+            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, _fit_of(bearing))
         else:
             bore = (("bore", cam_seat),) if cam_seat else ()
             size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
-            yield BillLine("cam_bearing", gear.discs, size, "", "bought")
+            yield BillLine(CAM_BEARING, gear.discs, size, "", "bought")
     seats = bearing_seats(reducer, crank_stretches(reducer))
     width = seats[0][1] - seats[0][0]
     if alike := stock.bearings_on(2.0 * shaft.radius, width):
         size = _sizes_of(alike[0])
-        yield BillLine("shaft_bearing", len(seats), size, "", "bought", alike[0].designation, _fit_of(alike[0]))
+        yield BillLine(SHAFT_BEARING, len(seats), size, "", "bought", alike[0].designation, _fit_of(alike[0]))
     else:
-        yield BillLine("shaft_bearing", len(seats), _round(("bore", shaft.radius), length=width), "", "bought")
+        yield BillLine(SHAFT_BEARING, len(seats), _round(("bore", shaft.radius), length=width), "", "bought")
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:

@@ -28,7 +28,7 @@ from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
 SCREW, FLANGE_SCREW, DOWEL = "screw", "flange_screw", "dowel"
-SHAFT_BEARING, OUTPUT_BEARING = "shaft_bearing", "output_bearing"
+CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
 
 Motor = Literal["auto", "nema17", "nema23", "circle"]
 
@@ -160,7 +160,7 @@ class Casing:
     @property
     def grip(self) -> float:
         """Thickness of the cover below the heads of its screws [m]."""
-        return max(self.screws.bolt.thread, 2.0 * self.wall)
+        return _grip(self.screws.bolt, self.wall)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -392,8 +392,8 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
         FLANGE: _flange(sizes),
         SCREW: _screw(bolt, screws.length),
         FLANGE_SCREW: _screw(sizes.flange_bolt, flange_screw_length(sizes)),
-        OUTPUT_BEARING: _tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
-        SHAFT_BEARING: _tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
+        OUTPUT_BEARING: tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
+        SHAFT_BEARING: tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
     }
     if bore := _motor_bore(reducer, sizes):
         found[names.SHAFT] = bore
@@ -593,7 +593,8 @@ def _screw(bolt: stock.Bolt, length: float) -> CasingPart:
     )
 
 
-def _tube(bore: float, outside: float, width: float) -> CasingPart:
+def tube(bore: float, outside: float, width: float) -> CasingPart:
+    """Draw a bearing as one ring, its middle at z = 0 [m]."""
     half = 0.5 * width
     return CasingPart(names.SHAFT, ((outside, -half, half),), ((AXIS, bore, -half, half),), bought=True)
 

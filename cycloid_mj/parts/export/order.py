@@ -3,6 +3,7 @@
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
     DOWEL,
     FLANGE,
     FLANGE_SCREW,
@@ -23,7 +24,7 @@ ALONG = (
     names.SHAFT,
     names.SPACER,
     names.CAM,
-    "cam_bearing",
+    CAM_BEARING,
     names.GEAR,
     names.PIN,
     PRESSED_PIN,
