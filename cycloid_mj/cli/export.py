@@ -123,8 +123,8 @@ def export(
     With --plate and --assembly the drive can be put together: the ring has the
     holes of screws and dowels, a cover on either side, the motor's with its
     flange and the shaft's bearing, the other with both bearings of the output's
-    hub, on which its flange is screwed; each part that is made is a file of STL
-    then, as it is made. Where they have no room, a warning says
+    hub, on which its flange is screwed; each part that is made is a file
+    of the format then, as it is made. Where they have no room, a warning says
     why, and the mechanism comes without them. On the plate, each part stands on
     its larger end; round parts are on it if they are of a plastic, and bought
     otherwise; output pins that are bought have bores to be pressed into. Cams are
@@ -141,11 +141,10 @@ def export(
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.base.whole import write_whole
     from cycloid_mj.parts import fused
-    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, stl_bytes, threemf_bytes, widened
+    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, drive_files, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
     from cycloid_mj.parts.export.printable import coupon, coupon_words, doubts, prints_plastic
-    from cycloid_mj.parts.export.printing import made_parts
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
@@ -159,9 +158,8 @@ def export(
     printed = laid_out(widened(reducer, offset), chord_error, seat, sizes) if plate else None
     items = bill(reducer, seat, sizes) if plate else ()
     parts = dict(files_and_clearances.files)
-    if sizes and format_ == "stl":
-        made = made_parts(widened(reducer, offset), chord_error, seat, sizes)
-        parts |= {f"{name}.stl": stl_bytes(fused(one.solid), MILLIMETRES) for name, one in made.items()}
+    if sizes:
+        parts |= drive_files(widened(reducer, offset), format_, sizes, chord_error, seat)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}

@@ -22,9 +22,21 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.parts import mass_properties, mesh, parts
-from cycloid_mj.parts.export import Spline, export, part_sections, read_stl, read_volume, step_part, stl_bytes
+from cycloid_mj.parts.export import (
+    Format,
+    Spline,
+    casing,
+    drive_files,
+    export,
+    part_sections,
+    read_stl,
+    read_volume,
+    step_part,
+    stl_bytes,
+)
 from cycloid_mj.parts.export import clearance as measured
 from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, LineSegment, SmoothCurve, fit_splines, turned_curve
+from cycloid_mj.parts.export.printing import made_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import triangulated
 from cycloid_mj.parts.polygon import area_moments
@@ -386,3 +398,18 @@ def test_step_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(CycloidError, match=r"cycloid-mj\[cad\]"):
         export(PIN, "step")
+
+
+@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "step"])
+def test_every_made_part_of_a_whole_drive_is_a_file(file_format: Format) -> None:
+    """Covers and flange too; the solids have the volumes of the meshes."""
+    reducer = Reducer(PRESETS["printed"])
+    sizes = casing(reducer)
+    made = made_parts(reducer, CHORD_ERROR, 0.0, sizes)
+    files = drive_files(reducer, file_format, sizes)
+    assert set(files) == {f"{name}.{file_format}" for name in made} >= {f"motor_cover.{file_format}"}
+    if file_format == "step":
+        for name in ("motor_cover", "output_cover", "output_flange", "output"):
+            assert read_volume(files[f"{name}.step"]) == pytest.approx(
+                mass_properties(made[name].solid).volume, rel=1e-3
+            )

@@ -12,7 +12,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
 from cycloid_mj.parts import Solid, fused, mass_properties, parts
-from cycloid_mj.parts.export.assembly import Place, assembly_step, places
+from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
 from cycloid_mj.parts.export.casing import Casing, Motor, casing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
@@ -20,7 +20,7 @@ from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Splin
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
-from cycloid_mj.parts.export.printing import PRESSED_PIN, widened
+from cycloid_mj.parts.export.printing import PRESSED_PIN, made_parts, widened
 from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
@@ -50,6 +50,7 @@ __all__ = [
     "bill_csv",
     "cam_bearing",
     "casing",
+    "drive_files",
     "dxf_bytes",
     "export",
     "obj_bytes",
@@ -120,6 +121,32 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
             for clearance in exported.clearances
         ),
     )
+
+
+def drive_files(
+    reducer: Reducer, file_format: Format, sizes: Casing, chord_error: float = CHORD_ERROR, cam_seat: float = 0.0
+) -> dict[str, bytes]:
+    """Export every part that is made of a whole drive, as it is put together, one file a part, by name.
+
+    Covers and flange, and ring, output and shaft with the holes and seats that they need. Meshes have cams of the
+    radius `cam_seat` [m], as ``printing.made_parts``; outlines and solids those of the assembly.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made.
+    CycloidError
+        The extra for STEP is not installed.
+    """
+    made = made_parts(reducer, chord_error, cam_seat, sizes)
+    if file_format == "stl":
+        return {f"{name}.stl": stl_bytes(fused(one.solid), MILLIMETRES) for name, one in made.items()}
+    if file_format == "obj":
+        return {f"{name}.obj": obj_bytes(fused(one.solid), name, MILLIMETRES) for name, one in made.items()}
+    sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
+    if file_format == "dxf":
+        return {f"{name}.dxf": dxf_bytes(sections[name]) for name in made}
+    return {f"{name}.step": step_part(name, sections[name]) for name in made}
 
 
 def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
