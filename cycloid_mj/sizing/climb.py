@@ -54,6 +54,9 @@ FIRST_SHORT_WIDTHS, FIRST_BORES = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36), (0.42, 0.
 CLIMB, USUAL_WORK = 40.0, 1.5e4
 """Trials of a climb, and the work of a balance, times the teeth, that costs as much as all else in a trial."""
 
+LOOK = 0.1
+"""What proportions cost that are drawn and checked, in trials."""
+
 Step = tuple[Proportions, TorqueTrial]
 
 
@@ -66,6 +69,10 @@ class Budget:
     def spend(self, trial: TorqueTrial) -> None:
         """Pay for a trial."""
         self.left -= 1.0 + trial.work / USUAL_WORK
+
+    def look(self) -> None:
+        """Pay for proportions that are drawn and checked, whether they can be built or not."""
+        self.left -= LOOK
 
 
 def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
@@ -92,8 +99,9 @@ def _first(asked: Requirement, budget: Budget) -> Step | None:
     built: Step | None = None
     for width, bore, short_width in product(widths, FIRST_BORES, FIRST_SHORT_WIDTHS):
         of = usual.but(short_width=short_width, bore=bore, width=width)
-        if built and ((width, bore) != (built[0].width, built[0].bore) or budget.left <= 0.0):
+        if budget.left <= 0.0 or (built and (width, bore) != (built[0].width, built[0].bore)):
             break
+        budget.look()
         if reducer := shaped(asked, of, guess):
             trial = tried(reducer, guess)
             budget.spend(trial)
@@ -111,6 +119,7 @@ def _better(asked: Requirement, best: Step, tested: set[Proportions], budget: Bu
         if budget.left <= 0.0:
             return None
         tested.add(of)
+        budget.look()
         bears = best[1].bears
         if not (reducer := shaped(asked, of, bears)):
             continue

@@ -95,11 +95,18 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
     if drawn is None:
         return None
     reducer = _balanced(Reducer(drawn.design))
-    failed = (item for item in soundness(reducer) if not item.passed)
-    if any(item.severity == "error" or item.name in WALLS for item in failed):
+    if asked.length < math.inf and _too_long(asked, reducer):
         return None
-    too_long = asked.length < math.inf and length(reducer) > MILLIMETRES * asked.length
-    return None if too_long else reducer
+    failed = (item for item in soundness(reducer) if not item.passed)
+    return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
+
+
+def _too_long(asked: Requirement, reducer: Reducer) -> bool:
+    """Tell whether a drive is longer than asked for, or cannot be drawn: this costs less than all its checks."""
+    try:
+        return length(reducer) > MILLIMETRES * asked.length
+    except DesignError:
+        return True
 
 
 @dataclass(frozen=True)
