@@ -1,4 +1,4 @@
-"""``cycloid-mj datasheet``: what a maker's catalogue tells of a reducer, as two pages to print and one to read."""
+"""``cycloid-mj datasheet``: what a maker's catalogue tells of a reducer, as three pages to print and one to read."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated

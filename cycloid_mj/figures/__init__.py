@@ -15,6 +15,7 @@ from cycloid_mj.figures.catalogue import (
     figures_of,
     of_measure,
     quantities,
+    quantity,
     values_json,
 )
 from cycloid_mj.figures.figure import Figure, Need
@@ -32,5 +33,6 @@ __all__ = [
     "figures_of",
     "of_measure",
     "quantities",
+    "quantity",
     "values_json",
 ]

@@ -1,6 +1,7 @@
 """Figures of the rooms above: each names the function there that computes it, and imports it with its first use."""
 
 from cycloid_mj.figures.figure import Figure, Need
+from cycloid_mj.reducer import Reducer
 
 _RATED = "at the rated torque and speed"
 
@@ -12,6 +13,13 @@ PARTS = {
     "pin": "ring pin 1",
 }
 """Kinds of parts whose stress is known, in words."""
+
+
+def _cased(reducer: Reducer) -> bool:
+    from cycloid_mj.parts.export.drive import has_casing
+
+    return has_casing(reducer)
+
 
 OF_ROOMS_ABOVE = (
     Figure(
@@ -49,6 +57,96 @@ OF_ROOMS_ABOVE = (
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:length",
         aliases=("length",),
+    ),
+    Figure(
+        key="drive_mass_kg",
+        name="mass of the drive",
+        unit="kg",
+        definition="Mass with covers, bearings, screws, dowels and the output's flange, of the materials of the parts, "
+        "without motor and grease.",
+        need=Need.GEOMETRY,
+        function="cycloid_mj.life.figures:drive_mass",
+        aliases=("drive_mass",),
+        exists=_cased,
+    ),
+    Figure(
+        key="drive_inertia_kg_cm2",
+        name="inertia of the drive at the input",
+        unit="kg cm2",
+        definition="Inertia that the motor feels, with the output's hub and flange over the ratio squared.",
+        need=Need.GEOMETRY,
+        function="cycloid_mj.life.figures:drive_inertia",
+        aliases=("drive_inertia",),
+        exists=_cased,
+    ),
+    Figure(
+        key="drive_length_mm",
+        name="length of the drive",
+        unit="mm",
+        definition="Distance along the axis from the motor's flange to the face of the output's.",
+        need=Need.GEOMETRY,
+        function="cycloid_mj.life.figures:drive_length",
+        aliases=("drive_length",),
+        exists=_cased,
+    ),
+    Figure(
+        key="largest_speed_rpm",
+        name="largest speed of the crank",
+        unit="rpm",
+        definition="Speed of the crank that the bearings of cams and shaft bear with grease: 300 000 over their mean "
+        "diameter in mm.",
+        need=Need.GEOMETRY,
+        function="cycloid_mj.life.figures:largest_speed",
+    ),
+    *(
+        Figure(
+            key=f"{key}_speed_rpm",
+            name=f"largest speed of the crank, {words}",
+            unit="rpm",
+            definition=f"Speed of the crank at which the housing is as hot as may be under the rated torque, {words}; "
+            "at most the largest that its bearings bear.",
+            need=Need.LIFE,
+            function=f"cycloid_mj.life.figures:{key}_speed",
+        )
+        for key, words in {"continuous": "all of the time", "intermittent": "a quarter of the time"}.items()
+    ),
+    Figure(
+        key="output_tilting_capacity_nm",
+        name="tilting moment on the output",
+        unit="N m",
+        definition="Moment across the axis that the two bearings of the output's hub bear beside the rated torque, for "
+        "the life of the design (ISO 281) and standing (ISO 76).",
+        need=Need.STATICS,
+        function="cycloid_mj.life.hub:tilting_moment",
+        exists=_cased,
+    ),
+    Figure(
+        key="output_tilting_stiffness_nm_per_arcmin",
+        name="tilting stiffness of the output",
+        unit="N m/arcmin",
+        definition="Moment across the axis over the tilt by the balls of the hub's two bearings, at half the moment "
+        "that they bear, without clearance; hub and covers rigid.",
+        need=Need.STATICS,
+        function="cycloid_mj.life.hub:tilting_stiffness",
+        exists=_cased,
+    ),
+    Figure(
+        key="output_radial_load_n",
+        name="radial load on the output",
+        unit="N",
+        definition="Force across the axis on the flange's face that the hub's bearings bear beside the rated torque.",
+        need=Need.STATICS,
+        function="cycloid_mj.life.hub:radial_load",
+        exists=_cased,
+    ),
+    Figure(
+        key="output_axial_load_n",
+        name="axial load on the output",
+        unit="N",
+        definition="Force along the axis on the flange, alone: a quarter of a bearing's static rating.",
+        need=Need.STATICS,
+        function="cycloid_mj.life.hub:axial_load",
+        exists=_cased,
     ),
     Figure(
         key="life_h",

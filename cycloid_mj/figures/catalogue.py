@@ -108,6 +108,11 @@ def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Q
     return {row.key: _computed(reducer, row) for row in figures_of(reducer, needs)}
 
 
+def quantity(reducer: Reducer, key: str) -> Quantity:
+    """Compute one figure as `quantities` does all."""
+    return _computed(reducer, figure(key))
+
+
 def _computed(reducer: Reducer, row: Figure) -> Quantity:
     try:
         return row.quantity(reducer)

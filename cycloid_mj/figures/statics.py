@@ -1,5 +1,6 @@
 """Figures of the data sheet by statics, with friction: the load is the design's, else its rated torque."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Literal
 
@@ -25,6 +26,12 @@ KINDS = {
 """Kinds of contacts, in words."""
 
 MOST_DISCS = 4
+
+CREEPING = 1e-3
+"""Of the design's speed: where the discs' centrifugal force is none."""
+
+FREE_ROUNDS, APART = 4, 2.0
+"""Straight lines of the losses that are drawn for a free crank, through two torques that differ by a factor."""
 
 _IDEAL = "without friction and weight, at a locked crank: mean of a turn"
 _LOADED = "under the load, with friction, over a turn of the crank"
@@ -278,7 +285,54 @@ def no_load_torque(reducer: Reducer) -> float:
     return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)
 
 
+def starting_torque(reducer: Reducer) -> float:
+    """Compute the mean torque on the crank [N m] that turns a reducer from rest without a load: at a creeping speed.
+
+    Weight and seals are left then, the centrifugal force of the discs is not; errors as `powers`.
+    """
+    return no_load_torque(reducer.but(drive={"speed": CREEPING * reducer.design.drive.speed}))
+
+
+def back_driving_torque(reducer: Reducer) -> float:
+    """Compute the torque on the output [N m] from which it turns a free crank slowly; NaN where it locks itself.
+
+    Losses are straight lines of the load: where T w/i = L(T), with the crank's speed w and the ratio i; errors as
+    `powers`.
+    """
+    creeping = reducer.but(drive={"speed": CREEPING * reducer.design.drive.speed})
+    arm = reducer.design.reduction / abs(creeping.design.drive.speed)
+    least = torque = TOUCH * reducer.design.rated_torque
+    for _ in range(FREE_ROUNDS):
+        near, far = (arm * powers(creeping, -load).lost for load in (torque, APART * torque))
+        share = (far - near) / ((APART - 1.0) * torque)
+        if share >= 1.0:
+            return math.nan
+        driven = max(near - share * torque, 0.0) / (1.0 - share)
+        if driven <= least:
+            return driven
+        torque = driven
+    return torque
+
+
 OF_BALANCE = (
+    Figure(
+        key="starting_torque_nm",
+        name="starting torque on the crank",
+        unit="N m",
+        definition="Torque on the crank from which it turns without a load, mean of a turn: weight of the discs, and "
+        "drag of seals and lubricant, without shaft bearings.",
+        need=Need.STATICS,
+        function=starting_torque,
+    ),
+    Figure(
+        key="back_driving_torque_free_nm",
+        name="back-driving torque, crank free",
+        unit="N m",
+        definition="Torque on the output from which it turns a crank without a load, slowly, mean of a turn; none if "
+        "it locks itself.",
+        need=Need.STATICS,
+        function=back_driving_torque,
+    ),
     Figure(
         key="no_load_torque_nm",
         name="no-load torque on the crank",

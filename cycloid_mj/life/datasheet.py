@@ -1,5 +1,6 @@
 """What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,12 +15,16 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
-from cycloid_mj.figures import quantities, values_json
+from cycloid_mj.figures import figure, quantities, quantity, values_json
 from cycloid_mj.life.duty import steady
+from cycloid_mj.life.hub import USUAL, hub
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import STOPS, is_bearing_life, rated_torque
-from cycloid_mj.parts import body_solids, mass_properties, moving_masses, turning_inertia
+from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.export.casing import FLANGE_CIRCLE, FLANGE_SCREWS, casing
+from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
@@ -28,6 +33,16 @@ SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
 TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the rated speed and torque at which curves have their points."""
+
+
+WHOLE = {
+    "drive_mass_kg": ("Mass", "with covers, bearings, screws; without motor and grease"),
+    "drive_inertia_kg_cm2": ("Inertia at the input", "with the output's hub and flange; without the motor"),
+    "drive_length_mm": ("Length over all", "motor's flange to output's"),
+}
+"""Figures of the whole drive -> name, and condition."""
+
+LUBRICANT = "grease of lithium soap, NLGI 2, its base oil a PAO where parts are of plastic (assumed)"
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,6 +98,7 @@ class Datasheet(Presented):
             "rated_torque_nm": self.value("rated_torque"),
             "life_h": self.life,
             "momentary_torque_nm": self.value("momentary_torque"),
+            "lubricant": f"{LUBRICANT}, to {self.design.service.grease_temperature:g} °C",
             "weakest": {"key": self.weakest.key, **self.weakest.as_json()},
             "quantities": {
                 item.key: {"name": item.name, "value": item.value, "unit": item.unit, "condition": item.note}
@@ -113,8 +129,11 @@ def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
         "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
         "Accuracy and stiffness": _accuracy(reducer, static),
         "Efficiency and heat": _efficiency(reducer, static),
+        "Speed": _speeds(reducer),
         "Mass and size": _mass(reducer),
     }
+    if has_casing(reducer):
+        groups |= {"Output bearing": _bearing(reducer), "Interfaces": _interfaces(reducer)}
     curves = (life_curve(reducer, life, momentary), _efficiency_curve(reducer), _wind_up_curve(reducer))
     return Datasheet(
         design=design,
@@ -195,8 +214,77 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     return (
         _renamed(quantities["efficiency"], "Efficiency", at),
         _renamed(quantities["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", "without a motor, slowly"),
+        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"on the crank, {_speed(reducer)}"),
+        _figure(reducer, "starting_torque_nm", "Starting torque", "on the crank, without a load"),
         Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
     )
+
+
+def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
+    return (
+        _figure(reducer, "continuous_speed_rpm", "Input speed, all of the time", "rated torque, S1, by heat, bearings"),
+        _figure(reducer, "intermittent_speed_rpm", "Input speed, a quarter of it", "rated torque, S3 25 %"),
+        _figure(reducer, "largest_speed_rpm", "Largest input speed", "bearings, n d_m 300 000, grease"),
+    )
+
+
+def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Compute what the output's flange carries; the spread of its stiffness is that of the balls' load."""
+    found, torque = hub(reducer), f"beside {reducer.design.rated_torque:.4g} N m"
+    loose = found.tilting_stiffness(USUAL) * ARCMINUTE
+    bearings = f"2 x {found.bearing.designation}, {1e3 * found.spacing:.4g} mm apart"
+    return (
+        _figure(reducer, "output_tilting_capacity_nm", "Tilting moment", f"{torque}; {bearings}, ISO 281 and 76"),
+        _figure(
+            reducer,
+            "output_tilting_stiffness_nm_per_arcmin",
+            "Tilting stiffness",
+            f"at half of it, Palmgren; {loose:.3g} with usual clearance, taken up",
+        ),
+        _figure(reducer, "output_radial_load_n", "Radial load", f"on the flange's face, {torque}"),
+        _figure(reducer, "output_axial_load_n", "Axial load", "alone, 0.25 C0 (SKF)"),
+    )
+
+
+def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
+    """List what motor, load and frame are bolted to [mm]."""
+    sizes = casing(reducer)
+    motor, screws = sizes.motor, sizes.screws
+    coupled = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the journal"
+    return (
+        Quantity("motor_circle", "Motor flange, bolt circle", 2e3 * motor.circle, "mm", note=_threads(4, motor.thread)),
+        Quantity("motor_pilot", "Motor flange, pilot", 2e3 * motor.pilot, "mm", note=f"{motor.name}, {coupled}"),
+        Quantity(
+            "output_circle",
+            "Output flange, bolt circle",
+            1e3 * FLANGE_CIRCLE * sizes.hub.bore,
+            "mm",
+            note=_threads(FLANGE_SCREWS, sizes.flange_bolt.thread),
+        ),
+        Quantity("cover_diameter", "Covers, diameter", 2e3 * sizes.outer, "mm", note="both"),
+        Quantity(
+            "cover_circle",
+            "Covers, bolt circle",
+            2e3 * screws.circle,
+            "mm",
+            note=_threads(len(screws.angles), screws.bolt.thread),
+        ),
+    )
+
+
+def _threads(count: int, thread: float) -> str:
+    return f"{count} x M{1e3 * thread:g}"
+
+
+def _speed(reducer: Reducer) -> str:
+    return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
+
+
+def _figure(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
+    """Compute a figure of the catalogue for a line of the sheet; one that cannot be computed says why."""
+    found = quantity(reducer, key)
+    return Quantity(key, name, found.value, found.unit, note=condition if math.isfinite(found.value) else found.note)
 
 
 def _renamed(quantity: Quantity, name: str, condition: str) -> Quantity:
@@ -211,10 +299,21 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
     mass = sum(solid.mass * count.get(name, 1) for name, solid in solids.items())
     length = axial_extent(reducer)
     return (
-        Quantity("mass", "Mass", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
-        Quantity("inertia", "Inertia at the input", 1e4 * input_inertia(reducer), "kg cm2", note="without the motor"),
+        Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
+        Quantity("inertia", "Inertia of the mechanism", 1e4 * input_inertia(reducer), "kg cm2", note="at the input"),
+        *(
+            _figure(reducer, key, name, condition)
+            for key, (name, condition) in WHOLE.items()
+            if figure(key).exists(reducer)
+        ),
         Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
-        Quantity("length", "Length over all", 1e3 * (length[1] - length[0]), "mm", note="input journal to output disc"),
+        Quantity(
+            "length",
+            "Length of the mechanism",
+            1e3 * (length[1] - length[0]),
+            "mm",
+            note="input journal to output disc",
+        ),
         Quantity("input_diameter", "Input shaft diameter", 2e3 * design.shaft.radius, "mm", note="journal"),
         Quantity(
             "face_width", "Face width", 1e3 * gear.face_width, "mm", note=f"of {gear.discs} disc{'s'[: gear.discs > 1]}"
@@ -236,7 +335,8 @@ def input_inertia(reducer: Reducer) -> float:
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:
     """Compute where the reducer begins and ends along z [m]."""
-    ends = [end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    drawn = parts(reducer, VISUAL_CHORD_ERROR).values()
+    ends = [end for solid in drawn for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
 
 
@@ -275,6 +375,7 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
         f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
         "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
         _materials(reducer),
+        f"Lubricant: {LUBRICANT}, to {reducer.design.service.grease_temperature:g} °C.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )
 

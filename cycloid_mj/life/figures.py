@@ -2,15 +2,25 @@
 
 import math
 
-from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.base.units import MILLIMETRES, RPM
+from cycloid_mj.figures.geometry import mass
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.items import rate
+from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.life.rated import is_bearing_life, rated_torque
+from cycloid_mj.parts.export import cam_bearing, drive
+from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
 from cycloid_mj.reducer import Reducer, once
 
 KG_CM2 = 1e4
 """Kilograms times square centimetres in a kg m2."""
+
+SPEED_FACTOR = 300.0
+"""Speed [rpm] times mean diameter [m] of needle bearings with a cage, in grease, at C/P of about 8 (SKF, 2018)."""
+
+INTERMITTENT = 0.25
+"""Share of the time of an intermittent duty (S3 25 %)."""
 
 
 @once
@@ -28,6 +38,52 @@ def length(reducer: Reducer) -> float:
     """Compute the length over all [mm]."""
     near, far = datasheet.axial_extent(reducer)
     return MILLIMETRES * (far - near)
+
+
+def drive_mass(reducer: Reducer) -> float:
+    """Compute the mass of a drive with covers, bearings and screws [kg]; errors as ``drive.casing_mass``."""
+    return mass(reducer) + drive.casing_mass(reducer)
+
+
+def drive_length(reducer: Reducer) -> float:
+    """Compute the length between the faces of motor and load [mm]; errors as ``drive.drive_length``."""
+    return MILLIMETRES * drive.drive_length(reducer)
+
+
+def drive_inertia(reducer: Reducer) -> float:
+    """Compute the inertia at the input of a drive with hub and flange [kg cm2]; errors as ``drive.casing_inertia``."""
+    return input_inertia(reducer) + KG_CM2 * drive.casing_inertia(reducer)
+
+
+def largest_speed(reducer: Reducer) -> float:
+    """Compute the speed of the crank [rpm] that the bearings of cams and shaft bear with grease, by their size."""
+    shaft, gear = reducer.design.shaft, reducer.design.gear
+    seat = seat_radius(reducer, bearing_width_of(reducer))
+    speeds = [SPEED_FACTOR / (shaft.radius + seat)]
+    if gear.bearing == "rolling":
+        found = cam_bearing(reducer)
+        bore = 0.5 * found[0].bore if found else gear.bore_radius
+        slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
+        speeds.append(SPEED_FACTOR / (bore + gear.bore_radius) * slower)
+    return min(speeds)
+
+
+def continuous_speed(reducer: Reducer) -> float:
+    """Compute the speed of the crank [rpm] that the housing bears by its heat at the rated torque, all of the time.
+
+    Losses go with the speed; bearings may bear less.
+    """
+    return _speed_by_heat(reducer, 1.0)
+
+
+def intermittent_speed(reducer: Reducer) -> float:
+    """Compute the same for the rated torque during `INTERMITTENT` of the time (S3)."""
+    return _speed_by_heat(reducer, INTERMITTENT)
+
+
+def _speed_by_heat(reducer: Reducer, duty: float) -> float:
+    safety = rating(reducer).items["temperature"].safety or math.inf
+    return min(abs(reducer.design.drive.speed) / RPM * safety / duty, largest_speed(reducer))
 
 
 def life(reducer: Reducer) -> float:

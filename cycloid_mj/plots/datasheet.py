@@ -1,4 +1,4 @@
-"""The two pages of a data sheet, A4, and its pictures alone."""
+"""The three pages of a data sheet, A4, and its pictures alone."""
 
 import textwrap
 from collections.abc import Sequence
@@ -23,6 +23,9 @@ NAVY, ACCENT, INK, SOFT, RULE = "#12324F", "#0072B2", "#1A1F24", "#59636E", "#D3
 KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "efficiency", "mass")
 """Quantities of the tiles below the heading."""
 
+BUILT_IN = ("Mass and size", "Output bearing", "Interfaces")
+"""Headings of the tables beside the drawing."""
+
 ROW = 0.0166
 """Height of a line of a table, over the page's."""
 
@@ -35,8 +38,8 @@ NOTE_WIDTH = 138
 
 @styled
 def datasheet_pages(sheet: Datasheet) -> list[Figure]:
-    """Draw the sheet: figures with their conditions and curves, then dimensions and what all of it stands on."""
-    return [_first(sheet), _second(sheet)]
+    """Draw the sheet: how it performs with curves, how it is built in with dimensions, and what all of it stands on."""
+    return [_first(sheet), _second(sheet), _third(sheet)]
 
 
 @styled
@@ -54,8 +57,8 @@ def _first(sheet: Datasheet) -> Figure:
     figure = _page(sheet, 1)
     _tiles(figure, sheet, 0.855)
     top = 0.79
-    for heading, quantities in sheet.groups.items():
-        top = _table(figure, heading, quantities, top)
+    for heading in [heading for heading in sheet.groups if heading not in BUILT_IN]:
+        top = _table(figure, heading, sheet.groups[heading], top)
     slot = (RIGHT - LEFT) / len(sheet.curves)
     for place, curve in enumerate(sheet.curves):
         _curve(figure.add_axes((LEFT + place * slot + 0.045, 0.085, slot - 0.06, 0.165)), curve)
@@ -63,11 +66,19 @@ def _first(sheet: Datasheet) -> Figure:
 
 
 def _second(sheet: Datasheet) -> Figure:
-    figure = _page(sheet, 2)
-    _heading(figure, "Dimensions [mm], as drawn", 0.868)
-    draw_views(figure.add_axes((LEFT - 0.02, 0.355, RIGHT - LEFT + 0.04, 0.495), anchor="N"), Reducer(sheet.design))
-    _heading(figure, "What these figures stand on", 0.335)
-    line = 0.316
+    figure, top = _page(sheet, 2), 0.868
+    for heading in [heading for heading in sheet.groups if heading in BUILT_IN]:
+        top = _table(figure, heading, sheet.groups[heading], top)
+    _heading(figure, "Dimensions of the mechanism [mm], as drawn", top)
+    views = (LEFT - 0.02, 0.06, RIGHT - LEFT + 0.04, top - 0.08)
+    draw_views(figure.add_axes(views, anchor="N"), Reducer(sheet.design))
+    return figure
+
+
+def _third(sheet: Datasheet) -> Figure:
+    figure = _page(sheet, 3)
+    _heading(figure, "What these figures stand on", 0.868)
+    line = 0.849
     for note in sheet.notes:
         for number, part in enumerate(textwrap.wrap(note, NOTE_WIDTH, break_on_hyphens=False)):
             figure.text(LEFT, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
@@ -91,7 +102,7 @@ def _page(sheet: Datasheet, number: int) -> Figure:
     figure.text(RIGHT, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
     _rule(figure, 0.045, RULE)
     figure.text(LEFT, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
-    figure.text(RIGHT, 0.03, f"{number} / 2", fontsize=6.5, color=SOFT, ha="right")
+    figure.text(RIGHT, 0.03, f"{number} / 3", fontsize=6.5, color=SOFT, ha="right")
     return figure
 
 

@@ -28,7 +28,7 @@ from cycloid_mj.statics.sheet import sheet
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
-from requirements_grid import drawn  # noqa: E402 - a script
+from requirements_grid import drawn
 
 SMALL = Requirement(20, 0.06, 10.0)
 TOO_MUCH = Requirement(15, 0.06, 30.0, process="printed")

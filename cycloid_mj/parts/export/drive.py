@@ -1,0 +1,130 @@
+"""What covers, bearings, screws and flanges add to a mechanism: mass, inertia, length."""
+
+from collections.abc import Mapping
+
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.casing import (
+    FLANGE,
+    MOTOR_COVER,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    SHAFT_BEARING,
+    Casing,
+    CasingPart,
+    casing,
+    casing_parts,
+    casing_places,
+    cut_solid,
+    tube,
+)
+from cycloid_mj.parts.export.printing import PrintedPart, made_parts
+from cycloid_mj.reducer import Reducer, once
+
+STEEL = 7850.0
+"""Density of what is bought [kg/m3]."""
+
+BEARING_FILL = 0.67
+"""Mass of a rolling bearing over that of a tube of its sizes: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
+
+CHORD_ERROR = 1e-6
+"""Largest distance of a chord from its curve [m]: a volume is right within some 1e-4."""
+
+TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, MOTOR_COVER, OUTPUT_COVER)}
+"""Body that the load is on -> parts that turn with it."""
+
+
+def has_casing(reducer: Reducer) -> bool:
+    """Tell whether covers, bearings and screws can be chosen for a mechanism."""
+    try:
+        casing(reducer)
+    except DesignError:
+        return False
+    return True
+
+
+def casing_mass(reducer: Reducer) -> float:
+    """Compute the mass that the casing adds to the parts as drawn [kg]: covers, hub, flange, screws, dowels, bearings.
+
+    Holes in ring and shaft are taken away; a cam's bearing stands where the cam is drawn as thick as its outside.
+
+    Raises
+    ------
+    DesignError
+        A part has no room.
+    """
+    sizes = casing(reducer)
+    added = sum(mass for mass, _ in _added(reducer).values())
+    return added + _bought(reducer, sizes) - _hollow_cams(reducer)
+
+
+def casing_inertia(reducer: Reducer) -> float:
+    """Compute the inertia that the casing adds at the input [kg m2]: of hub and flange, less the shaft's bore.
+
+    Raises
+    ------
+    DesignError
+        A part has no room.
+    """
+    added = _added(reducer)
+    turning = TURNING[reducer.mechanism.turning]
+    slow = sum(inertia for name, (_, inertia) in added.items() if name in turning)
+    _, fast = added.get(names.SHAFT, (0.0, 0.0))
+    return fast + slow / reducer.design.reduction**2
+
+
+def drive_length(reducer: Reducer) -> float:
+    """Compute the length from the motor's flange to the output's [m].
+
+    Raises
+    ------
+    DesignError
+        A part has no room.
+    """
+    low, high = casing(reducer).ends
+    return high - low
+
+
+@once
+def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
+    """Compute mass [kg] and inertia about the axis [kg m2] that each made part gains by the casing."""
+    bare, cased = (made_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
+    of_casing = [name for name, part in casing_parts(reducer, casing(reducer)).items() if not part.bought]
+    found = {}
+    for name in of_casing:
+        if name in cased:
+            (mass, inertia), (before, slower) = _heaviness(cased[name]), _heaviness(bare.get(name))
+            found[name] = mass - before, inertia - slower
+    return found
+
+
+def _heaviness(part: PrintedPart | None) -> tuple[float, float]:
+    if part is None:
+        return 0.0, 0.0
+    whole = mass_properties(part.solid)
+    return whole.mass, float(whole.inertia[2, 2] + whole.mass * (whole.centroid[:2] ** 2).sum())
+
+
+def _bought(reducer: Reducer, sizes: Casing) -> float:
+    """Compute the mass of screws, dowels and the bearings of shaft and output [kg]."""
+    drawn = {name: part for name, part in casing_parts(reducer, sizes).items() if part.bought}
+    each = {name: _steel(part) for name, part in drawn.items()}
+    for bearing in (SHAFT_BEARING, OUTPUT_BEARING):
+        each[bearing] *= BEARING_FILL
+    return sum(each.get(place.part, 0.0) for place in casing_places(reducer, sizes))
+
+
+def _hollow_cams(reducer: Reducer) -> float:
+    """Compute by how much the cams with their bearings are lighter than they are drawn [kg]."""
+    found = cam_bearing(reducer)
+    if not found:
+        return 0.0
+    bearing, count = found
+    ring = _steel(tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width))
+    return (1.0 - BEARING_FILL) * count * reducer.design.gear.discs * ring
+
+
+def _steel(part: CasingPart) -> float:
+    return mass_properties(cut_solid("bought", part, CHORD_ERROR, STEEL)).mass
