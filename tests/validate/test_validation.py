@@ -27,12 +27,14 @@ from cycloid_mj.statics import law
 from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import (
     backlash,
+    balance,
     cam_load,
     energy,
     equilibrium,
     gaps,
     incline,
     ladder,
+    mechanism,
     published,
     rig,
     sharing,
@@ -489,3 +491,9 @@ def test_the_quick_ladder_passes(monkeypatch):
     assert code == 0
     assert found["passed"] is True
     assert {row["rung"] for row in found["rows"]} == set(ladder.RUNGS)
+
+
+@pytest.mark.parametrize("part", [*mechanism.STATICS, *mechanism.MODELS, *balance.STATICS])
+def test_every_row_of_the_mechanism_passes(part) -> None:
+    for row in part():
+        assert row.verdict == "pass", row
