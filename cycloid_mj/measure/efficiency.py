@@ -175,6 +175,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     backward, shift = _back_driving(efficiency_map)
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
+    lock = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
     contacts = f"contacts, {drag_assumption(reducer)}; the shafts' own bearings are left out"
     return [
         Quantity(
@@ -191,7 +192,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             math.nan if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag,
             "N m",
             None if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag_shift,
-            note=SELF_LOCKING if efficiency_map.coasting is None else contacts,
+            note=f"{SELF_LOCKING} with no torque on the crank" if efficiency_map.coasting is None else contacts,
         ),
         Quantity(
             "back_driving_torque_static",
@@ -199,7 +200,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             rest.torque,
             "N m",
             None if rest.locked else rest.error,
-            note=f"{SELF_LOCKING}: the crank does not turn up to {rest.largest:g} N m"
+            note=f"{SELF_LOCKING} with no torque on the crank, by up to {rest.largest:g} N m on the output"
             if rest.locked
             else "none to speak of: friction is in proportion to the load, and there is only the parts' weight",
         ),
@@ -209,7 +210,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             against,
             "N m",
             None if locked else against * shift / backward,
-            note=SELF_LOCKING if locked else "by the efficiency of back-driving",
+            note=lock if locked else "by the efficiency of back-driving",
         ),
         Quantity(
             "back_driving_efficiency",
@@ -219,7 +220,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             1e2 * shift,
             1e2 * (2.0 - 1.0 / forward),
             "2 - 1/eta: losses alike both ways; below 0 it locks",
-            SELF_LOCKING if locked else "",
+            lock if locked else "",
         ),
     ]
 

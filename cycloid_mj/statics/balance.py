@@ -11,7 +11,8 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring, gear_angle
-from cycloid_mj.statics.kernel import BALANCED, Left, balance
+from cycloid_mj.statics.jam import BORNE, friction_borne
+from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Left, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -97,7 +98,7 @@ def _balanced(reducer: Reducer, springs: Springs, torque: float | Array, follow:
     of_discs[..., :2] = contacts.cam_place
     with announced():
         search = balance(contacts, load, z, force, follow)
-    require_balance(search)
+    require_balance(search, contacts, load)
     away = of_discs[..., :2] - contacts.cam_place
     distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
     pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
@@ -115,19 +116,22 @@ def _balanced(reducer: Reducer, springs: Springs, torque: float | Array, follow:
     )
 
 
-def require_balance(left: Left) -> None:
-    """Raise RunError unless a balance was found."""
+def require_balance(left: Left, contacts: KernelSprings, load: Array) -> None:
+    """Raise RunError unless a balance was found under loads (k, u) [N]: a jam if friction alone forbids one."""
     if left.force <= BALANCED:
         return
-    if left.friction < 1.0:
+    lost = f"no static balance was found: {left.force:.1%} of the load is left over"
+    ways = "try a torque that differs by a per cent (--load-nm), or another play (clearance)"
+    if not contacts.rubbing.size:
+        raise RunError(f"{lost}; {ways}")
+    borne = friction_borne(contacts, left.angle, load[left.angle])
+    if borne < 1.0:
         raise RunError(
             "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
-            f"on the crank (a balance was found under at most {left.friction:.1%} of the friction)"
+            f"on the crank (even without play, a balance is found under at most {borne:.0%} of the friction)"
         )
-    raise RunError(
-        "no static balance under the load was found: the search was lost; try a torque that differs by a per cent "
-        "(--load-nm), or another play (clearance)"
-    )
+    bears = f"{borne:.0%}" if borne < BORNE else f"{borne:.0%} or more"
+    raise RunError(f"{lost}; it is not known to jam, as without play {bears} of the friction is borne; {ways}")
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:

@@ -32,7 +32,8 @@ Part = Callable[[Reducer, float], Iterator[Quantity]]
 """What makes some figures of a design under a load [N m]."""
 
 SMALL = 1e-4
-"""Torque that presses the parts to their stops, as a share of the load; a line through twice that leads to zero."""
+"""Torque that presses the parts to their stops, as a share of the load, or of the rated torque if that is larger: under
+less, gaps are pressed by less than their rounding. A line through twice that leads to zero."""
 
 DRAG = 0.01
 """Torque of the unloaded transmission error as a share of the rated one, as in `measure te`."""
@@ -239,9 +240,9 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     evenly = np.sort(turn_evenly(reducer))
     springs = springs_of(still, evenly, friction=False)
-    ends = []
+    ends, small = [], SMALL * max(load, reducer.design.rated_torque)
     for way in (-1.0, 1.0):
-        near, far = (loads(still, springs, way * times * SMALL * load, follow=True).output_turn for times in (1.0, 2.0))
+        near, far = (loads(still, springs, way * times * small, follow=True).output_turn for times in (1.0, 2.0))
         ends.append(2.0 * near - far)
     width = (ends[1] - ends[0]) / ARCMINUTE
     yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")

@@ -256,6 +256,8 @@ def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest(design) -
     assert found["efficiency"].value < 50.0
     assert found["back_driving_efficiency"].value == 0.0
     assert found["back_driving_efficiency"].reference < 0.0
-    for key in ("back_driving_torque_static", "back_driving_torque_moving", "back_driving_torque_rated"):
-        assert math.isnan(found[key].value)
-        assert "self-locking" in found[key].note
+    free, braked = "with no torque on the crank", f"against {design.drive.torque:g} N m on the crank"
+    for key, crank in (("static", free), ("moving", free), ("rated", braked)):
+        assert math.isnan(found[f"back_driving_torque_{key}"].value)
+        assert f"self-locking {crank}" in found[f"back_driving_torque_{key}"].note
+    assert f"self-locking {braked}" in found["back_driving_efficiency"].note

@@ -10,15 +10,22 @@ from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import share
 from cycloid_mj.statics import loads, powers, springs_of
-from cycloid_mj.statics.kernel import state
+from cycloid_mj.statics.balance import require_balance
+from cycloid_mj.statics.kernel import Left, state
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
 
-ZOO = sorted((Path(__file__).parents[1] / "data" / "designs").glob("*.toml"))
+DESIGNS = Path(__file__).parents[1] / "data" / "designs"
+ZOO = sorted(DESIGNS.glob("*.toml"))
 SHARES = (0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 1.5)
 """Loads, as shares of the rated torque."""
 
 WAYS = {"forward": (1.0, 1.0), "reversed": (-1.0, -1.0), "back-driven": (1.0, -1.0)}
 """Signs of the crank's speed and of the torque on the output."""
+
+
+def odd(name: str) -> Design:
+    """Return one of the designs of `ZOO`."""
+    return resolve(str(DESIGNS / f"{name}.toml"))
 
 
 def wide(play: float) -> Design:
@@ -58,6 +65,32 @@ def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() ->
     assert powers(Reducer(design), 11.6).efficiency == pytest.approx(0.8362, abs=5e-4)
     assert np.linalg.norm(found.cam, axis=-1).mean() == pytest.approx(211.3, rel=2e-3)
     assert np.rad2deg(found.output_turn.mean()) * 3600.0 == pytest.approx(206.4, rel=3e-3)
+
+
+@pytest.mark.parametrize("name", ["fixed-n8-d1-carrier-4um", "fixed-n31-d1-carrier-250um", "sleeved-n40-d2-ring-25um"])
+def test_stops_are_found_under_a_load_that_presses_less_than_gaps_are_known_by(name: str) -> None:
+    reducer = Reducer(odd(name))
+    light, rated = (sheet_part(reducer, "motions", share * reducer.design.rated_torque) for share in (0.001, 1.0))
+    assert light["backlash"].value == pytest.approx(rated["backlash"].value, rel=1e-3)
+
+
+def test_a_wide_play_whose_path_passes_wedged_parts_balances() -> None:
+    design = odd("fixed-n31-d1-carrier-250um").but(drive={"speed": 26.18})
+    found = loads(Reducer(design), springs_of(Reducer(design), [0.78296]), 0.05 * design.rated_torque)
+    assert found.share == pytest.approx(1.0)
+    assert np.linalg.norm(found.cam[0]) < 10.0 * found.teeth[0].sum()
+
+
+def test_a_search_that_is_lost_is_no_jam_where_parts_without_play_bear_the_friction() -> None:
+    """The same load with and without friction, as if no balance had been found."""
+    rubbing, smooth = (springs_of(Reducer(PRESETS["pin"]), [0.3], friction=one) for one in (True, False))
+    lost = Left(0.25, 0, 1)
+    for springs, told in (
+        (rubbing, "25.0% of the load is left over; it is not known to jam, as without play 110% or more"),
+        (smooth, "25.0% of the load is left over; try a torque"),
+    ):
+        with pytest.raises(RunError, match=told):
+            require_balance(lost, springs.contacts, springs.load(36.0))
 
 
 def test_a_jam_is_told_with_the_friction_that_is_borne() -> None:

@@ -10,7 +10,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics import jam, loads, springs_of
 
 SHARES = (0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 1.5)
 WAYS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
@@ -78,8 +78,26 @@ def test_a_jam_is_told_where_friction_takes_all_that_ideal_teeth_give() -> None:
         for share, jams in ((0.7, False), (1.4, True)):
             reducer = Reducer(override(design, [f"friction.pin_gear={share * limit}"]))
             springs = springs_of(reducer, [crank])
+            assert (jam.friction_borne(springs.contacts, 0, springs.load(design.rated_torque)[0]) < 1.0) == jams
             if jams:
                 with pytest.raises(RunError, match="too large for the crank to turn"):
                     loads(reducer, springs, design.rated_torque)
             else:
                 assert np.isfinite(loads(reducer, springs, design.rated_torque).teeth).all()
+
+
+def test_what_parts_without_play_bear_is_where_the_search_ends() -> None:
+    """Two ways to the largest friction under which the preset turns, here with its play of some micrometres."""
+    fixed, crank = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=1.2"]), 0.7
+    springs = springs_of(Reducer(fixed), [crank])
+    borne = jam.friction_borne(springs.contacts, 0, springs.load(fixed.rated_torque)[0])
+    assert 0.5 < borne < 0.9
+    for times, turns in ((0.97, True), (1.04, False)):
+        frictions = {pair: times * borne * fixed.friction_of(pair) for pair in ("pin_gear", "output")}
+        reducer = Reducer(fixed.but(friction=frictions))
+        found = springs_of(reducer, [crank])
+        if turns:
+            assert np.isfinite(loads(reducer, found, fixed.rated_torque).teeth).all()
+        else:
+            with pytest.raises(RunError, match=r"too large .* at most 9[5-7]% of the friction"):
+                loads(reducer, found, fixed.rated_torque)

@@ -46,7 +46,7 @@ class _Path(NamedTuple):
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def by_continuation(
     springs: KernelSprings, k: int, load: Array, here: Array, lag: float, most: float, system: Linearised
-) -> tuple[float, float]:
+) -> float:
     """Solve for the departures `here` (u,) [m] along a path on which friction grows and, with a `lag`, play.
 
     Without play and friction parts are held by springs that only push, whose energy has one least value, and Newton's
@@ -58,10 +58,10 @@ def by_continuation(
 
     Returns
     -------
-    What is left over of the load [N]; and the greatest share of friction that was borne with the whole play [1].
+    What is left over of the load [N]; infinity where the path was lost, or wedges the parts.
     """
     number, last, path = here.size, 1.0 + abs(lag), _path(springs, here.size, lag)
-    point, beyond, allowed, borne = path.point, path.beyond, FOLLOWED / BALANCED * most, 0.0
+    point, beyond, allowed = path.point, path.beyond, FOLLOWED / BALANCED * most
     newton(opened_by(springs, 0.0, path.room), k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
     for j in range(number):
         point[j] = here[j] / path.unit
@@ -85,18 +85,15 @@ def by_continuation(
                 here[j] = (point[j] + share * (beyond[j] - point[j])) * path.unit
             left = newton(springs, k, load, here, 1.0, 1.0, YES, most, 0.0, NO, NO, system)
             if left <= most:
-                return left, 1.0
+                return left
             copy(path.before, path.ahead)
             length *= 0.5
             continue
         copy(beyond, point)
-        friction, play = _shares(lag, point[number])
-        if play >= 1.0:
-            borne = max(borne, friction)
         if largest(point) > farthest or (point[number] < _BENT and path.ahead[number] < 0.0):
             break
         length *= 2.0
-    return math.inf, borne
+    return math.inf
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

@@ -142,7 +142,7 @@ def follow_path(
                     share, shortest = _SHORTEST, _SHORTEST
                     continue
                 if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
-                    return Left(left, 1.0, one.work[0]), rows
+                    return Left(left, 0, one.work[0]), rows
                 share *= 0.5
                 continue
             done += share
@@ -157,7 +157,7 @@ def follow_path(
                 when[rows] = m - 1.0 + done
                 rows += 1
                 spare -= 1
-    return Left(0.0, 1.0, one.work[0]), rows
+    return Left(0.0, 0, one.work[0]), rows
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

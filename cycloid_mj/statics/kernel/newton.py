@@ -36,14 +36,13 @@ as a share of the cam's."""
 
 
 class Left(NamedTuple):
-    """How far a search got: the `force` left over as a share of the largest load, and of the `friction` what it bore.
+    """How far a search got: the least `force` left over, as a share of the largest load, at an `angle`, by its number.
 
-    The latter is 1 where there is a balance; less where friction jams the parts. `work` counts how often the system was
-    put together on the way.
+    `work` counts how often the system was put together on the way.
     """
 
     force: float
-    friction: float
+    angle: int
     work: int
 
 

@@ -58,8 +58,7 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
     """
     count, number = load.shape
     system = new_system(springs)
-    start, near, left = np.zeros(number), False, Left(0.0, 1.0, 0)
-    worst = 0.0
+    start, near, worst, last = np.zeros(number), False, 0.0, 0
     for k in range(count):
         here = z[k]
         copy(here, start)
@@ -70,10 +69,10 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
         left = _search(springs, k, load[k], here, start, keep, system)
         near = system.assembled[0] - begun <= _SHORT
         copy(system.pressed, force[k])
-        worst = max(worst, left.force)
-        if not left.force <= BALANCED:
+        worst, last = max(worst, left), k
+        if not left <= BALANCED:
             break
-    return Left(worst, left.friction, system.assembled[0])
+    return Left(worst, last, system.assembled[0])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -98,7 +97,7 @@ def _lead(z: Array, k: int, near: bool) -> None:
 @njit(nogil=True, error_model="numpy", inline="always")
 def _search(
     springs: KernelSprings, k: int, load: Array, here: Array, start: Array, keep: bool, system: Linearised
-) -> Left:
+) -> float:
     """Solve for the departures `here` (u,) [m] by Newton's method from where they are; else along a path.
 
     Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
@@ -110,21 +109,20 @@ def _search(
     For `keep` see `newton`.
     """
     scale, rubbed = largest(load) or 1.0, springs.rubbing.shape[0] > 0
-    softest, friction, soft, way, further, stride, boldest, borne = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0, 0.0
-    attempt, downhill, left, most = -1, NO, 0.0, BALANCED * scale
+    softest, friction, soft, way, further, stride, boldest = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
+    attempt, downhill, most, least = -1, NO, BALANCED * scale, math.inf
     while True:
         damping = _DAMPED / scale if attempt >= 0 and friction < 1.0 else 0.0
         exact = attempt >= _EXACTLY
         left = newton(springs, k, load, here, soft, friction, exact, most, damping, keep, downhill, system)
         keep = NO
-        if rubbed and soft == 1.0 and friction == 1.0 and _wedged(springs, k, here, scale):
-            left = math.inf
+        if soft == 1.0 and friction == 1.0:
+            if rubbed and _wedged(springs, k, here, scale):
+                left = math.inf
+            least = min(least, left)
+        if least <= most:
+            break
         if left <= most:
-            if soft == 1.0 and friction == 1.0:
-                borne = 1.0
-                break
-            if soft == 1.0:
-                borne = max(borne, friction)
             way, stride = (further, min(2.0 * stride, boldest)) if further > 0.0 else (0.0, boldest)
             copy(here, system.back)
         else:
@@ -147,19 +145,17 @@ def _search(
         friction, hardened = (last, first) if hardens_first else (first, last)
         soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
     for lag in _LAGS:
-        if borne == 1.0:
+        if least <= most or (not rubbed and lag != _LAGS[0]):
             break
         copy(start, here)
-        left, carried = by_continuation(springs, k, load, here, lag if rubbed else 0.0, most, system)
-        if rubbed and left <= most and _wedged(springs, k, here, scale):
-            left, carried = math.inf, borne
-        borne = max(borne, carried)
-        if not rubbed:
-            break
-    for step in range(_OPENINGS + 1 if left > most and not rubbed else 0):
+        left = by_continuation(springs, k, load, here, lag if rubbed else 0.0, most, system)
+        if not (rubbed and _wedged(springs, k, here, scale)):
+            least = min(least, left)
+    for step in range(_OPENINGS + 1 if least > most and not rubbed else 0):
         opened = opened_by(springs, step / _OPENINGS, system.row[:, 0].copy())
         left = newton(opened, k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
-    return Left(left / scale, borne if rubbed else 1.0, 0)
+        least = min(least, left) if step == _OPENINGS else least
+    return least / scale
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
