@@ -9,11 +9,12 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import settling
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Friction
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.member import share
 from cycloid_mj.stress.findings import PartFindings, StressFindings
+from cycloid_mj.stress.given import given
 from cycloid_mj.stress.loads import part_names
 from cycloid_mj.stress.study import QUICK, part_study
 
@@ -57,6 +58,19 @@ def _stress(reducer: Reducer, kind: str) -> float:
 KINDS = ("shaft", "gear", "ring", "output", "pin")
 
 shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_stress, kind=kind) for kind in KINDS)
+
+
+def wind_up_by_part(reducer: Reducer) -> dict[str, float]:
+    """Compute by how much each part turns the output per torque on it [rad/(N m)], under the design's own load.
+
+    Raises
+    ------
+    CycloidError
+        The run cannot be followed, a part cannot be meshed, or a package of the extra ``fem`` is missing.
+    """
+    smooth = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
+    ran, run = _ran(smooth)
+    return given(run, ran)
 
 
 def of_study(findings: StressFindings) -> Mapping[str, Quantity]:

@@ -254,20 +254,48 @@ def test_a_design_predicts_its_own_loops() -> None:
     assert predict_loops(Reducer(stiffer), locked_loops(1.0, 0.0, 0)).shares[1] > 0.1
 
 
+def missed(contacts: float, off: float, seeds: int) -> tuple[Counter[str], Counter[str]]:
+    """Count of so many seeds how often the default fit calls each value identified, and how often it then misses it."""
+    design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
+    identified, outside = Counter[str](), Counter[str]()
+    for seed in range(seeds):
+        found = calibrate(design, locked_loops(contacts, off, seed)).estimates
+        told = {key: one.ci95 for key, one in found.items() if one.identified}
+        identified.update(list(told))
+        outside.update(key for key, (low, high) in told.items() if not low <= LOCKED[key] <= high)
+    return identified, outside
+
+
+def test_two_loops_tell_play_and_stiffness_within_their_intervals() -> None:
+    identified, outside = missed(1.0, 0.0, 1)
+    assert identified["structure_stiffness"] == 1
+    assert not outside
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("contacts", [1.0, 0.02])
 @pytest.mark.parametrize("off", [0.0, 0.03])
 def test_what_is_called_identified_is_within_its_interval(contacts: float, off: float) -> None:
-    """Of 20 seeds each value that is called identified is in its interval for 18; here for 4 of 4 of the default fit.
+    """Of 20 seeds each value that is called identified is in its interval for 18, by hard contacts and by soft ones.
 
-    That of contacts that are soft by the drawing, and with a wave of 3 % in the loops that no model has.
+    With 3 % off, the loops have a wave in them that no model has.
     """
-    design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
-    for seed in range(4):
-        found = calibrate(design, locked_loops(contacts, off, seed))
-        for key, one in found.estimates.items():
-            assert not one.identified or one.ci95[0] <= LOCKED[key] <= one.ci95[1], (seed, key, one)
-        assert off or found.estimates["structure_stiffness"].identified
+    identified, outside = missed(contacts, off, 20)
+    assert all(count <= 2 for count in outside.values()), (identified, outside)
+    assert off or identified["drag"] >= 5
+
+
+def test_a_tolerance_of_the_drawing_narrows_a_play() -> None:
+    """The loops leave the play open by more than the drawing does: then it is called the drawing's, not the loops'."""
+    design = resolve("printed").but(clearance={"pin_gear": 80e-6}, tolerance={"mesh": "normal 4", "output": "normal 3"})
+    found = calibrate(design, locked_loops(1.0, 0.0, 0))
+    play = found.estimates["play"]
+    assert play.deviation == pytest.approx(5.0)
+    assert play.source == "tolerance: mesh, output"
+    assert play.ci95[1] - play.ci95[0] < 40.0
+    assert not play.identified
+    assert found.as_json()["parameters"]["play"]["prior"] == {"value": 80.0, "deviation": 5.0, "source": play.source}
+    assert found.as_json()["parameters"]["drag"]["prior"] is None
 
 
 @pytest.mark.slow

@@ -16,13 +16,14 @@ from scipy import sparse
 from scipy.interpolate import LinearNDInterpolator
 
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts import circle, mass_properties, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
 from cycloid_mj.stress.field import StressMap
+from cycloid_mj.stress.figures import wind_up_by_part
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
@@ -657,3 +658,12 @@ def test_the_map_has_the_bulk_stress_of_the_table() -> None:
     for row in range(2):
         drawn = stress_map(PIN, grid, loads, row, found.bulk_distance)
         assert drawn.von_mises[drawn.bulk].max() == pytest.approx(found.bulk_stress[row], rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "measured"), [("pin", 366.0), ("nonpin", 331.0)])
+def test_a_printed_drive_is_as_stiff_as_its_parts(kind: str, measured: float) -> None:
+    """Nothing fitted: within 1.5 times of what its loops show (docs/bench.md), where statics alone is 12 times off."""
+    given = wind_up_by_part(Reducer(resolve("printed").but(ring={"kind": kind})))
+    assert measured / 1.5 < 1.0 / sum(given.values()) < 1.5 * measured
+    assert min(given["gear"], given["shaft"], given["bearing_seats"]) > 3.0 * given["ring"]
