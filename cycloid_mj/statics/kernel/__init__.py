@@ -2,8 +2,9 @@
 
 Every spring is a gap from ``reducer.gaps``, round by its `bend`; the cams are circles in circles. `contacts` has the
 springs and how wide each gap is, `system` their energy, stiffness and what is left over of the load, `newton` Newton's
-method on these. `search` says which way leads to a balance and `continuation` is the one that always does; `samples`
-balances many reducers alike, and `hysteresis` follows loads along a path with friction that remembers.
+method on these. `search` tries one way to a balance after the other, of which `continuation` is the last; `samples`
+balances many reducers alike, and `hysteresis` follows loads along a path with friction that remembers. Why the search
+ends at a balance, or at a jam, is in docs/physics.md.
 """
 
 from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_open
