@@ -147,6 +147,8 @@ def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> 
     still = cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
     run = cm.simulate(still)
     assert run.plot("fig6_gear_speed").axes
+    assert list(run.frame.columns)[:1] == ["time"]
+    assert run.frame.rows == len(run)
     (axes,) = cm.analyze(run, settle=0.001).plot().axes
     assert axes.get_xlabel() == "power that a kind of contact takes [W]"
     backlash = cm.measure.Measurement(
@@ -159,6 +161,14 @@ def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> 
     assert repr(backlash) == "<Measurement: backlash of pin, 5 N m; backlash 1.25 arcmin>"
     assert backlash.frame.columns["value"].tolist() == [1.25]
     assert backlash.plot().axes[0].get_title("left") == "play"
+
+
+def test_a_measured_loop_is_drawn_and_says_what_it_is_in_a_line() -> None:
+    loop = cm.read_loop(str(Path(__file__).parent / "data" / "bench" / "play_loop.csv"))
+    assert repr(loop).startswith(f"<MeasuredLoop: {loop.name}, {len(loop.torque)} points, ")
+    assert loop.plot().axes[0].get_ylabel() == "deflection [deg]"
+    assert loop.frame.rows == len(loop.torque)
+    assert loop._repr_html_().count("<tr>") <= 61
 
 
 def test_every_public_function_describes_its_parameters() -> None:

@@ -17,8 +17,9 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
-from cycloid_mj.base.presented import Drawn
+from cycloid_mj.base.presented import Presented
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
@@ -44,7 +45,7 @@ class Deferred(Mapping[str, bytes]):
 
 
 @dataclass(frozen=True, eq=False)
-class Run(Drawn):
+class Run(Presented):
     """Samples of a simulated reducer.
 
     Arrays are locked: they are copied unless they are locked already and own their memory.
@@ -94,6 +95,11 @@ class Run(Drawn):
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
         object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))
+
+    @property
+    def frame(self) -> Frame:
+        """Its samples, a row each, the time first."""
+        return Frame({"time": self.time, **self.columns}, {"time": "s", **self.units})
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -9,6 +9,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.base.units import DEGREE
 
@@ -31,8 +33,8 @@ LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
 """Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredLoop:
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredLoop(Presented):
     """One measured loop.
 
     Attributes
@@ -58,6 +60,20 @@ class MeasuredLoop:
     branch: Integers
     flipped: bool = False
     lead: int = 0
+
+    @property
+    def frame(self) -> Frame:
+        """Its points, a row each."""
+        columns = {"torque": self.torque, "deflection": self.deflection, "branch": self.branch}
+        return Frame(columns, {"torque": "N m", "deflection": "rad"})
+
+    @property
+    def line(self) -> str:
+        """What it is."""
+        low, high = self.ends
+        return (
+            f"{self.name}, {len(self.torque)} points, {low:.4g} to {high:.4g} N m, {self.height / DEGREE:.4g} deg high"
+        )
 
     @property
     def height(self) -> float:
@@ -91,7 +107,7 @@ def _between(along: Array, values: Array, level: float) -> float:
     return float(np.interp(level, along[order], values[order]))
 
 
-def read_loop(path: Path) -> MeasuredLoop:
+def read_loop(path: Path | str) -> MeasuredLoop:
     """Read a loop from a CSV file of the columns torque_output_Nm and deflection_deg; lines of other text may be named.
 
     A header after ``#`` is one too.
@@ -106,6 +122,7 @@ def read_loop(path: Path) -> MeasuredLoop:
     UsageError
         The file is not there, not of that form, or holds no loop.
     """
+    path = Path(path)
     columns = read_columns(path, COLUMNS, "a loop")
     return measured_loop(path.stem, columns[TORQUE], columns[DEFLECTION], str(path))
 

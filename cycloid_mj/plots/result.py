@@ -4,13 +4,17 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import singledispatch
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import Findings
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench.calibration import Calibration
+from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.explore.tolerances import Tolerances
@@ -26,6 +30,7 @@ from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
 from cycloid_mj.plots.style import BLUE, GREY, VERMILION, sheet, state, styled
 from cycloid_mj.plots.tolerance import tolerance_figures
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.sizing.answer import Answer
 from cycloid_mj.statics.sheet import Sheet
 from cycloid_mj.stress.study import StressStudy
@@ -34,6 +39,9 @@ Figures = Mapping[str, Figure]
 
 ROW, HEAD = 0.26, 1.1
 """Height of a bar with its room, and of what stands above and below all bars [in]."""
+
+POINTS = 201
+"""Of a curve over the torque."""
 
 ANSWERED = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
 """Figures of drives that are laid side by side."""
@@ -72,6 +80,18 @@ def _of_measurement(measurement: Measurement) -> Figures:
 @figures_of.register
 def _of_calibration(calibration: Calibration) -> Figures:
     return {"calibration": calibration_figure(calibration)}
+
+
+@figures_of.register
+def _of_loop(loop: MeasuredLoop) -> Figures:
+    return {"loop": _curve(loop.torque, loop.deflection / DEGREE, "deflection [deg]", loop.line)}
+
+
+@figures_of.register
+def _of_joint(joint: ReducedJoint) -> Figures:
+    torque = joint.rated_torque * np.linspace(-1.0, 1.0, POINTS)
+    turn = np.array([joint.wind_up(one) for one in torque]) / ARCMINUTE
+    return {"wind_up": _curve(torque, turn, "wind-up [arcmin]", joint.line)}
 
 
 @figures_of.register
@@ -125,6 +145,18 @@ def _of_answer(answer: Answer) -> Figures:
         axes.set_title(key)
     state(figure, answer.line)
     return {"drives": figure}
+
+
+@styled
+def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
+    """Draw how far the output turns under a torque."""
+    figure = sheet(2.8)
+    axes = figure.subplots()
+    axes.plot(torque, turn, color=BLUE)
+    axes.set_xlabel("torque at the output [N m]")
+    axes.set_ylabel(label)
+    state(figure, condition)
+    return figure
 
 
 @styled

@@ -17,6 +17,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.frame import Frame, quantity_frame
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap
@@ -65,8 +67,8 @@ class JointAddresses(NamedTuple):
     tendons: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class ReducedJoint:
+@dataclass(frozen=True, repr=False)
+class ReducedJoint(Presented):
     """A reducer as a joint.
 
     Attributes
@@ -115,6 +117,16 @@ class ReducedJoint:
     ripple: Ripple
     slips: tuple[Slip, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def frame(self) -> Frame:
+        """The figures that its parameters were taken from, a row each."""
+        return quantity_frame(self.quantities)
+
+    @property
+    def line(self) -> str:
+        """What it is."""
+        return f"{self.name}, {self.level}, {abs(self.ratio):g}:1, {self.rated_torque:.4g} N m"
 
     @property
     def coefficient(self) -> float:

@@ -73,6 +73,13 @@ def told(files: Path) -> dict:
     return json.loads((files / "reducer.json").read_text())
 
 
+def test_a_joint_is_drawn_and_says_what_it_is_in_a_line(few: ReducedJoint) -> None:
+    assert repr(few).startswith(f"<ReducedJoint: {few.name}, ")
+    assert few.frame.rows == len(few.quantities)
+    (line,) = few.plot().axes[0].lines
+    assert line.get_ydata()[0] == pytest.approx(few.wind_up(-few.rated_torque) * 10800.0 / math.pi)
+
+
 @pytest.mark.slow
 def test_the_joint_is_as_the_full_model(told: dict) -> None:
     """The bounds of the comparison are those promised; it is run by MuJoCo, not read back."""
