@@ -10,7 +10,7 @@ from typing import Any
 
 from cycloid_mj.app.drawing import PLACES
 from cycloid_mj.app.knobs import SYMBOLS, label_of
-from cycloid_mj.app.state import made_for
+from cycloid_mj.app.state import at_load
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
@@ -21,7 +21,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.lasting import decides, lasting_checks, lasting_ways
+from cycloid_mj.life.lasting import KINDS, decides, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance, load_of
@@ -63,7 +63,7 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 def checks(reducer: Reducer) -> dict[str, Any]:
     """List the checks that do not hold at the load, errors before warnings, and how many there are."""
-    loaded = _at_load(reducer)
+    loaded = at_load(reducer)
     found = (*check(loaded.design), *lasting_checks(loaded))
     ordered = sorted(found, key=lambda one: one.severity != "error")
     return {"count": len(found), "failed": _broken(loaded, ordered)}
@@ -71,7 +71,7 @@ def checks(reducer: Reducer) -> dict[str, Any]:
 
 def ways(reducer: Reducer) -> dict[str, Any]:
     """List, for each check of life, heat and strength that does not hold at the load, the changes that mend it."""
-    loaded = _at_load(reducer)
+    loaded = at_load(reducer)
     return {
         _spoken(name): [_change(loaded, key, value) for key, value in changes]
         for name, changes in lasting_ways(loaded).items()
@@ -129,12 +129,6 @@ def life(reducer: Reducer) -> dict[str, Any]:
     }
 
 
-def _at_load(reducer: Reducer) -> Reducer:
-    """Return a reducer that is made for its load: a file may tell of two torques, the page shows one."""
-    load, _ = load_of(reducer)
-    return made_for(reducer, load)
-
-
 def _item(item: RatedItem, asked: float) -> dict[str, Any]:
     margin = item.margin(asked)
     counts = decides(item) and (item.safety is not None or item.life is not None)
@@ -158,7 +152,7 @@ def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
             "place": PLACES.get(one.name, ""),
             "what": f"{_plain(one.key)} is {one.got}, must be {one.limit}",
             "why": one.why,
-            "remedy": one.remedy,
+            "remedy": "" if one.name in KINDS else one.remedy,  # of those the page asks for ways, with buttons
             "changes": [_change(reducer, key, value) for key, value in one.changes],
         }
         for one in found

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.app.state import design_of
+from cycloid_mj.app.state import at_load, design_of
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
@@ -39,8 +39,7 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
     UsageError
         There are no tolerances, or the half width is none.
     """
-    design = spread_design(design_of(values), spread_um)
-    reducer = Reducer(design)
+    reducer = at_load(Reducer(spread_design(design_of(values), spread_um)))
     zones = tolerances(reducer)
     if not zones:
         raise UsageError("the design has no tolerances: give a half width for each size")
@@ -54,7 +53,7 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
             break
     else:
         told({"doing": "what to tighten first", "share": 1.0, "seen": _seen(reducer, found)})
-        study = tolerance(design, BUDGETED, SEED)
+        study = tolerance(reducer.design, BUDGETED, SEED)
         shares = [{"source": one.source, "share": one.total} for one in study.budget]
         return {**_seen(reducer, found), "budget": shares, "budget_of": figure(study.budget_of).name}
     return _seen(reducer, found)

@@ -8,6 +8,7 @@ from typing import Any
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import load_of
 
 BASE = PRESETS["pin"]
 
@@ -75,6 +76,12 @@ def made_for(reducer: Reducer, torque: float) -> Reducer:
     """Return a reducer whose drive is made for a torque on the output [N m], with as much power to spare as before."""
     drive, needed = reducer.design.drive, torque / reducer.design.reduction
     return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+
+
+def at_load(reducer: Reducer) -> Reducer:
+    """Return a reducer that is made for its load: a file may tell of two torques, the page shows one."""
+    load, _ = load_of(reducer)
+    return made_for(reducer, load)
 
 
 def _whole(key: str, value: Any) -> Any:

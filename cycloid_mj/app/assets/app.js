@@ -7,7 +7,7 @@ import { showKnobs, markKnob } from "./knobs.js";
 import { Tabs } from "./tabs.js";
 import { Start } from "./start.js";
 
-const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null };
+const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, ways: null };
 const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within it are one step of undo
 
@@ -20,9 +20,9 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
   forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
-  checks: newest("checks", told => { state.checks = told; showChecks(told.failed, told.count); }, words => showChecks([], 0, words)),
+  checks: newest("checks", told => { state.checks = told; mended(); }, words => showChecks([], 0, words)),
   life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
-  ways: newest("ways", mended, () => mended({})), // last: what the others found is shown while it tries
+  ways: newest("ways", told => { state.ways = told; mended(); }, () => {}),
 };
 
 section.nextTurn = turn => ask("forces", { design: state.design, turn });
@@ -53,6 +53,7 @@ function show(told) {
   state.design = told.design;
   state.name = told.name;
   state.shown = told;
+  state.ways = null;
   showKnobs(byId("knobs"), told.knobs, apply);
   section.show(told.section, told.errors);
   byId("name").value = told.name;
@@ -126,10 +127,11 @@ function remedies(check) {
     { class: "remedy", title: `Sets ${change.key} = ${change.value}`, onclick: () => apply({ [change.key]: change.value }) }, change.words)));
 }
 
-// Ways that were tried, for checks that told none.
-function mended(ways) {
-  for (const one of state.checks?.failed || []) if (one.name in ways) one.changes = ways[one.name];
-  if (state.checks) showChecks(state.checks.failed, state.checks.count);
+// The checks with the ways that were tried for those that tell none; either may come first.
+function mended() {
+  if (!state.checks) return;
+  for (const one of state.checks.failed) one.changes = state.ways?.[one.name] ?? one.changes;
+  showChecks(state.checks.failed, state.checks.count);
 }
 
 function showChecks(failed, count, words = "") {
@@ -144,7 +146,7 @@ function showChecks(failed, count, words = "") {
     ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
       el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
       el("p", {}, `${one.what}: ${one.why}.`),
-      one.changes.length ? remedies(one) : one.remedy ? el("p", { class: "soft" }, one.remedy) : null)));
+      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.ways ? "Nothing that was tried mends it alone." : "Looking for what mends it …")))));
   section.marks(failed);
 }
 

@@ -8,6 +8,8 @@ import { Solid } from "./solid.js";
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Make" };
 const AUTOMATIC = { error: "error", solid: "solid" };
 
+const said = value => (value === undefined ? "as pin" : typeof value === "number" ? number(value) : String(value));
+
 export class Tabs {
   constructor(place, state, apply) {
     Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null });
@@ -224,7 +226,7 @@ export class Tabs {
       el("table", { class: "figures both" }, el("thead", {}, el("tr", {}, el("th", {}), el("th", { scope: "col" }, `A: ${this.other.name}`), el("th", { scope: "col" }, `B: ${mine.name}`), el("th", { scope: "col" }, "B / A"))),
         el("tbody", {}, rows.map(([name, value, unit]) => { const [a, b] = [value(this.other), value(mine)]; return el("tr", {}, el("th", { scope: "row" }, `${name} [${unit}]`), el("td", {}, number(a)), el("td", {}, number(b)), el("td", { class: "soft" }, a && b ? number(b / a, 3) : "–")); }),
           keys.length ? el("tr", {}, el("th", { colspan: "4", class: "heading" }, "What differs")) : null,
-          keys.map(key => el("tr", {}, el("th", { scope: "row", title: key }, knob(key)?.label || key), el("td", {}, String(this.other.design[key] ?? "as pin")), el("td", {}, String(design[key] ?? "as pin")), el("td", {}))))),
+          keys.map(key => el("tr", {}, el("th", { scope: "row", title: key }, knob(key)?.label || key), [this.other.design, design].map(one => el("td", {}, said(one[key]))), el("td", {}))))),
       el("div", { class: "go" }, keep, el("button", { onclick: async () => { const a = this.other; this.other = mine; await this.swap(a); } }, "Take A, keep B"))];
   }
 
