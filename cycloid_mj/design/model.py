@@ -74,6 +74,28 @@ class Ring(Section):
     sleeve_thickness: float = quantity(
         0.75, "wall of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
     )
+    halves: int = quantity(
+        1,
+        "1: a ring in one piece; 2: two halves side by side, each under half of every disc, turned against each other "
+        "to take up the play (statics alone)",
+        ge=1,
+        le=2,
+    )
+    preload: float = quantity(
+        0.0, "angle by which one half of the ring is turned from the other", u.ARCMINUTE, ge=0.0, le=600.0
+    )
+
+    @model_validator(mode="after")
+    def _preload_needs_halves(self) -> Self:
+        """Refuse halves that are turned against each other where the ring is in one piece."""
+        if self.preload and self.halves == 1:
+            raise ValueError("preload_arcmin turns two halves of a ring against each other: set halves = 2 as well")
+        return self
+
+    @property
+    def ahead(self) -> tuple[float, ...]:
+        """How far the ring, or each of its halves, is turned counter-clockwise from its place [rad]."""
+        return (0.5 * self.preload, -0.5 * self.preload) if self.halves == 2 else (0.0,)
 
     @property
     def has_sockets(self) -> bool:
@@ -845,6 +867,11 @@ class Design(Section):
     def bolt_radius(self) -> float:
         """Radius that each of the ring's bolts clamps [m]."""
         return self.housing.bolt_radius or BOLT_SHARE * (self.housing.outer_radius - self.ring_root_radius)
+
+    def line_length(self, pair: str) -> float:
+        """Return how long the contact line of a kind of mating pair is [m]: of a ring in two halves half the disc."""
+        on_ring = pair not in ("cam", "output")
+        return self.gear.face_width / (self.ring.halves if on_ring else 1)
 
     @property
     def seat_pair(self) -> str:

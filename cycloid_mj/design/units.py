@@ -49,6 +49,7 @@ MILLIMETRE = Unit("mm", divisor=1e3)
 MICROMETRE = Unit("um", divisor=1e6)
 RPM = Unit("rpm", divisor=60.0, multiplier=2.0 * math.pi)
 DEGREE = Unit("deg", divisor=180.0, multiplier=math.pi)
+ARCMINUTE = Unit("arcmin", divisor=10800.0, multiplier=math.pi)
 ARCSECOND = Unit("arcsec", divisor=648000.0, multiplier=math.pi)
 SECOND = Unit("s")
 HOUR = Unit("h")
@@ -122,6 +123,7 @@ UNITS = {
         MICROMETRE,
         RPM,
         DEGREE,
+        ARCMINUTE,
         ARCSECOND,
         SECOND,
         HOUR,

@@ -40,6 +40,7 @@ from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.statics.samples import Samples, alike
 
 THREADS = Engine(kind="threads")
@@ -292,6 +293,7 @@ def tolerance(
         Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
     reducer = Reducer(design)
+    require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
     zones = tolerances(reducer)
     if not zones:
         raise UsageError(

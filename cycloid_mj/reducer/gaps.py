@@ -110,7 +110,8 @@ def gaps(reducer: Reducer, crank: float) -> Gaps:
 def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
     """Compute the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
-    The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins.
+    The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins; of a ring in
+    two halves each disc has those of one half, then those of the other.
     """
     angles = np.asarray(crank, dtype=np.float64)
     discs = range(len(reducer.phases))
@@ -119,19 +120,21 @@ def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
 
 def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
     gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
-    lines = envelope.arc_contacts(gear, turned)
-    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
+    lines, middle = envelope.arc_contacts(gear, turned), gear_centre(gear, turned)
+    return _joined([_tooth_gaps(reducer, disc, lines, middle, by) for by in reducer.design.ring.ahead])
 
 
 def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
     """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
     gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
-    lines = envelope.sigma_contacts(gear, turned)
-    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
+    lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
+    return _joined([_tooth_gaps(reducer, disc, lines, middle, by) for by in reducer.design.ring.ahead])
 
 
-def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
-    """Compute the gaps between a disc and the ring, pins in their places.
+def _tooth_gaps(
+    reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array, ahead_by: float = 0.0
+) -> Gaps:
+    """Compute the gaps between a disc and the ring, or a half of it that is `ahead_by` [rad], pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
     flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
@@ -142,7 +145,9 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
     design = reducer.design
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
-    place = errors.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
+    radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
+    along = ahead_by * gear.pin_circle_radius * _quarter_turned(radial)
+    place = errors.pin_place[lines.lobe] + along - change.pin_circle * radial
     room = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)

@@ -138,6 +138,6 @@ def _aside(reducer: Reducer, mesh_gaps: Gaps, pose: Array) -> Array:
     teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
-    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
+    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs * design.ring.halves]
     aside = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
     return np.asarray(np.where(gap[:, np.newaxis] < 0.0, aside, 0.0)[deepest])

@@ -5,9 +5,13 @@ an edge, beyond which the pin meets nothing but the gear.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer.reducer import Reducer
 
 WALL_GAP = 0.1
 """Least gap between the gear's tips and the wall, as a share of rho - c."""
@@ -53,4 +57,20 @@ def require_drawn(design: Design, what: str) -> None:
             f'{design.name}: ring.socket = "closed" has no {what}: round the whole of its pins the ring would be in '
             "the gear's way, so closed sockets stand for bores of end plates, which are not drawn; "
             'set ring.socket = "half_open"'
+        )
+
+
+def require_one_ring(reducer: "Reducer", what: str) -> None:
+    """Refuse a ring in two halves for what knows rings in one piece alone.
+
+    Raises
+    ------
+    DesignError
+        The ring is in two halves.
+    """
+    design = reducer.design
+    if design.ring.halves > 1:
+        raise DesignError(
+            f"{design.name}: ring.halves = {design.ring.halves} has no {what}; statics, reduce and calibrate know a "
+            "ring in two halves: set ring.halves = 1 and ring.preload_arcmin = 0"
         )

@@ -71,13 +71,13 @@ def weaker_is_plastic(reducer: Reducer, kind: str) -> bool:
 
 
 def hertz_pressure(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
-    """Compute Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
+    """Compute Hertz's peak pressure [Pa] of whole lines; conformal ones count as flat on flat.
 
     `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
     """
     modulus = pair_modulus(reducer, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
-    return ideal_loads.hertz_line_contact(force, reducer.design.gear.face_width, curvature, modulus).peak_pressure
+    return ideal_loads.hertz_line_contact(force, reducer.design.line_length(kind), curvature, modulus).peak_pressure
 
 
 def hertz_holds(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
@@ -87,7 +87,7 @@ def hertz_holds(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: np
     """
     modulus = pair_modulus(reducer, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
-    strip = ideal_loads.hertz_line_contact(force, reducer.design.gear.face_width, curvature, modulus).half_width
+    strip = ideal_loads.hertz_line_contact(force, reducer.design.line_length(kind), curvature, modulus).half_width
     return np.asarray(strip < HERTZ_REACH * _thinner_radius(reducer, kind))
 
 

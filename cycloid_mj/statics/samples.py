@@ -220,7 +220,7 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
-    outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs, 1))
+    outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
     side = np.sign(_of_own_disc(contacts, contacts.slope)[:, :teeth, 2])
 
     def effect(slopes: Array) -> Array:
@@ -257,13 +257,15 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
     radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
-    teeth = (wider + samples.equidistant)[:, np.newaxis] - radii
+    # both halves of a ring are made alike
+    halves = design.ring.halves
+    teeth = np.tile((wider + samples.equidistant)[:, np.newaxis] - radii, (1, halves))
     on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
     holes = samples.hole_place.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     return SampleDeviations(
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
-        place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
+        place=np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
         waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
         # copies: of arrays that may not be written numba makes another type, and compiles all once more
         **{name: np.array(getattr(samples, name)) for name in SampleDeviations._fields[3:]},

@@ -130,11 +130,15 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Find the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
+    """Find the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series.
+
+    A line on a half of the ring is half as long, and has half of it.
+    """
     law = curvature_law(reducer)
     stiffness = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
-    return np.asarray(1.0 / (1.0 / stiffness + 1.0 / pair_stiffness(reducer, kind)) if kind else stiffness)
+    whole = 1.0 / (1.0 / stiffness + 1.0 / pair_stiffness(reducer, kind)) if kind else stiffness
+    return np.asarray(whole / reducer.design.ring.halves)
 
 
 def _bending(reducer: Reducer) -> Array:

@@ -28,7 +28,7 @@ FROM_ELSEWHERE = {
 }
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
-    "ring": {"socket", "sleeve_thickness_mm"},
+    "ring": {"socket", "sleeve_thickness_mm", "halves", "preload_arcmin"},
     "gear": {"disc_gap_mm", "face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
@@ -220,7 +220,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent"}
+    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

@@ -26,7 +26,7 @@ from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.sockets import require_drawn
+from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
 
 __all__ = [
     "CHORD_ERROR",
@@ -107,12 +107,13 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     ------
     DesignError
         A part cannot be made, is not watertight, or has not the volume or the clearance that it should have; or the
-        sockets are closed.
+        sockets are closed, or the ring is in two halves.
     CycloidError
         The extra for STEP is not installed.
     """
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
+    require_one_ring(reducer, "files of its parts")
     exported = _exported(widened(reducer, offset), file_format, chord_error)
     return Export(
         exported.files,

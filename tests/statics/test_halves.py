@@ -1,0 +1,122 @@
+"""A ring in two halves that are turned against each other: gaps, play, friction, and what refuses it."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cycloid_mj.base.units import ARCMINUTE
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.figures import figure
+from cycloid_mj.geometry import profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.gaps import arc_gaps
+from cycloid_mj.statics.balance import loads
+from cycloid_mj.statics.locked import locked_curve
+from cycloid_mj.statics.springs import springs_of
+
+FIGURES = ("backlash_arcmin", "stiffness_nm_per_arcmin", "no_load_torque_nm", "efficiency", "te_loaded_forward_arcsec")
+
+
+def halved(design: Design, arcmin: float = 0.0, *changes: str) -> Reducer:
+    return Reducer(override(design, ["ring.halves=2", f"ring.preload_arcmin={arcmin}", *changes]))
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_halves_that_are_not_turned_are_the_ring(kind: str) -> None:
+    design = override(PRESETS["printed"], [f"ring.kind={kind}"])
+    whole, halves = Reducer(design), halved(design)
+    for key in FIGURES:
+        assert figure(key).value(halves) == pytest.approx(figure(key).value(whole), rel=1e-6), key
+    # each of them carries half on half the line: the same pressure
+    force, pressure = ("tooth" if kind == "nonpin" else "pin_gear") + "_peak_force_n", "_pressure_mpa"
+    assert figure(force).value(halves) == pytest.approx(0.5 * figure(force).value(whole), rel=1e-6)
+    pressure = force.replace("_peak_force_n", pressure)
+    assert figure(pressure).value(halves) == pytest.approx(figure(pressure).value(whole), rel=1e-6)
+
+
+def test_a_half_that_is_turned_is_a_ring_whose_pins_have_turned() -> None:
+    """By pins put where they are turned to, counter-clockwise first; to first order in the turn."""
+    design, turn = PRESETS["printed"], 2.0 * ARCMINUTE
+    found = arc_gaps(halved(design, 4.0), 0.3)
+    gear = Reducer(design).tooth_profile
+    teeth = design.ring.teeth
+    places = design.ring.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    for half, way in enumerate((1.0, -1.0)):
+        cos, sin = math.cos(way * turn), math.sin(way * turn)
+        moved = places @ np.array([[cos, sin], [-sin, cos]]) - places
+        errors = {"pin_x": tuple(moved[:, 0].tolist()), "pin_y": tuple(moved[:, 1].tolist())}
+        alone = arc_gaps(Reducer(design).but(errors=errors), 0.3)
+        rows = slice(half * teeth, (half + 1) * teeth)
+        assert found.width[rows] == pytest.approx(alone.width[:teeth], abs=2e-3 * np.abs(moved).max())
+
+
+@pytest.mark.parametrize(("kind", "preload"), [("pin", 4.0), ("nonpin", 0.2)])
+def test_preload_takes_up_play_by_the_turn_of_the_gear(kind: str, preload: float) -> None:
+    """A ring that turns at a locked crank takes the gear along by N/(N-1): each stop comes nearer by half of that.
+
+    Until the teeth are pressed, which those of an internal gear are sooner.
+    """
+    design = override(PRESETS["printed"], [f"ring.kind={kind}"])
+    backlash = figure("backlash_arcmin").value
+    taken = backlash(Reducer(design)) - backlash(halved(design, preload))
+    assert taken == pytest.approx(preload * design.ring.teeth / design.lobes, rel=1e-3)
+
+
+def test_preload_beyond_the_play_of_teeth_leaves_that_of_holes_and_costs_friction() -> None:
+    design = override(PRESETS["printed"], ["ring.kind=nonpin"])
+    plays, lost = zip(
+        *(
+            (figure("backlash_arcmin").value(one), figure("no_load_torque_nm").value(one))
+            for one in (halved(design, arcmin) for arcmin in (0.0, 10.0, 20.0, 40.0))
+        ),
+        strict=True,
+    )
+    assert sorted(plays, reverse=True) == list(plays)
+    assert plays[-1] > 0.5 * plays[0]  # no preload of the ring takes up the play of the output pins
+    assert lost[0] < 1e-3 * lost[1]
+    assert sorted(lost) == list(lost)
+    # pressed teeth are springs: friction grows with the preload
+    assert (lost[3] - lost[2]) / 20.0 == pytest.approx((lost[2] - lost[1]) / 10.0, rel=0.2)
+
+
+def test_pressed_halves_push_against_each_other_without_a_load() -> None:
+    reducer = halved(override(PRESETS["printed"], ["ring.kind=nonpin"]), 40.0)
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, [0.3], friction=False)
+    seen = loads(still, springs, 1e-4 * still.design.rated_torque)
+    teeth = still.design.ring.teeth
+    moments = -(seen.teeth * springs.contacts.slope[:, : 2 * teeth, 2])[0]
+    first, second = moments[:teeth].sum(), moments[teeth:].sum()
+    assert abs(first) > 20.0 * abs(first + second)
+    assert first * second < 0.0
+
+
+def test_the_curve_of_a_locked_crank_has_the_preload() -> None:
+    design = PRESETS["printed"]
+    plays = [
+        float(np.ptp(np.interp([-0.01, 0.01], curve.torque, curve.turn)))
+        for curve in (locked_curve(one, design.rated_torque, 0.0) for one in (Reducer(design), halved(design, 10.0)))
+    ]
+    assert plays[0] - plays[1] == pytest.approx(10.0 * ARCMINUTE * design.ring.teeth / design.lobes, rel=0.1)
+
+
+def test_preload_without_halves_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", "printed", "--set", "ring.preload_arcmin=5"]) == 2
+    assert "halves" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["simulate"], ["simulate", "--solver", "mujoco"], ["rate"], ["export"], ["tolerance"]]
+)
+def test_what_knows_one_ring_alone_says_so(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name, *flags = words
+    out = ["--out", str(tmp_path)] if name == "export" else []
+    assert main([name, "printed", "--set", "ring.halves=2", *flags, *out]) == 1
+    error = capsys.readouterr().err
+    assert "ring.halves = 2 has no" in error
+    assert "Traceback" not in error
