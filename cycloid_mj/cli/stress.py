@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -26,7 +26,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
-from cycloid_mj.cli.stressfiles import FILES, STEM, outcome_of
+from cycloid_mj.cli.stressfiles import FIGURES, FILES, STEM, Drawn, outcome_of
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.papers import stress_references
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   cycloid-mj stress --design pin nonpin
-  cycloid-mj stress --design pin --part gear pin_1 --quick
+  cycloid-mj stress --design pin --part gear pin_1 --quick --figure map
   cycloid-mj stress --log runs/pin.mcap --angle-deg 74 --out pin-stress
   cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json"""
 
@@ -90,6 +90,15 @@ StressQuickFlag = Annotated[
         "memory (the preset pin), not 100 s and 1.4 GB. What a design needs is said before it begins.",
     ),
 ]
+FiguresFlag = Annotated[
+    tuple[Drawn | Literal["all"], ...],
+    Parameter(
+        name="--figure",
+        consume_multiple=True,
+        help="Figures to draw to --out: grid, map (stress in colours), turn (maxima against crank angle), refinement, "
+        "or all. Default: with --html map and turn, else none.",
+    ),
+]
 SolidFlag = Annotated[
     bool,
     Parameter(
@@ -132,6 +141,7 @@ def stress(
     angle_deg: AngleFlag = None,
     quick: StressQuickFlag = False,
     solid: SolidFlag = False,
+    figure: FiguresFlag = (),
     delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Compute the stress of the parts by finite elements.
@@ -143,8 +153,8 @@ def stress(
     and how much one more refinement of the grid changes it; below it stand
     the stress at fillets and under other supports. A second table holds the
     paper's own designs without load against its figures (Hsieh 2014, Figs
-    10-16). To --out go figures (png, svg), a VTU file of each part for
-    ParaView, and stress.json.
+    10-16). To --out go stress.json, a VTU file of each part for ParaView,
+    and the figures that are asked for (png, svg).
 
     Bulk stress is the largest beyond a distance d from narrow contacts and
     sharp inner corners, where it stands on a plateau. The table tells d, and
@@ -188,7 +198,14 @@ def stress(
         place = _place(into, delivery)
         runs = _run(loaded, into, delivery)
     studies = _studied(runs, planned, settings, delivery.quiet)
-    return deliver(outcome_of(studies, place), place, delivery)
+    return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
+
+
+def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:
+    """List the figures to draw: those asked for, or those of the page if there is one."""
+    if not asked:
+        return ("map", "turn") if place.page else ()
+    return tuple(name for name in FIGURES if name in asked or "all" in asked)
 
 
 def _place(into: Path, wanted: Delivery) -> Destination:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from heapq import nsmallest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome, Picture
 from cycloid_mj.base.result import Table
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 STEM = "stress"
 FILES = (f"{STEM}.json", f"{STEM}.csv")
+Drawn = Literal["grid", "map", "turn", "refinement"]
+FIGURES: tuple[Drawn, ...] = get_args(Drawn)
 CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 COLUMNS = (
     *("design", "part", "bulk_mpa", "bulk_angle_deg", "contact_mpa", "contact_angle_deg", "governing_mpa"),
@@ -27,8 +29,8 @@ COLUMNS = (
 """Columns of the CSV file."""
 
 
-def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
-    """Turn studies of stress into an outcome whose files go to a place."""
+def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
+    """Turn studies of stress into an outcome whose files go to a place, with the figures asked for."""
     from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import values_json
     from cycloid_mj.stress.figures import of_study
@@ -36,7 +38,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
 
     findings = [study.findings for study in studies]
     judged = stress_claims(studies)
-    pictures, maps = _pictures(studies), _maps(studies)
+    pictures, maps = _pictures(studies, figures), _maps(studies)
     drawn = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
     return Outcome(
         title="largest von Mises stress of a crank turn",
@@ -70,18 +72,24 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination) -> Outcome:
     )
 
 
-def _pictures(studies: "Sequence[StressStudy]") -> dict[str, Picture]:
+def _pictures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
+    """Build the figures of some kinds, by their names."""
+    if not figures:
+        return {}
     from cycloid_mj.plots.save import drawn
-    from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
+    from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figures, refinement_figure
 
-    figures = stress_figures([study.findings for study in studies])
+    findings = [study.findings for study in studies]
+    built = maxima_figures(findings) if "turn" in figures else {}
+    if "refinement" in figures:
+        built["stress_refinement"] = refinement_figure(findings)
     for study in studies:
-        grids = {one.findings.part: one.grid for one in study.parts}
-        maps = {one.findings.part: one.map for one in study.parts}
-        condition = f"{study.design.name}, {study.findings.load:g} N m"
-        figures[f"fig10_grid_{study.design.name}"] = grid_figure(grids, study.design.name)
-        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, condition)
-    return {name: partial(drawn, figure) for name, figure in figures.items()}
+        name, condition = study.design.name, f"{study.design.name}, {study.findings.load:g} N m"
+        if "grid" in figures:
+            built[f"fig10_grid_{name}"] = grid_figure({one.findings.part: one.grid for one in study.parts}, name)
+        if "map" in figures:
+            built[f"fig11_map_{name}"] = map_figure({one.findings.part: one.map for one in study.parts}, condition)
+    return {name: partial(drawn, figure) for name, figure in built.items()}
 
 
 def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:

@@ -134,11 +134,15 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     return figure
 
 
+def maxima_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
+    """Build the figure of the maxima of each part, by name."""
+    parts = [part for part in TITLES if any(part in each for each in findings)]
+    return {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
+
+
 def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
     """Build the figures that need no grid by name: maxima of each part, and the refinement."""
-    parts = [part for part in TITLES if any(part in each for each in findings)]
-    drawn = {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
-    return drawn | {"stress_refinement": refinement_figure(findings)}
+    return maxima_figures(findings) | {"stress_refinement": refinement_figure(findings)}
 
 
 def _look(number: int) -> dict[str, Any]:

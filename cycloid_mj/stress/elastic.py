@@ -43,9 +43,11 @@ class ElasticBody:
     motions
         Rigid motions (n, r): along each axis [m], then turning about each axis through the origin [m/rad].
     mass
-        Sparse mass matrix [kg] of the nodes, the same for each axis; see `weighed`.
+        Sparse mass matrix [kg] of the nodes, the same for each axis.
     loose
         Columns of `motions` that no real support holds; out-of-balance loads along them are spread over the mass.
+    carried
+        The mass times these (n, l).
     factor
         Solves the free unknowns for right-hand sides (n_free, c).
     springs
@@ -58,6 +60,7 @@ class ElasticBody:
     motions: Array
     mass: Any
     loose: tuple[int, ...]
+    carried: Array
     factor: Callable[[Array], Array]
     springs: Any = None
 
@@ -99,6 +102,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
         motions=motions,
         mass=mass,
         loose=loose,
+        carried=weighed(mass, motions[:, list(loose)]),
         factor=_factor(lower, grid.part),
         springs=springs,
     )
@@ -115,15 +119,14 @@ def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
         return loads, imbalance
     loose = list(part.loose)
     motions = part.motions[:, loose]
-    carried = weighed(part, motions)
     resultant = motions.T @ loads
     imbalance[:, loose] = resultant.T
-    return loads - carried @ np.linalg.solve(motions.T @ carried, resultant), imbalance
+    return loads - part.carried @ np.linalg.solve(motions.T @ part.carried, resultant), imbalance
 
 
-def weighed(part: ElasticBody, fields: Array) -> Array:
+def weighed(mass: Any, fields: Array) -> Array:
     """Compute the mass matrix times fields (n, c) of all unknowns."""
-    return np.asarray(part.mass @ fields.reshape(part.mass.shape[0], -1)).reshape(fields.shape)
+    return np.asarray(mass @ fields.reshape(mass.shape[0], -1)).reshape(fields.shape)
 
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
@@ -155,7 +158,7 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
     fields[:, 1, 1] = 1.0
     fields[:, 0, 2], fields[:, 1, 2] = x, y
     fields[:, 0, 3], fields[:, 1, 3] = y, -x
-    return weighed(part, fields.reshape(-1, 4))
+    return weighed(part.mass, fields.reshape(-1, 4))
 
 
 def rigid_motions(points: Array) -> Array:

@@ -161,10 +161,18 @@ def loaded(reducer: Reducer, grid: Grid, loads: PartLoads) -> Loaded:
     )
 
 
-def maxima(part: Loaded, distance: float | None = None) -> PartStress:
-    """Compute the maxima of stress at each crank angle; see ``solve``."""
+Seen = Callable[[int, Array], None]
+"""Is shown the stress components (components, n) [Pa] at a crank angle of an index, in the order of the angles."""
+
+
+def unseen(index: int, stress: Array) -> None:
+    """Look away."""
+
+
+def maxima(part: Loaded, distance: float | None = None, seen: Seen = unseen) -> PartStress:
+    """Compute the maxima of stress at each crank angle, see ``solve``; what they are of is shown on the way."""
     answers = _answers(part.case, len(part.loads.angle))
-    return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components)
+    return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components, seen)
 
 
 def _answers(case: LoadCase, angles: int) -> Iterator[Response]:
@@ -180,14 +188,17 @@ def _maxima(
     distance: float | None,
     answers: Iterable[Response],
     components: Callable[[Array], Array],
+    seen: Seen = unseen,
 ) -> PartStress:
     """Compute the maxima of stress, of the answers at all angles in turn and the stress components of displacements."""
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     maxima: list[tuple[Array, ...]] = []
     angle = count()
     for answer in answers:
-        stress = von_mises(components(answer.moved))
-        here = [largest(apart, rungs, next(angle), of_angle) for of_angle in stress.T]
+        stress, here = components(answer.moved), []
+        for state, size in zip(np.moveaxis(stress, -1, 0), von_mises(stress).T, strict=True):
+            seen(index := next(angle), state)
+            here.append(largest(apart, rungs, index, size))
         sizes, nodes = map(np.array, zip(*here, strict=True))
         maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
     sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))

@@ -28,7 +28,7 @@ from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_p
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.stress.swing import SWINGING, Swing, swing
+from cycloid_mj.stress.swing import SWINGING, Swing, sampled, swing
 
 Told = Callable[[str, int, int], None]
 
@@ -277,10 +277,17 @@ def _solved(
     Its factor is let go before other grids are factorised.
     """
     part = loaded(reducer, grid, loads)
-    stress = maxima(part)
+    swinging = names.family(grid.part) in SWINGING
+    states = dict.fromkeys(sampled(len(loads.angle)).tolist() if swinging else (), np.zeros(0))
+
+    def keep(index: int, state: Array) -> None:
+        if index in states:
+            states[index] = state.copy()
+
+    stress = maxima(part, seen=keep)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
-    swung = swing(part, stress.bulk_distance) if names.family(grid.part) in SWINGING else None
+    swung = swing(part, states, stress.bulk_distance) if swinging else None
     corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
     return stress, mapped(part, row, stress.bulk_distance), swung, corners
 

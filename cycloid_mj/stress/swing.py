@@ -6,6 +6,7 @@ midway, with the sign of its trace, its mean. Both are the same in every frame. 
 narrow patch do not count: what happens there is Hertz's (``closed``), and pitting.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,9 +26,6 @@ EVERY, FEWEST = 6, 24
 CANDIDATES = 1500
 """Nodes among which the worst is looked for: those of the largest bound on their swing."""
 
-BLOCK = 6
-"""Angles worked on together."""
-
 
 @dataclass(frozen=True)
 class Swing:
@@ -46,25 +44,22 @@ class Swing:
         }
 
 
-def swing(part: Loaded, distance: float) -> Swing:
+def sampled(angles: int) -> Integers:
+    """Choose the indices of the crank angles that count, of so many of a turn."""
+    return np.arange(0, angles, max(1, min(EVERY, angles // FEWEST)))
+
+
+def swing(part: Loaded, states: Mapping[int, Array], distance: float) -> Swing:
     """Compute the swing at a part's worst node, beyond a distance [m] from narrow patches.
 
-    The worst is that of the largest 2 amplitude + mean: Goodman's, the endurance limit half of the tensile strength.
+    `states` are the stress components (components, n) [Pa] at the `sampled` angles, by index. The worst node is that of
+    the largest 2 amplitude + mean: Goodman's, the endurance limit half of the tensile strength.
     """
-    angles = len(part.loads.angle)
-    rows = np.arange(0, angles, max(1, min(EVERY, angles // FEWEST)))
-    states = np.concatenate([_states(part, block, distance) for block in np.array_split(rows, len(rows) // BLOCK or 1)])
-    amplitude, mean, nodes = worst_nodes(states)
+    every = np.arange(len(part.grid.points))
+    beyond = [np.where(part.apart.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]
+    amplitude, mean, nodes = worst_nodes(np.stack(beyond))
     worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
     return Swing(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
-
-
-def _states(part: Loaded, block: Integers, distance: float) -> Array:
-    """Compute the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
-    stresses = part.components(part.case.response(block).moved)
-    nodes = np.arange(stresses.shape[1])
-    near = np.stack([part.apart.at(int(angle), nodes) < distance for angle in block])
-    return np.where(near[:, np.newaxis], np.nan, np.moveaxis(stresses, -1, 0)).astype(np.float32)
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
