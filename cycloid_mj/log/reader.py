@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from mcap.opcode import Opcode
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_input
@@ -23,6 +24,9 @@ from cycloid_mj.log.viewer import RATE
 Bytes = npt.NDArray[np.uint8]
 
 END = f"{PACKAGE}.end"
+
+GROWTH = 1.1
+"""By how much more than it holds a column is made longer."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,41 @@ class Log:
     size: int
 
 
+class _Samples:
+    """The samples of a group as they are read: the times, and each column, in an array that grows where it stands.
+
+    So no more than the numbers are in memory at any time, and these once.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._columns: list[Array] = []
+
+    def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
+        """Add a block of messages, none of which is missing after those before."""
+        split = container.MESSAGE_HEAD.itemsize
+        with container.reading(path, f"malformed messages of {group.topic}"):
+            records = group.decode(block[:, split:])
+        sequence = block[:, :split].view(container.MESSAGE_HEAD)["sequence"][:, 0]
+        end = self.count + len(records)
+        if (sequence != np.arange(self.count, end).astype(np.uint32)).any():
+            raise container.corrupt(path, f"messages of {group.topic} are missing or out of order")
+        names = (TIME, *group.units)
+        self._columns = self._columns or [np.empty(0) for _ in names]
+        for name, column in zip(names, self._columns, strict=True):
+            if column.size < end:
+                column.resize(int(GROWTH * end), refcheck=False)
+            column[self.count : end] = records[name]
+        self.count = end
+
+    def locked(self, samples: int) -> list[Array]:
+        """Return the times and columns, cut to so many samples and locked, so that a `Run` need not copy them."""
+        for column in self._columns:
+            column.resize(samples, refcheck=False)
+            column.flags.writeable = False
+        return self._columns
+
+
 @dataclass(frozen=True)
 class _Contents:
     """What a file holds: metadata and attachments by name; the rest by its id in the file."""
@@ -66,7 +105,7 @@ class _Contents:
     channels: dict[int, Any] = field(default_factory=dict)
     groups: dict[int, ColumnGroup] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    blocks: dict[int, list[Bytes]] = field(default_factory=lambda: defaultdict(list))
+    samples: "dict[int, _Samples]" = field(default_factory=lambda: defaultdict(_Samples))
 
 
 def read(path: str | os.PathLike[str]) -> Run:
@@ -98,15 +137,15 @@ def load(path: str | os.PathLike[str]) -> Log:
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
         raise LogError(f"cannot read log {path}: {problem.strerror or problem}") from problem
-    tables = {channel: _table(group, contents.blocks[channel], path) for channel, group in contents.groups.items()}
-    samples = min((table.size for table in tables.values()), default=0)
+    sizes = [contents.samples[channel].count for channel in contents.groups]
+    samples = min(sizes, default=0)
     if whole:
-        _check_count(contents, [table.size for table in tables.values()], path)
+        _check_count(contents, sizes, path)
     if samples == 0:
         raise LogError(
             f"log {path} holds no samples: the run was stopped before the first chunk was written; run it again"
         )
-    run = _joined(contents, {channel: table[:samples] for channel, table in tables.items()}, whole, path)
+    run = _joined(contents, samples, whole, path)
     return Log(run, _viewers(contents), whole, size)
 
 
@@ -172,7 +211,7 @@ def _take(contents: _Contents, messages: container.Messages, path: Path) -> None
         if id in messages.ragged:
             raise container.corrupt(path, f"messages of {group.topic} differ in length")
         if id in messages.of:
-            contents.blocks[id].append(messages.of[id])
+            contents.samples[id].add(group, messages.of[id], path)
 
 
 def _viewers(contents: _Contents) -> dict[str, Shown]:
@@ -192,19 +231,6 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _table(group: ColumnGroup, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:
-    """Read the records of a group, shape (n,), none of which is missing before the last."""
-    if not blocks:
-        return np.empty(0, dtype=group.record)
-    split = container.MESSAGE_HEAD.itemsize
-    with container.reading(path, f"malformed messages of {group.topic}"):
-        table = np.concatenate([group.decode(block[:, split:]) for block in blocks])
-    sequence = np.concatenate([block[:, :split].view(container.MESSAGE_HEAD)["sequence"][:, 0] for block in blocks])
-    if (sequence != np.arange(table.size, dtype=np.uint32)).any():
-        raise container.corrupt(path, f"messages of {group.topic} are missing or out of order")
-    return table
-
-
 def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
     """Hold the messages of a whole file against the count it ends with."""
     written = contents.metadata.get(END, {}).get("samples")
@@ -212,17 +238,19 @@ def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
         raise container.corrupt(path, f"it says it has {written} samples, but has {min(sizes)}")
 
 
-def _joined(contents: _Contents, tables: dict[int, Any], whole: bool, path: Path) -> Run:
-    """Join the run of all groups, which must share their times and have columns of their own."""
-    first, *others = tables.values()
-    time = first[TIME]
-    if any((other[TIME] != time).any() for other in others):
-        raise container.corrupt(path, "its groups of columns were not sampled at the same times")
+def _joined(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
+    """Join so many samples of all groups, which must share their times and have columns of their own."""
     groups = contents.groups
+    tables = {id: contents.samples[id].locked(samples) for id in groups}
+    time, *others = (table[0] for table in tables.values())
+    if any((other != time).any() for other in others):
+        raise container.corrupt(path, "its groups of columns were not sampled at the same times")
     units = {name: unit for group in groups.values() for name, unit in group.units.items()}
     if len(units) != sum(len(group.units) for group in groups.values()):
         raise container.corrupt(path, "a column is in two groups")
-    columns = {name: table[name] for id, table in tables.items() for name in groups[id].units}
+    columns = {
+        name: values for id, table in tables.items() for name, values in zip(groups[id].units, table[1:], strict=True)
+    }
     end = contents.metadata.get(END, {})
     note, complete = end.get("note", ""), end.get("complete") == "true"
     if not whole:
