@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.design import Friction
-from cycloid_mj.dynamics.timestep import passing_limit, resolved, rolling_limits, timestep
+from cycloid_mj.dynamics.timestep import FEWEST_STEPS, passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
 from cycloid_mj.statics.friction import lacking_friction
@@ -77,18 +77,21 @@ def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     return (*(text for kind in kinds for text in _noise(reducer, kind)), *_unused(reducer))
 
 
-def pace(reducer: Reducer) -> tuple[str, ...]:
-    """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
+def pace(reducer: Reducer, fewest: float = FEWEST_STEPS) -> tuple[str, ...]:
+    """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth.
+
+    `fewest` is of steps, as the run's solver needs them.
+    """
     design = reducer.design
     passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
     if not passing:
         return ()
-    return (*_few_steps(reducer, passing), *_few_samples(reducer, passing), *_creeping(reducer))
+    return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *_creeping(reducer))
 
 
-def _few_steps(reducer: Reducer, passing: float) -> Iterator[str]:
+def _few_steps(reducer: Reducer, passing: float, fewest: float) -> Iterator[str]:
     """Tell of a crank that turns too far in a step; teeth pass ``passing`` times a second."""
-    step, longest = timestep(reducer), passing_limit(reducer)
+    step, longest = timestep(reducer), passing_limit(reducer, fewest)
     if step > longest * (1.0 + 1e-9):
         yield (
             f"settings.timestep_us = {1e6 * step:g}: the crank turns by "

@@ -290,7 +290,8 @@ def warnings(compiled: Model, reducer: Reducer, course: Course | None = None) ->
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
     sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
-    paced = pace(for_slices(reducer) if contact_of(compiled) == "mesh" else reducer) if hurries else ()
+    fewest = STEPS[solver_of(compiled)].FEWEST_STEPS
+    paced = pace(for_slices(reducer) if contact_of(compiled) == "mesh" else reducer, fewest) if hurries else ()
     return (*sways, *compiled.warnings, *paced, *(idle(reducer) if course is None else ()))
 
 

@@ -156,10 +156,10 @@ def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> flo
     return ROLLING * 2.0 * math.sqrt(mass / bowl)
 
 
-def passing_limit(reducer: Reducer) -> float:
-    """Compute the longest step [s] for the teeth that pass at the design's crank speed."""
+def passing_limit(reducer: Reducer, fewest: float = FEWEST_STEPS) -> float:
+    """Compute the longest step [s] for the teeth that pass at the design's crank speed, so many steps each."""
     design = reducer.design
-    return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
+    return 2.0 * math.pi / (fewest * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:

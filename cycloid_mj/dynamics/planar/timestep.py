@@ -21,6 +21,15 @@ At 33 us, against 1 us at the rated load, all means of pin, nonpin, twodisc and 
 peak of the transmission error to 0.5 %; rms of the gear's speed are 12 % low with free pins and 1 to 3 % high without.
 """
 
+FEWEST_STEPS = 16.0
+"""Fewest steps from tooth to tooth.
+
+Preset pin at 5000 rpm under the rated load, free, massless and fixed pins, teeth at a friction of 0.3, against 96 steps
+at the same samples: at 16 steps means differ by 0.003 %, peaks to peak of the transmission error by 0.3 %, rms of the
+gear's speed by 2 %; at 12 steps peaks to peak by 0.2 to 2.7 %. 144 free pins at 1640 rpm, 12.7 steps against 102: means
+to the last digit shown, peak to peak 0.05 %, rms 3 %.
+"""
+
 MOST_ROUNDS = 100
 """Rounds after which a step ends whatever its contacts do, in which they press, creep or slide in other ways."""
 
@@ -44,7 +53,7 @@ def chosen(reducer: Reducer) -> Step:
         "the swing on all contacts": swing_period(reducer) / STEPS_OF_SWING,
     }
     if design.drive.speed:
-        allowed["the passing of teeth"] = passing_limit(reducer)
+        allowed["the passing of teeth"] = passing_limit(reducer, FEWEST_STEPS)
     return whole_in_samples(design.settings.log_rate, allowed)
 
 
