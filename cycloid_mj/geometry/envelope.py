@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ellipeinc
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
@@ -113,6 +112,8 @@ def sigma_arc_length(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
     Differences of (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal.
     """
+    from scipy.special import ellipeinc
+
     N, _, _, rho = gear.symbols
     scale, m = profile.trochoid_ellipse(gear)
 

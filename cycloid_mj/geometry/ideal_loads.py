@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
@@ -205,6 +204,8 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], and R is no
     matter. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
     """
+    from scipy.optimize import brentq
+
     bed = modulus * length
 
     def surplus(depth: float) -> float:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ellipe, ellipeinc
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
@@ -207,6 +206,8 @@ def arc_rate(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -
 
 def arc_length(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
     """Length [m] of the outline from the valley on +y to t: an elliptic integral less offset * normal angle."""
+    from scipy.special import ellipe, ellipeinc
+
     scale, m = trochoid_ellipse(gear)
     half_phase = gear.lobes * np.asarray(t, float) / 2
     trochoid_length = 2 * scale / gear.lobes * (ellipeinc(half_phase + np.pi / 2, m) - ellipe(m))
@@ -222,6 +223,8 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
 
 def length(gear: CycloidGear, offset: float | None = None) -> float:
     """Length of the closed outline [m]: 4 (E + c N) Ell(m) - 2 pi offset."""
+    from scipy.special import ellipe
+
     scale, m = trochoid_ellipse(gear)
     return 4 * scale * float(ellipe(m)) - 2 * math.pi * _offset(gear, offset)
 
