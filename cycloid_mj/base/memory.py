@@ -2,6 +2,7 @@
 
 import gc
 import sys
+from typing import Any
 
 _RARELY = 100_000, 20, 100
 """Objects made until Python looks for circles of them, and how much more rarely it looks among older ones.
@@ -9,19 +10,37 @@ _RARELY = 100_000, 20, 100
 Modules and classes are a hundred thousand objects that stay.
 """
 
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+"""Numbers of two of glibc's parameters: how much free memory it keeps, and from what size on arrays are no part of it
+(`mallopt`)."""
+
+_NEVER, _LARGEST_KEPT = 2**31 - 1, 2**25
+"""Their values here, in bytes: the largest that each may have."""
+
 
 def look_rarely() -> None:
     """Have this process look for circles of objects rarely: it takes a quarter of a short command, else a twentieth."""
     gc.set_threshold(*_RARELY)
 
 
+def keep_freed() -> None:
+    """Have the C library keep what arrays let go, where it can: taken from the system anew, each page costs time."""
+    if tune := _of_c_library("mallopt"):
+        tune(_TRIM_THRESHOLD, _NEVER)
+        tune(_MMAP_THRESHOLD, _LARGEST_KEPT)
+
+
 def give_back() -> None:
     """Hand free memory back to the system, where the C library can."""
+    if trim := _of_c_library("malloc_trim"):
+        trim(0)
+
+
+def _of_c_library(name: str) -> Any:
+    """Find a function of the C library; None where it has no such function."""
     import ctypes
 
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform != "win32" else None
-    if trim:
-        trim(0)
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform != "win32" else None
 
 
 def leave_circles() -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from cyclopts import App, Parameter
 
 from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.base.outcome import Outcome, Picture, headline
 from cycloid_mj.base.result import quantity_table
 from cycloid_mj.cli.delivery import Destination, claimed, show_outcome, write
 from cycloid_mj.cli.flags import (
@@ -58,7 +58,10 @@ RATED = ". Default: the rated torque, drive.torque_nm times the ratio (36.68 in 
 class MeasureDelivery(Delivery):
     """Where a measurement goes, with the logs of its runs."""
 
-    out: Annotated[str | None, out_flag("the figure, the JSON file and the logs", OUT)] = None
+    out: Annotated[str | None, out_flag("the JSON file, the logs and the figure", OUT)] = None
+    figure: Annotated[
+        bool, Parameter(help="Draw the figure (png, svg), too, which takes as long as a short measure. --html does.")
+    ] = False
     no_log: Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")] = False
 
 
@@ -367,7 +370,8 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
 
     require_distinct(designs)
     stems = [f"{name}-{design.name}" for design in designs]
-    places = [claimed(delivered, stem, [f"{stem}.png", f"{stem}.svg"], OUT) for stem in stems]
+    drawn = [f".{form}" for form in Outcome.formats] if _is_drawn(delivered) else []
+    places = [claimed(delivered, stem, [stem + ending for ending in drawn], OUT) for stem in stems]
     measurements = []
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
@@ -385,11 +389,16 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
     return 0
 
 
+def _is_drawn(delivered: MeasureDelivery) -> bool:
+    """Tell whether the figure is asked for, by itself or in the page."""
+    return delivered.figure or delivered.html is not None
+
+
 def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureDelivery) -> None:
     """Write a measurement with the logs of its runs, and print it unless JSON is asked for."""
     from cycloid_mj.log import write as write_log
 
-    outcome = _outcome(measurement, place.stem)
+    outcome = _outcome(measurement, _pictures(measurement, place.stem) if _is_drawn(delivered) else {})
     with unbroken():
         write(outcome, place, delivered)
         if place.folder and not delivered.no_log:
@@ -399,10 +408,14 @@ def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureD
         show_outcome(outcome, delivered.all)
 
 
-def _outcome(measurement: "Measurement", stem: str) -> Outcome:
+def _pictures(measurement: "Measurement", stem: str) -> dict[str, Picture]:
     from cycloid_mj.plots.measure import measurement_figure
     from cycloid_mj.plots.save import drawn
 
+    return {stem: partial(drawn, measurement_figure(measurement))}
+
+
+def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
     quantities = measurement.quantities.values()
     title = f"{measurement.measure}: {measurement.design.name}"
     return Outcome(
@@ -413,6 +426,6 @@ def _outcome(measurement: "Measurement", stem: str) -> Outcome:
             *(f"{quantity.name}: {quantity.note}" for quantity in quantities if quantity.note),
             *(f"assumed: {sentence}" for sentence in measurement.assumptions),
         ],
-        pictures={stem: partial(drawn, measurement_figure(measurement))},
+        pictures=pictures,
         result=measurement.as_json(),
     )

@@ -173,12 +173,14 @@ def stress(
         raise UsageError("logs are read as they are: leave out --set and --load-nm with --log")
     if log and asked and len(log) != len(asked):
         raise UsageError(f"there are {len(asked)} designs and {len(log)} logs: give one log for each design")
+    from cycloid_mj.base.memory import keep_freed
     from cycloid_mj.stress.figures import for_one_turn
     from cycloid_mj.stress.packages import package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
     for name in ("gmsh", "skfem"):
         package(name)
+    keep_freed()
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,

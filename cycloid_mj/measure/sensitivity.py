@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from cycloid_mj.base.result import Curve, Table
 from cycloid_mj.design import Design
@@ -73,6 +72,8 @@ def friction_for(rates: Mapping[float, float], target: float) -> float:
 
     Losses 1/rate - 1 grow almost in proportion to the friction: they are what is interpolated.
     """
+    from scipy.interpolate import PchipInterpolator
+
     friction = np.array(sorted(rates))
     losses = np.array([1.0 / rates[key] - 1.0 for key in friction])
     rising = bool(np.all(np.diff(losses) > 0.0))

@@ -122,7 +122,7 @@ def test_no_torque_is_a_usage_error(torque: float) -> None:
 
 def test_command_writes_figure_json_and_log(tmp_path, capsys) -> None:
     arguments = ["--set", 'ring.pins="fixed"', "--set", "settings.timestep_us=5.0", "--quick", "--quiet", "--json"]
-    assert main(["measure", "loads", "--design", "pin", "--out", str(tmp_path), *arguments]) == 0
+    assert main(["measure", "loads", "--design", "pin", "--out", str(tmp_path), "--figure", *arguments]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed["weakest"] in printed["capacity_by_kind_nm"]
     assert printed["quantities"]["pin_gear_peak_force"]["numerical_error"] is not None
