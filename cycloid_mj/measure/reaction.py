@@ -18,7 +18,7 @@ from cycloid_mj.parts import (
     moving_masses,
     pin_solid,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.bearings import Reactions, spatial
 
 
@@ -58,9 +58,13 @@ class Reaction:
 
 def masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank and what the load is on, under the name of the output."""
-    solids = {GEAR: gear_solid(reducer), SHAFT: body_solids(reducer)[SHAFT]}
-    output = moving_masses(reducer)[reducer.mechanism.turning]
-    return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
+    shaft, output = body_solids(reducer)[SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
+    return {GEAR: _gear(reducer.shape), SHAFT: mass_properties(shaft), OUTPUT: output}
+
+
+@once
+def _gear(reducer: Reducer) -> MassProperties:
+    return mass_properties(gear_solid(reducer))
 
 
 def weight(reducer: Reducer) -> Array:
@@ -76,7 +80,7 @@ def weight(reducer: Reducer) -> Array:
 def unbalance(reducer: Reducer) -> Unbalance:
     """Compute the unbalance of a design from its solids."""
     design = reducer.design
-    shaft, gear, orbit = body_solids(reducer)[SHAFT], mass_properties(gear_solid(reducer)), design.gear.eccentricity
+    shaft, gear, orbit = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
     whole, discs = mass_properties(shaft), design.gear.discs
     middle, z = whole.centroid[:2], whole.centroid[2]
     outward = unit(-np.array(reducer.phases))
