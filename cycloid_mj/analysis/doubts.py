@@ -12,8 +12,9 @@ from cycloid_mj.analysis.series import Series
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
+from cycloid_mj.dynamics import timestep
 from cycloid_mj.dynamics.jam import SELF_LOCKING
-from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
+from cycloid_mj.dynamics.planar.timestep import FEWEST_STEPS, MOST_ROUNDS
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.reducer import Reducer
@@ -58,7 +59,8 @@ def doubts(motion: Series) -> tuple[str, ...]:
     reducer = Reducer(design)
     judged = run.select(motion.whole_periods)
     powers = unbalanced(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
-    return tuple(dict.fromkeys((*run.warnings, *pace(reducer), *unsettled(run), *powers)))
+    fewest = FEWEST_STEPS if run.provenance.get("solver") == "planar" else timestep.FEWEST_STEPS
+    return tuple(dict.fromkeys((*run.warnings, *pace(reducer, fewest), *unsettled(run), *powers)))
 
 
 def unsettled(run: Run) -> Iterator[str]:
