@@ -139,7 +139,7 @@ def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: Non
         return _none_fits(asked)
     most, held = _most(asked, path[-1])
     if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
-        return _too_loose(asked, least)
+        return _too_loose(asked, least, held=False)
     limit = held.weakest.name if held.weakest else NO_BALANCE.format(1e6 * asked.usual_clearance)
     refused = Answer(asked, (), most, limit)
     noted(refused)
@@ -174,8 +174,11 @@ def _exact(asked: Requirement) -> bool:
     return found is not None and figure("backlash_arcmin").value(found[1].reducer) <= asked.backlash
 
 
-def _too_loose(asked: Requirement, least: float) -> Answer:
-    """Answer with tighter clearances where drives have too much backlash [arcmin]; where those are too tight, tell."""
+def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
+    """Answer with tighter clearances where drives have too much backlash [arcmin]; where those are too tight, tell.
+
+    Where the torque is not `held` either, one change is seldom enough.
+    """
     share, finest = asked.backlash / least, PROCESSES[asked.process].finest
     if asked.tightened and asked.usual_clearance > finest:
         return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
@@ -186,7 +189,20 @@ def _too_loose(asked: Requirement, least: float) -> Answer:
     ways += [Way(f"{1e3 * larger.diameter:g} mm", larger)] if larger.diameter <= LARGEST else []
     looser = asked.but(backlash=math.ceil(100.0 * least) / 100.0)
     ways.append(Way(f"a backlash of {looser.backlash:g} arcmin", looser))
-    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if _exact(way.asked)))
+    exact = tuple(way for way in ways if _exact(way.asked)) if held else ()
+    return Answer(asked, (), 0.0, limit, exact or tuple(_both(asked, ways[-1])))
+
+
+def _both(asked: Requirement, looser: Way) -> Iterator[Way]:
+    """Yield the strongest process, or a looser backlash, with what that needs to hold the torque too."""
+    for words, changed in [*reversed(list(_processes(asked))), (looser.words, looser.asked)]:
+        answer = answered(changed)
+        if answer.drives:
+            yield Way(words, changed)
+            return
+        if way := next((way for way in answer.ways if _exact(way.asked)), None):
+            yield Way(f"{words} and {way.words}", way.asked)
+            return
 
 
 def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:

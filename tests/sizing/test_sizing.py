@@ -266,6 +266,15 @@ def test_too_little_length_is_told_with_one_that_goes() -> None:
 
 
 @pytest.mark.slow
+def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
+    asked = Requirement(39, 0.0379, 1.62, process="printed", backlash=3.7)
+    refused = answered(asked)
+    assert "its backlash is" in refused.refusal
+    assert all(way.asked.backlash == asked.backlash for way in refused.ways)
+    require_kept(refused)
+
+
+@pytest.mark.slow
 def test_the_most_that_goes_keeps_the_backlash_too() -> None:
     require_kept(answered(Requirement(46, 0.0824, 4.1, process="printed", backlash=9.18)), least_ways=0)
 
