@@ -19,6 +19,18 @@ LIGHTER = 0.25
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity from 0 to 1."""
 
+COLOURS: Mapping[str, Colour] = {
+    names.HOUSING: (0.55, 0.58, 0.62, 1.0),
+    names.SHAFT: (0.80, 0.62, 0.25, 1.0),
+    names.GEAR: (0.25, 0.47, 0.70, 1.0),
+    names.PIN: (0.83, 0.84, 0.86, 1.0),
+    names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
+    names.CAM: (0.90, 0.72, 0.36, 1.0),
+    names.SPACER: (0.62, 0.52, 0.34, 1.0),
+    names.ROLLER: (0.72, 0.84, 0.74, 1.0),
+}
+"""Part by its family -> colour where it moves: in MuJoCo, and in the viewer."""
+
 KEPT = 8
 """Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
+from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
 from cycloid_mj.parts import Mesh, Solid, carried, fused, mesh, parts
+from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
 
@@ -14,16 +15,11 @@ CHORD_ERROR = 1e-5
 """Largest distance of a drawn chord from its curve [m]."""
 
 COLOURS: dict[str, Colour] = {
-    "housing": (0.68, 0.71, 0.75, 1.0),
-    "shaft": (0.80, 0.62, 0.25, 1.0),
-    "gear": (0.25, 0.47, 0.70, 1.0),
-    "pin": (0.83, 0.84, 0.86, 1.0),
-    "output": (0.36, 0.62, 0.42, 1.0),
-    "cam": (0.90, 0.72, 0.36, 1.0),
-    SPACER: (0.62, 0.52, 0.34, 1.0),
-    ROLLER: (0.72, 0.84, 0.74, 1.0),
+    **SOLID,
+    HOUSING: (0.68, 0.71, 0.75, 1.0),
     "disc": (0.36, 0.62, 0.42, 0.25),
 }
+"""Those of the parts, but for a ring that is seen from within, and the disc that gears are seen through."""
 
 
 @dataclass(frozen=True)

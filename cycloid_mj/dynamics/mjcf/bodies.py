@@ -12,23 +12,12 @@ from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.parts import MassProperties, carried
-from cycloid_mj.parts.parts import Colour, tinted
+from cycloid_mj.parts.parts import COLOURS, Colour, tinted
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 from cycloid_mj.statics.law import curvature_law, pair_stiffness
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
-COLOURS = {
-    names.HOUSING: (0.55, 0.58, 0.62, 1.0),
-    names.SHAFT: (0.80, 0.62, 0.25, 1.0),
-    names.GEAR: (0.25, 0.47, 0.70, 1.0),
-    names.PIN: (0.83, 0.84, 0.86, 1.0),
-    names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
-    names.CAM: (0.90, 0.72, 0.36, 1.0),
-    names.SPACER: (0.62, 0.52, 0.34, 1.0),
-    names.ROLLER: (0.72, 0.84, 0.74, 1.0),
-}
-"""Of what a part is; see `colour`."""
 
 SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
 """Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
