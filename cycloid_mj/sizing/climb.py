@@ -1,5 +1,6 @@
 """The most that a size bears: proportions change where the weakest item asks for it, until no change helps."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -70,9 +71,9 @@ class Budget:
         """Pay for a trial."""
         self.left -= 1.0 + trial.work / USUAL_WORK
 
-    def look(self) -> None:
-        """Pay for proportions that are drawn and checked, whether they can be built or not."""
-        self.left -= LOOK
+    def look(self, asked: Requirement) -> None:
+        """Pay for proportions that are drawn and checked where a length is asked for: most are too long then."""
+        self.left -= LOOK if asked.length < math.inf else 0.0
 
 
 def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
@@ -99,9 +100,10 @@ def _first(asked: Requirement, budget: Budget) -> Step | None:
     built: Step | None = None
     for width, bore, short_width in product(widths, FIRST_BORES, FIRST_SHORT_WIDTHS):
         of = usual.but(short_width=short_width, bore=bore, width=width)
-        if budget.left <= 0.0 or (built and (width, bore) != (built[0].width, built[0].bore)):
+        looked = (width, bore) == (built[0].width, built[0].bore) if built else True
+        if not looked or (budget.left <= 0.0 and (built or asked.length < math.inf)):
             break
-        budget.look()
+        budget.look(asked)
         if reducer := shaped(asked, of, guess):
             trial = tried(reducer, guess)
             budget.spend(trial)
@@ -119,7 +121,7 @@ def _better(asked: Requirement, best: Step, tested: set[Proportions], budget: Bu
         if budget.left <= 0.0:
             return None
         tested.add(of)
-        budget.look()
+        budget.look(asked)
         bears = best[1].bears
         if not (reducer := shaped(asked, of, bears)):
             continue

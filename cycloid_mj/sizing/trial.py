@@ -14,7 +14,7 @@ from cycloid_mj.reducer import Reducer
 FEW, ENOUGH = 19, 61
 """Crank angles of a first look, and of the last; a data sheet has thrice as many."""
 
-RESERVE = 1.01
+RESERVE = 1.02
 """Torque for which a drive is to be good enough: the worst of all crank angles may lie between those looked at."""
 
 NOT_HELD = 0.3
