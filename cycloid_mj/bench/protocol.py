@@ -155,7 +155,7 @@ class Protocol:
     def table(self) -> Table:
         """Tabulate the lines, model beside bench."""
         rows = tuple(
-            (line.name, line.unit, _told(self.model.get(key)), _told(self.bench.get(key)))
+            (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
         )
         title = f"protocol: {self.design}, rated torque {self.rated:.4g} N m"
@@ -353,24 +353,24 @@ def _back_driving(resting: Reducer, starting: float, rated: float) -> float:
 
 def _of_files(files: BenchFiles) -> dict[str, LoopFigure]:
     """Read the lines that the files beside the loops show."""
-    found = {}
+    figures = {}
     if files.te:
-        found["te_arcsec"] = _within(float(np.ptp(files.te.error)) / ARCSECOND, 0.0)
+        figures["te_arcsec"] = _within(float(np.ptp(files.te.error)) / ARCSECOND, 0.0)
     if files.starting:
-        found["starting_torque_nm"] = _within(read_started(files.starting, CRANK_TORQUE), 0.0)
+        figures["starting_torque_nm"] = _within(read_started(files.starting, CRANK_TORQUE), 0.0)
     if files.running:
         torque = np.abs(read_columns(files.running, (CRANK_TORQUE,), "a run without a load")[CRANK_TORQUE])
-        found["running_torque_nm"] = _within(float(torque.mean()), 0.0)
+        figures["running_torque_nm"] = _within(float(torque.mean()), 0.0)
     if files.back_driving:
-        found["back_driving_torque_nm"] = _within(read_started(files.back_driving, OUTPUT_TORQUE), 0.0)
-    return found
+        figures["back_driving_torque_nm"] = _within(read_started(files.back_driving, OUTPUT_TORQUE), 0.0)
+    return figures
 
 
 def _within(value: float, error: float) -> LoopFigure:
     return LoopFigure(value, value - error, value + error)
 
 
-def _told(one: LoopFigure | None) -> str:
+def _in_words(one: LoopFigure | None) -> str:
     if one is None or math.isnan(one.value):
         return "-"
     return f"{one.value:.4g}" if one.low == one.high else f"{one.value:.4g} ({one.low:.4g} to {one.high:.4g})"

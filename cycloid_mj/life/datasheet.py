@@ -231,9 +231,9 @@ def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
 
 def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
     """Compute what the output's flange carries; the spread of its stiffness is that of the balls' load."""
-    found, torque = hub(reducer), f"beside {reducer.design.rated_torque:.4g} N m"
-    loose = found.tilting_stiffness(USUAL) * ARCMINUTE
-    bearings = f"2 x {found.bearing.designation}, {1e3 * found.spacing:.4g} mm apart"
+    seat, torque = hub(reducer), f"beside {reducer.design.rated_torque:.4g} N m"
+    loose = seat.tilting_stiffness(USUAL) * ARCMINUTE
+    bearings = f"2 x {seat.bearing.designation}, {1e3 * seat.spacing:.4g} mm apart"
     return (
         _figure(reducer, "output_tilting_capacity_nm", "Tilting moment", f"{torque}; {bearings}, ISO 281 and 76"),
         _figure(

@@ -133,8 +133,8 @@ def hub(reducer: Reducer) -> Hub:
 
 def _own(reducer: Reducer, inner: float, outer: float) -> tuple[float, float]:
     """Compute the largest forces on bearings at two places [m] by what the discs put on the output [N]."""
-    found = rated(reducer)
-    at_inner, at_outer = reactions(reducer, found.springs, found.contact_loads).output.held_at(inner, outer)
+    state = rated(reducer)
+    at_inner, at_outer = reactions(reducer, state.springs, state.contact_loads).output.held_at(inner, outer)
     return _largest(at_inner), _largest(at_outer)
 
 

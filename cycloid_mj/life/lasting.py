@@ -109,10 +109,10 @@ def checks_of(rating: Rating) -> tuple[Check, ...]:
 
 def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
     for kind, (about, why) in KINDS.items():
-        found = [item for item in items if _kind(item) == kind]
-        if not found:
+        of_kind = [item for item in items if _kind(item) == kind]
+        if not of_kind:
             continue
-        weakest = min(found, key=lambda item: item.margin(rating.life))
+        weakest = min(of_kind, key=lambda item: item.margin(rating.life))
         margin = weakest.margin(rating.life)
         by_life = weakest.safety is None
         yield Check(

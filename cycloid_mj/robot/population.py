@@ -109,7 +109,7 @@ class Population(Tabular):
         """Tabulate distributions and correlations."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
-            (key, unit, *(f"{one:.5g}" for one in (self.nominal[key], *self._told(key).values())))
+            (key, unit, *(f"{one:.5g}" for one in (self.nominal[key], *self._summary(key).values())))
             for key, unit in PARAMETERS.items()
         )
         header = ("parameter", "unit", "as drawn", "mean", "std", *(f"{one:g} %" for one in QUANTILES))
@@ -126,13 +126,14 @@ class Population(Tabular):
             "asked": self.asked,
             "seed": self.seed,
             "parameters": {
-                key: {"unit": unit, "nominal": self.nominal[key], **self._told(key)} for key, unit in PARAMETERS.items()
+                key: {"unit": unit, "nominal": self.nominal[key], **self._summary(key)}
+                for key, unit in PARAMETERS.items()
             },
             "correlation": {"parameters": list(PARAMETERS), "matrix": self.correlation.tolist()},
             "ranges": [{"input": one.name, "unit": one.unit, "low": one.low, "high": one.high} for one in self.ranges],
         }
 
-    def _told(self, key: str) -> dict[str, float]:
+    def _summary(self, key: str) -> dict[str, float]:
         values = self.values[key]
         quantiles = np.percentile(values, QUANTILES).tolist()
         return {
@@ -215,11 +216,11 @@ def parameters(reducer: Reducer) -> dict[str, float]:
     """Compute the parameters of one drive's joint, by the keys of `PARAMETERS`; errors as `statics.loads`."""
     rated = reducer.design.rated_torque
     loaded = working_at(reducer.but(load={"torque": rated}), rated)
-    found = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
+    values = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
     share = reducer.design.reduction / rated
     # of the crank's torque; friction without a load is a parameter of its own
-    lost = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * found[FRICTION]
-    return {key: 100.0 * lost if key == LOSS else found[key] for key in PARAMETERS}
+    lost = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * values[FRICTION]
+    return {key: 100.0 * lost if key == LOSS else values[key] for key in PARAMETERS}
 
 
 def _drive(
