@@ -106,6 +106,13 @@ ARTEFACTS: Mapping[str, Artefact] = {
         ("run massless", "look of the animation"),
         0.2,
     ),
+    "bench": Artefact(
+        ("tests/data/bench/fitted.json",),
+        {},
+        ((PYTHON, "scripts/docs_bench.py", "--fit"),),
+        ("printed drive's loops",),
+        1.0,
+    ),
     "report": Artefact(
         ("models/report.png",),
         {name: Step((*CLI, "simulate", "--design", name, *LOADED, "--out", "{out}", "--quiet")) for name in PRESETS},
@@ -264,6 +271,16 @@ def drive_of_the_tutorial() -> dict[str, Value]:
     return dict(new(20, 60.0, 10.0).drives[0].figures)
 
 
+def loops_of_the_printed_drive() -> dict[str, Value]:
+    """Collect by how much the printed drive as drawn, with a structure as soft as its bench's, misses its loops."""
+    import cycloid_mj as cm
+
+    design = cm.load("printed").but(springs={"housing": 400.0, "friction": 2.5, "hysteresis": 3.0})
+    names = ("play_loop", "stiffness_loop")
+    loops = [cm.read_loop(ROOT / "tests" / "data" / "bench" / f"{name}.csv") for name in names]
+    return dict(zip(names, cm.predict_loops(Reducer(design), loops).shares, strict=True))
+
+
 def files_of_the_app() -> dict[str, Value]:
     """Collect the digests of what the browser is sent."""
     assets = ROOT / "cycloid_mj" / "app" / "assets"
@@ -277,6 +294,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
     "look of the animation": look_of_the_animation,
     "numbers of the paper": numbers_of_the_paper,
     "drive of the tutorial": drive_of_the_tutorial,
+    "printed drive's loops": loops_of_the_printed_drive,
     "files of the app": files_of_the_app,
 }
 

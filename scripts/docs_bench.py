@@ -1,0 +1,171 @@
+"""Write the tables of docs/bench.md on the printed drive and its twin, from what is kept of their fits.
+
+python scripts/docs_bench.py           # from tests/data/bench/fitted.json
+python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts first: a minute of CPU
+
+`scripts/docs_figures.py` calls this.
+"""
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from cycloid_mj.base.result import Table
+
+ROOT = Path(__file__).parent.parent
+PAGE, BENCH = ROOT / "docs" / "bench.md", ROOT / "tests" / "data" / "bench"
+KEPT = BENCH / "fitted.json"
+MARK = "<!-- {word} of {name}: scripts/docs_bench.py writes what stands here -->"
+LOOPS = {"pin": ("play_loop", "stiffness_loop"), "nonpin": ("nonpin_play_loop", "nonpin_stiffness_loop")}
+AUTHORS = {"play_deg": ("1.24", "0.90"), "stiffness_nm_per_rad": ("310", "292"), "coulomb_nm": ("3.94", "4.26")}
+FIGURES = {
+    "play_deg": "play [deg]",
+    "width_deg": "width of the play loop at no torque [deg]",
+    "stiffness_nm_per_rad": "stiffness [N m/rad]",
+    "coulomb_nm": "Coulomb friction [N m]",
+}
+PARTS = {
+    "gear": "disc",
+    "ring": "ring and housing",
+    "output": "output pins and carrier",
+    "pin_1": "the ring's pins",
+    "shaft": "shaft, bending",
+    "bearing_seats": "seats of its bearings in the housing",
+}
+
+
+def fitted() -> dict[str, Any]:
+    """Fit both drives, predict the nonpin one from the pin one's values, and solve what each part gives."""
+    import cycloid_mj as cm
+    from cycloid_mj.reducer import Reducer
+    from cycloid_mj.stress.figures import wind_up_by_part
+
+    content: dict[str, Any] = {}
+    pin: Any = None
+    for kind, names in LOOPS.items():
+        drawn = cm.load("printed").but(ring={"kind": kind})
+        loops = [cm.read_loop(BENCH / f"{name}.csv") for name in names]
+        found = cm.calibrate(drawn, loops)
+        told = found.as_json()
+        pin = pin or found.design
+        play = pin.clearance.pin_gear
+        twin = drawn.but(clearance={"pin_gear": play, "tooth": play, "output": play}, springs=pin.springs.model_dump())
+        predicted = cm.predict_loops(Reducer(twin), loops)
+        own = cm.predict_loops(Reducer(found.design), loops)
+        content[kind] = {
+            **{key: told[key] for key in ("parameters", "measured", "model")},
+            "shares": [loop["residual_share"] for loop in told["loops"]],
+            "shares_without_offset": list(own.shares),
+            "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
+            "predicted_shares": list(predicted.shares),
+            "parts": wind_up_by_part(Reducer(drawn)),
+        }
+    return content
+
+
+def sections(content: Mapping[str, Any]) -> dict[str, str]:
+    """Collect the generated sections of the page by name."""
+    return {
+        "measured": measured(content),
+        "fit": fit_table(content),
+        "predicted": predicted_table(content),
+        "parts": parts_table(content),
+    }
+
+
+def measured(content: Mapping[str, Any]) -> str:
+    """Return what the authors state beside what the points show."""
+    head = ("", "the authors", "measured, by the definitions above", "nonpin twin, authors", "nonpin twin, measured")
+    both = [content[kind]["measured"] for kind in LOOPS]
+    rows = [
+        (FIGURES[key], stated[0], _interval(both[0][key]), stated[1], _interval(both[1][key]))
+        for key, stated in AUTHORS.items()
+    ]
+    return _table(head, rows)
+
+
+def fit_table(content: Mapping[str, Any]) -> str:
+    """Return the fitted values of both drives, and how far each fit misses its loops."""
+    pin, nonpin = (content[kind] for kind in LOOPS)
+    rows: list[tuple[str, ...]] = [
+        (f"`{key}` [{one['unit']}]", _estimate(one), _estimate(nonpin["parameters"][key]))
+        for key, one in pin["parameters"].items()
+    ]
+    for name, key in (("", "shares"), (", with no offset of torque", "shares_without_offset")):
+        for place, loop in enumerate(("play loop", "stiffness loop")):
+            rows.append(
+                (f"rms of the {loop}, of its height{name}", *(f"{one[key][place]:.1%}" for one in (pin, nonpin)))
+            )
+    return _table(("", "pin, 95 %", "nonpin, 95 %"), rows)
+
+
+def predicted_table(content: Mapping[str, Any]) -> str:
+    """Return the nonpin drive as the pin drive's values predict it, beside what is measured."""
+    pin, nonpin = (content[kind] for kind in LOOPS)
+    rows = [
+        (
+            label,
+            _interval(pin["measured"][key]),
+            _number(pin["model"][key]["value"]),
+            _number(nonpin["predicted"][key]),
+            _interval(nonpin["measured"][key]),
+        )
+        for key, label in FIGURES.items()
+    ]
+    for place, loop in enumerate(("play loop", "stiffness loop")):
+        own, other = pin["predicted_shares"][place], nonpin["predicted_shares"][place]
+        rows.append((f"rms of the {loop}, of its height", "", f"{own:.1%}", f"{other:.1%}", ""))
+    return _table(("", "pin, measured", "pin, fitted", "nonpin, predicted", "nonpin, measured"), rows)
+
+
+def parts_table(content: Mapping[str, Any]) -> str:
+    """Return what each part gives by finite elements, and the stiffness that they make together."""
+    both = [content[kind]["parts"] for kind in LOOPS]
+    rows = [(label, *(_number(1e3 * one[key]) if key in one else "" for one in both)) for key, label in PARTS.items()]
+    rows.append(("together", *(_number(1e3 * sum(one.values())) for one in both)))
+    rows.append(("stiffness, predicted [N m/rad]", *(_number(1.0 / sum(one.values())) for one in both)))
+    slopes = [_interval(content[kind]["measured"]["stiffness_nm_per_rad"]) for kind in LOOPS]
+    return _table(("turn of the output per torque [mrad/(N m)]", "pin", "nonpin"), [*rows, ("measured", *slopes)])
+
+
+def written(page: str, texts: Mapping[str, str]) -> str:
+    """Return a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
+    for name, text in texts.items():
+        begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
+        if begin not in page or end not in page:
+            raise ValueError(f"the page lacks {begin} or {end}")
+        before, after = page.split(begin)[0], page.split(end)[1]
+        page = f"{before}{begin}\n\n{text}\n\n{end}{after}"
+    return page
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def _interval(one: Mapping[str, Any]) -> str:
+    low, high = one["ci95"]
+    return f"{_number(one['value'])} ({_number(low)} to {_number(high)})"
+
+
+def _estimate(one: Mapping[str, Any]) -> str:
+    return _interval(one) + ("" if one["identified"] else ": not identified")
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the page; give the exit code."""
+    if "--fit" in arguments:
+        KEPT.write_text(json.dumps(fitted(), indent=1) + "\n", encoding="utf-8")
+    content = json.loads(KEPT.read_text(encoding="utf-8"))
+    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), sections(content)), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
