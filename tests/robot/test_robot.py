@@ -153,9 +153,10 @@ def test_a_dynamic_loop_and_run_find_the_same() -> None:
     wound = 2.0 * reduced.wind_up(0.03 * reduced.rated_torque) + reduced.backlash
     assert loop["lost_motion"] == pytest.approx(wound / ARCMINUTE, rel=0.015)  # two of the angles that the mean is over
     assert loop["stiffness_ideal"] == pytest.approx(reduced.quantities["stiffness_nm_per_arcmin"].value, rel=0.02)
-    run = forward(Reducer(design.but(settings={"log_rate": 20000.0})), design.rated_torque, design.drive.speed, 4)
+    logged = Reducer(design.but(settings={"log_rate": 20000.0}))
+    run = forward(logged, design.rated_torque, design.drive.speed, 4, "mujoco")
     assert 100.0 * run.powers.efficiency == pytest.approx(reduced.quantities["efficiency"].value, abs=0.3)
-    back = backward(Reducer(design.but(settings={"log_rate": 20000.0})), design.drive.torque, 4)
+    back = backward(logged, design.drive.torque, 4, "mujoco")
     assert 100.0 * back.powers.efficiency == pytest.approx(reduced.quantities["back_driving_efficiency"].value, abs=0.3)
 
 
