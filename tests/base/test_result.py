@@ -26,7 +26,7 @@ def test_a_condition_is_told_by_what_the_test_gives(condition: Condition, words:
 
 
 def test_a_claim_reaches_a_program_with_both_numbers_and_the_word_of_its_verdict() -> None:
-    found = Value("5 um", 5.0, "um", (4.0, 6.0))
+    ours = Value("5 um", 5.0, "um", (4.0, 6.0))
     claim = Claim(
         key="sway",
         figure="Fig. 9",
@@ -36,7 +36,7 @@ def test_a_claim_reaches_a_program_with_both_numbers_and_the_word_of_its_verdict
         claim="pin 1 sways",
         kind="height",
         stated=Value("1 um", 1.0, "um"),
-        found=found,
+        ours=ours,
         error=Value("half the step", 0.1, "um"),
         verdict=Verdict.NOT_DETERMINED,
         decided_by="the starts",
