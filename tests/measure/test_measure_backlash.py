@@ -89,6 +89,12 @@ def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind:
     assert found != pytest.approx(wrong, rel=within)
 
 
+def test_backlash_does_not_depend_on_how_long_a_free_pin_is_pressed():
+    design = alone(Reducer(DESIGNS["free"]), "pin_gear")
+    pressed = [press(design, CRANK, longer=longer).backlash for longer in (1.0, 1.1)]
+    assert pressed[0] == pytest.approx(pressed[1], rel=1e-3)
+
+
 @pytest.mark.parametrize("name", cases(["free", "nonpin"], "nonpin"))
 def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str):
     design = bench.ideal(Reducer(DESIGNS[name]))
