@@ -11,6 +11,7 @@ radius of the output pins), and x, y of every free pin or sleeve.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import minimize, root
@@ -31,6 +32,9 @@ _SCALE = 1e-6
 """Unit of length of the search [m]: poses depart from the ideal one by micrometres."""
 _DESCENTS = 100
 """Most steps down the energy; the balance is solved from there."""
+Method = Literal["trust-exact", "trust-ncg"]
+_METHODS: tuple[Method, ...] = ("trust-exact", "trust-ncg")
+"""Ways down the energy: where nothing holds a pin the matrix is singular, and what factors it may stop on the way."""
 _IMBALANCE = 1e-4
 """Largest residual of the balance, as a share of the load."""
 
@@ -156,10 +160,11 @@ def solve(
         z, residual = _balanced(locked, start.departures)
         if residual < allowed:
             return _solution(locked, z)
-    z, residual = _balanced(locked, _least_energy(locked))
-    if not residual < allowed:
-        raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
-    return _solution(locked, z)
+    for method in _METHODS:
+        z, residual = _balanced(locked, _least_energy(locked, method))
+        if residual < allowed:
+            return _solution(locked, z)
+    raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
 
 
 def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
@@ -172,8 +177,8 @@ def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
     return _SCALE * np.asarray(solution.x), float(np.abs(solution.fun).max())
 
 
-def _least_energy(locked: Locked) -> Array:
-    """Compute the pose [m] of least energy at uniform stiffness."""
+def _least_energy(locked: Locked, method: Method) -> Array:
+    """Compute the pose [m] of least energy at uniform stiffness, as far as a method finds it."""
 
     def slope(x: Array) -> Array:
         return -_imbalance(locked, _SCALE * x, uniform=True)
@@ -186,7 +191,7 @@ def _least_energy(locked: Locked) -> Array:
 
     start = np.zeros(locked.load.size)
     minimum = minimize(
-        energy, start, jac=slope, hess=hessian, method="trust-exact", options={"gtol": 1e-2, "maxiter": _DESCENTS}
+        energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": _DESCENTS}
     )
     return _SCALE * np.asarray(minimum.x)
 
