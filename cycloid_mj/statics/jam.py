@@ -1,7 +1,6 @@
 """Whether friction jams a reducer, told apart from the search for its balance."""
 
 import numpy as np
-from scipy.optimize import root
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.statics.kernel import KernelSprings
@@ -24,6 +23,8 @@ def friction_borne(springs: KernelSprings, k: int, load: Array) -> float:
     is homogeneous in departures and load, so that friction alone decides whether it has a solution, whatever the load.
     It is solved by Levenberg and Marquardt's method while friction is brought on in steps, up to `BORNE`.
     """
+    from scipy.optimize import root
+
     slopes, rubbing, scale = springs.slope[k], springs.rubbing[k], float(np.abs(load).max())
     unit = scale / springs.cam_stiffness
 
