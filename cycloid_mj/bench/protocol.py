@@ -25,7 +25,6 @@ from cycloid_mj.measure import hysteresis
 from cycloid_mj.measure.back_driving import TURNED
 from cycloid_mj.measure.bench import crank_angles
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
 from cycloid_mj.statics.working import working_at
 
@@ -40,12 +39,6 @@ POINTS = 401
 
 UNLOADED = 0.01
 """Share of the rated torque under which the model's transmission error is told: without any, parts float."""
-
-AT_REST = 1e-3
-"""Share of the design's speed at which the crank is about to start: what grows with the speed is gone."""
-
-DRIVEN = 0.05
-"""Share of the rated torque on the output by which it is told how friction grows with what drives."""
 
 CRANK, CRANK_TORQUE, OUTPUT_TORQUE = "crank_deg", "torque_crank_Nm", "torque_output_Nm"
 """Columns of a bench's files of friction."""
@@ -328,27 +321,16 @@ def _over(figures: Sequence[LoopFigure]) -> LoopFigure:
 
 
 def _of_model(reducer: Reducer, rated: float) -> dict[str, LoopFigure]:
-    """Compute the model's lines that no loop shows."""
-    no_load = figure("no_load_torque_nm")
-    resting = reducer.but(drive={"speed": AT_REST * reducer.design.drive.speed})
-    starting = no_load.value(resting)
+    """Compute the model's lines that no loop shows: those of the catalogue by its functions."""
+    of_catalogue = {
+        "starting_torque_nm": "starting_torque_nm",
+        "running_torque_nm": "no_load_torque_nm",
+        "back_driving_torque_nm": "back_driving_torque_free_nm",
+    }
     return {
         "te_arcsec": _within(float(np.ptp(model_error(reducer, UNLOADED * rated))) / ARCSECOND, 0.0),
-        "starting_torque_nm": _within(starting, 0.0),
-        "running_torque_nm": _within(no_load.value(reducer), 0.0),
-        "back_driving_torque_nm": _within(_back_driving(resting, starting, rated), 0.0),
+        **{line: _within(figure(key).value(reducer), 0.0) for line, key in of_catalogue.items()},
     }
-
-
-def _back_driving(resting: Reducer, starting: float, rated: float) -> float:
-    """Compute the torque on the output [N m] that overcomes friction on a free crank; no number of one that locks.
-
-    Friction on the crank is the `starting` torque, and grows with the load T: T/i = starting + s T.
-    """
-    torque = DRIVEN * rated
-    lost = powers(resting, -torque).lost / abs(resting.design.drive.speed)
-    left = 1.0 / resting.design.reduction - (lost - starting) / torque
-    return starting / left if left > 0.0 else math.nan
 
 
 def _of_files(files: BenchFiles) -> dict[str, LoopFigure]:
