@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.runtime import rtsys
 
 _log = logging.getLogger(__name__)
 _DIGEST_SIZE = 32
@@ -46,8 +47,11 @@ class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Load the code for a signature, or None where there is none of use."""
+        # numba's own would first load all that it compiles with, a third of a second; what compiles, does so itself
+        rtsys.initialize(target)
         try:
-            return super().load_overload(signature, target)
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(signature, target)
         except Exception:  # whatever is wrong with what was kept, it can be compiled anew
             _say_damaged(self._cache_path)
             return None

@@ -221,12 +221,21 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
     return scale, 4 * E * c * N / scale**2
 
 
+def complete_elliptic(m: float) -> float:
+    """Compute the complete elliptic integral of the second kind of the parameter m, by arithmetic-geometric means."""
+    mean, other = 1.0, math.sqrt(1.0 - m)
+    weight, lost = 0.5, m / 2.0
+    while (half := (mean - other) / 2.0) > 1e-9 * mean:
+        mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
+        weight *= 2.0
+        lost += weight * half**2
+    return math.pi / (mean + other) * (1.0 - lost)
+
+
 def length(gear: CycloidGear, offset: float | None = None) -> float:
     """Length of the closed outline [m]: 4 (E + c N) Ell(m) - 2 pi offset."""
-    from scipy.special import ellipe
-
     scale, m = trochoid_ellipse(gear)
-    return 4 * scale * float(ellipe(m)) - 2 * math.pi * _offset(gear, offset)
+    return 4 * scale * complete_elliptic(m) - 2 * math.pi * _offset(gear, offset)
 
 
 def area(gear: CycloidGear, offset: float | None = None) -> float:

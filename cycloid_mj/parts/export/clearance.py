@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
@@ -34,6 +33,8 @@ class OutlineClearance:
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     """Find how far points (n, 2) [m] lie inside a gear's trochoid [m], by Newton's method from the nearest sample."""
+    from scipy.spatial import cKDTree
+
     grid = 2.0 * np.pi * np.arange(_STARTS_PER_LOBE * gear.lobes) / (_STARTS_PER_LOBE * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
@@ -126,6 +127,8 @@ def _range(values: Array) -> tuple[float, float]:
 
 def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
     """Distances from the nearest pin's centre [m] of the points that lie in a socket, not on the wall between."""
+    from scipy.spatial import cKDTree
+
     ring = reducer.design.ring
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     distance, _ = cKDTree(centres).query(ring_loop)

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 SPLINE_ERROR = 1e-8
 """How far a spline may leave its flank [m]: a hundredth of a clearance of 1 um."""
@@ -67,6 +69,8 @@ class Spline:
 
     def points(self, count: int) -> Array:
         """Compute `count` points along it, both ends included, (count, 2) [m]."""
+        from scipy.interpolate import BSpline
+
         parameter = np.linspace(self.knots[0], self.knots[-1], count)
         return np.asarray(BSpline(self.knots, self.controls, 3)(parameter), dtype=np.float64)
 
@@ -107,12 +111,14 @@ def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
     return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
 
 
-def _interpolated(flank: SmoothCurve, nodes: Array) -> BSpline:
+def _interpolated(flank: SmoothCurve, nodes: Array) -> "BSpline":
+    from scipy.interpolate import make_interp_spline
+
     ends: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
     return make_interp_spline(flank.arc_length(nodes), flank.points(nodes), k=3, bc_type=ends)
 
 
-def _deviation(flank: SmoothCurve, spline: BSpline, nodes: Array) -> float:
+def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
     """Compute how far a spline leaves its flank across the tangent [m]."""
     t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
     away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)

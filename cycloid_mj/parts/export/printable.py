@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
@@ -77,6 +76,8 @@ def doubts(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing
 
 def thinnest_wall(prism: Prism) -> float:
     """Measure the least distance between outline and holes of a prism, on their points [m]; inf without holes."""
+    from scipy.spatial import cKDTree
+
     pairs = combinations((prism.outline, *prism.holes), 2)
     return min((float(np.min(cKDTree(one).query(other)[0])) for one, other in pairs), default=np.inf)
 
