@@ -4,7 +4,6 @@ Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A
 around it stands for it, larger than the circle by 1 - cos(pi/sides).
 """
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,10 +16,6 @@ from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
 
 _SCALE = 1e-6
 """Unit of length of the programmes [m]."""
-
-_FAR, _EXACT, _ROUNDS = 1e6, 1e-9, 20
-"""Of the simplex method: half the box that z starts in, by how much a limit may be broken, both in units of `_SCALE`,
-and rounds for each unknown after which ties are broken by number."""
 
 CAM_SIDES = 720
 """Sides of the polygon around a cam's play: it is larger than the circle by 1e-5 of the play."""
@@ -107,46 +102,20 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
         The errors leave no place for the gear: it jams.
     """
     design = reducer.design
+    from scipy.optimize import linprog
+
     seen = float(member.against_ring(design, crank))
     slope, room = _limits(reducer, seen, gaps(reducer, seen), sides)
     turns = []
     for least in (1.0, -1.0):
         goal = np.zeros(unknowns(reducer))
         goal[-1] = least
-        end = lowest(goal, slope, room / _SCALE)
-        if end is None:
+        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
+        if ends.x is None:
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
-        turns.append(float(end[-1]) * _SCALE / design.output.pin_circle_radius)
+        turns.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
     low, high = sorted(member.sense(design) * reducer.share * turn for turn in turns)
     return low, high
-
-
-def lowest(goal: Array, slope: Array, room: Array) -> Array | None:
-    """Find the z (u,) of the least goal . z where slope . z + room >= 0, (m, u) and (m,); None where there is none.
-
-    By the dual simplex method, from a corner of a box that is far too large: the limit that z breaks most takes the
-    place of that one, of those that hold z, whose force would turn first. Of few unknowns under many limits this takes
-    a tenth of the time of SciPy's solver, which is made for large programmes.
-    """
-    count, number = len(goal), len(room)
-    slope = np.concatenate([slope, np.eye(count), -np.eye(count)])
-    room = np.concatenate([room, np.full(2 * count, _FAR)])
-    holding = number + np.arange(count) + np.where(goal < 0.0, count, 0)
-    for turn in itertools.count():
-        inverse = np.linalg.inv(slope[holding])
-        z = -inverse @ room[holding]
-        gap = slope @ z + room
-        # where ties would lead round in a circle, the first limit that is broken never does (Bland's rule)
-        broken = int(gap.argmin() if turn < _ROUNDS * count else (gap < -_EXACT).argmax())
-        if gap[broken] >= -_EXACT:
-            return np.asarray(z)
-        share, force = slope[broken] @ inverse, goal @ inverse
-        if not (share > _EXACT).any():
-            break
-        ratio = np.divide(force, share, out=np.full(count, np.inf), where=share > _EXACT)
-        first = np.flatnonzero(ratio == ratio.min())
-        holding[first[holding[first].argmin()]] = broken
-    return None
 
 
 def _limits(reducer: Reducer, crank: float, mesh_gaps: Gaps, sides: int) -> tuple[Array, Array]:
