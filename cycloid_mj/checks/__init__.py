@@ -8,14 +8,14 @@ and those of `margin` and `strength`. An error is what cannot be made, put toget
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
-from cycloid_mj.checks.body import balance, bearings, body_checks
-from cycloid_mj.checks.limit import Check, Limit
-from cycloid_mj.checks.margin import margin_checks
-from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
+from cycloid_mj.checks.body import balance, bearings, body_rules
+from cycloid_mj.checks.limit import Check, Limit, judged
+from cycloid_mj.checks.margin import margin_rules
+from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_rules
 from cycloid_mj.checks.several import disc_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
-from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_checks
+from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
@@ -53,7 +53,7 @@ def check(design: Design) -> tuple[Check, ...]:
     return (
         *sound,
         *disc_checks(reducer),
-        *margin_checks(reducer),
+        *judged(reducer, margin_rules(reducer)),
         *tolerance_checks(reducer),
         *strength_checks(reducer),
     )
@@ -65,11 +65,11 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
     design = reducer.design
-    shape = (*tooth_checks(reducer), *body_checks(reducer))
+    shape = (*judged(reducer, tooth_rules(reducer)), *judged(reducer, body_rules(reducer)))
     stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
     whole = all(item.passed or item.severity == "warning" for item in shape) and stands_out
     of_whole = _of_whole(reducer) if whole else ()
-    return (*shape, *of_whole, *mechanical_checks(reducer, whole))
+    return (*shape, *of_whole, *judged(reducer, mechanical_rules(reducer, whole)))
 
 
 def _of_whole(reducer: Reducer) -> tuple[Check, ...]:
@@ -78,9 +78,11 @@ def _of_whole(reducer: Reducer) -> tuple[Check, ...]:
     Several discs balance each other, and need none.
     """
     if reducer.design.gear.discs > 1:
-        return bearings(reducer), *assembly_checks(reducer)
-    balanced = balance(reducer)
-    return (balanced, *((bearings(reducer),) if balanced.passed else ()), *assembly_checks(reducer))
+        rules = [bearings(reducer)]
+    else:
+        balanced = balance(reducer)
+        rules = [balanced, bearings(reducer)] if balanced.limit.holds(reducer) else [balanced]
+    return (*judged(reducer, rules), *assembly_checks(reducer))
 
 
 def require_sound(reducer: Reducer) -> None:

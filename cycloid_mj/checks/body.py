@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
+from cycloid_mj.checks.limit import Check, Limit, Rule, millimetres, wall_rule
 from cycloid_mj.checks.teeth import WALL_SHARE, pitches
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.geometry import profile
@@ -13,8 +13,8 @@ HOLE_TOLERANCE = 1e-9
 """Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
 
 
-def body_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check bore and holes of the gear."""
+def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
+    """State the rules of bore and holes of the gear."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
@@ -41,15 +41,15 @@ def body_checks(reducer: Reducer) -> Iterator[Check]:
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
         )
 
-    yield wall_verdict(reducer, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_text}")
-    yield wall_verdict(reducer, "holes_to_bore", bore_to_holes, WALL_SHARE, "between the bore and the output holes")
-    yield wall_verdict(reducer, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_text}")
+    yield wall_rule("bore", beside_bore, WALL_SHARE, E, f"between the bore and {root_text}")
+    yield wall_rule("holes_to_bore", bore_to_holes, WALL_SHARE, E, "between the bore and the output holes")
+    yield wall_rule("holes_to_root", holes_to_root, WALL_SHARE, E, f"between the output holes and {root_text}")
     yield _neighbouring_holes(reducer)
     yield _hole_size(reducer)
 
 
-def balance(reducer: Reducer) -> Check:
-    """Check that a half disc, at most as thick as the shaft is long, balances gear and cam.
+def balance(reducer: Reducer) -> Rule:
+    """State that a half disc, at most as thick as the shaft is long, balances gear and cam.
 
     Needs a sound gear and a counterweight that stands out from the shaft.
 
@@ -58,17 +58,16 @@ def balance(reducer: Reducer) -> Check:
     """
     shaft = reducer.design.shaft
     moment, moment_per_length = _static_moments(reducer)
-    return verdict(
-        reducer,
+    return Rule(
         "balance",
         Limit("shaft.counterweight_radius", "more than", math.cbrt(shaft.radius**3 + 1.5 * moment / shaft.length)),
         "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
-        Limit("shaft.length", "more than", moment / moment_per_length),
+        (Limit("shaft.length", "more than", moment / moment_per_length),),
     )
 
 
-def bearings(reducer: Reducer) -> Check:
-    """Check that the bearings of the shaft find room on its journal, before the counterweight that balances it.
+def bearings(reducer: Reducer) -> Rule:
+    """State that the bearings of the shaft find room on its journal, before the counterweight that balances it.
 
     Bearings whose width or spacing follows a rule take the room that there is.
     """
@@ -76,8 +75,7 @@ def bearings(reducer: Reducer) -> Check:
     shaft = design.shaft
     moment, moment_per_length = _static_moments(reducer) if design.gear.discs == 1 else (0.0, 1.0)
     beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
-    return verdict(
-        reducer,
+    return Rule(
         "bearings",
         Limit(
             "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
@@ -103,8 +101,8 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
-def _neighbouring_holes(reducer: Reducer) -> Check:
-    """Check the wall between holes; their radius follows from pin and eccentricity, so the others are remedies."""
+def _neighbouring_holes(reducer: Reducer) -> Rule:
+    """State the wall between holes as a rule; their radius follows from pin and eccentricity: others are remedies."""
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
@@ -117,9 +115,7 @@ def _neighbouring_holes(reducer: Reducer) -> Check:
             Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
         )
 
-    return wall_verdict(
-        reducer, "neighbouring_holes", limits, WALL_SHARE, "between neighbouring output holes", tied=True
-    )
+    return wall_rule("neighbouring_holes", limits, WALL_SHARE, E, "between neighbouring output holes", tied=True)
 
 
 def _hole_size(reducer: Reducer) -> Check:

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -120,61 +120,70 @@ class Limit:
         return type(getattr(reducer.design, table)).model_fields[name]
 
 
-def verdict(
-    reducer: Reducer,
-    name: str,
-    limit: Limit,
-    why: str,
-    *instead: Limit,
-    severity: Severity = "error",
-    tied: bool = False,
-) -> Check:
-    """Check one limit of a design.
+@dataclass(frozen=True)
+class Rule:
+    """A limit that a design is to keep; `judged` makes a check of it.
 
-    Parameters
+    Attributes
     ----------
-    reducer, name, limit, why, severity
+    name, limit, why, severity
         As in ``Check``.
     instead
         Limits on other keys that would do as well: further remedies.
     tied
         Whether the checked value is tied to others, so that changing it alone is no remedy.
+    first
+        A graver rule on the same value: where it fails, it is told instead, with this one's remedy.
     """
-    passed = limit.holds(reducer)
-    got, allowed = limit.formatted(reducer)
-    helpful = [] if passed else [*([] if tied else [limit]), *instead]
-    remedy = "" if passed else _remedy(reducer, helpful)
-    value, bound, unit = limit.numbers(reducer)
-    key, changes = limit.file_key(reducer), single_changes(reducer, helpful)
-    return Check(name, passed, got, allowed, why, remedy, severity, key, value, bound, unit, changes)
+
+    name: str
+    limit: Limit
+    why: str
+    instead: tuple[Limit, ...] = ()
+    severity: Severity = "error"
+    tied: bool = False
+    first: "Rule | None" = None
 
 
-def wall_verdict(
-    reducer: Reducer,
-    name: str,
-    limits: Callable[[float], tuple[Limit, ...]],
-    assumed: float,
-    where: str,
-    tied: bool = False,
-) -> Check:
-    """Check a wall: thinner than is assumed is a warning, cut-outs that run into each other are an error.
+def wall_rule(
+    name: str, limits: Callable[[float], tuple[Limit, ...]], share: float, radius: float, where: str, tied: bool = False
+) -> Rule:
+    """State the rule of a wall: thinner than is assumed is a warning, cut-outs that run into each other are an error.
 
     Parameters
     ----------
-    reducer, name, tied
-        As in `verdict`.
+    name, tied
+        As in `Rule`.
     limits
         Gives the limits that leave a wall of a share of E, that of the checked value first.
-    assumed
-        Least share.
+    share, radius
+        Least share, assumed, and E [m].
     where
         Between what the wall is.
     """
-    E = reducer.design.ring.pin_circle_radius
-    needed = f"{where} a wall of at least {millimetres(assumed * E)} is wanted ({assumed:.0%} of E, assumed)"
-    check = verdict(reducer, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
-    there = verdict(reducer, name, limits(0.0)[0], f"{where} no wall is left")
-    return check if there.passed else replace(there, remedy=check.remedy, changes=check.changes)
+    limit, *instead = limits(share)
+    why = f"{where} a wall of at least {millimetres(share * radius)} is wanted ({share:.0%} of E, assumed)"
+    none_left = Rule(name, limits(0.0)[0], f"{where} no wall is left")
+    return Rule(name, limit, why, tuple(instead), severity="warning", tied=tied, first=none_left)
+
+
+def judged(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]:
+    """Judge a design by rules, in their order; what is a check already is handed through."""
+    return (rule if isinstance(rule, Check) else _judged(reducer, rule) for rule in rules)
+
+
+def _judged(reducer: Reducer, rule: Rule) -> Check:
+    limit = rule.limit
+    passed = limit.holds(reducer)
+    got, allowed = limit.formatted(reducer)
+    helpful = [] if passed else [*([] if rule.tied else [limit]), *rule.instead]
+    remedy = "" if passed else _remedy(reducer, helpful)
+    value, bound, unit = limit.numbers(reducer)
+    key, changes = limit.file_key(reducer), single_changes(reducer, helpful)
+    check = Check(rule.name, passed, got, allowed, rule.why, remedy, rule.severity, key, value, bound, unit, changes)
+    if rule.first is None or rule.first.limit.holds(reducer):
+        return check
+    return replace(_judged(reducer, rule.first), remedy=remedy, changes=changes)
 
 
 def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[tuple[str, float], ...]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
+from cycloid_mj.checks.limit import Limit, Rule, millimetres
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.reducer import Reducer
 
@@ -17,8 +17,8 @@ REACH = 10.0
 """Assumed: a cutter of radius r reaches 10 r deep, five of its diameters."""
 
 
-def margin_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check the margins of sound teeth; all are warnings."""
+def margin_rules(reducer: Reducer) -> Iterator[Rule]:
+    """State the margins of sound teeth; all are warnings."""
     yield _short_width(reducer)
     yield _undercut_margin(reducer)
     yield _gear_tool(reducer)
@@ -26,15 +26,14 @@ def margin_checks(reducer: Reducer) -> Iterator[Check]:
         yield _ring_tool(reducer)
 
 
-def _short_width(reducer: Reducer) -> Check:
-    """Check the short-width coefficient K1 = c N / E, the eccentricity as a share of what makes loops."""
+def _short_width(reducer: Reducer) -> Rule:
+    """State the rule of the short-width coefficient K1 = c N / E, the eccentricity as a share of what makes loops."""
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
     low, high = K1_ENDS
     above = Limit("gear.eccentricity", "at least", low * E / N)
     limit = Limit(above.key, "at most", high * E / N) if above.holds(reducer) else above
-    return verdict(
-        reducer,
+    return Rule(
         "short_width",
         limit,
         f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, is to lie from {low:g} to {high:g} (assumed):"
@@ -43,11 +42,10 @@ def _short_width(reducer: Reducer) -> Check:
     )
 
 
-def _undercut_margin(reducer: Reducer) -> Check:
+def _undercut_margin(reducer: Reducer) -> Rule:
     bend, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius
-    return verdict(
-        reducer,
+    return Rule(
         "undercut_margin",
         Limit("ring.pin_radius", "at most", radius - offset + UNDERCUT_SHARE * bend),
         f"the sharpest convex bend left on the lobes has a radius of {millimetres(bend - offset)}; it is to keep"
@@ -56,19 +54,18 @@ def _undercut_margin(reducer: Reducer) -> Check:
     )
 
 
-def _gear_tool(reducer: Reducer) -> Check:
-    """Check the radius of the gear's valley: a cutter must be smaller, and reach through the face width."""
+def _gear_tool(reducer: Reducer) -> Rule:
+    """State the rule of the gear's valley: a cutter must be smaller, and reach through the face width."""
     radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
     return _tool(reducer, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the gear")
 
 
-def _ring_tool(reducer: Reducer) -> Check:
+def _ring_tool(reducer: Reducer) -> Rule:
     return _tool(reducer, "ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Check:
-    return verdict(
-        reducer,
+def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Rule:
+    return Rule(
         name,
         Limit("gear.face_width", "at most", REACH * radius),
         f"the {where} have a radius of {millimetres(radius)}, the largest of a cutter, and one reaches"

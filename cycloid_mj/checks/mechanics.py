@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, millimetres, value_and_limit, verdict
+from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, Rule, millimetres, value_and_limit
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
@@ -26,116 +26,107 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 """Assumed [SI]: from polymers to tungsten carbide. Beyond, it is mostly a slip of units."""
 
 
-def mechanical_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
-    """Check what is not the shape of gear and ring; what stands on that only where it is `whole`."""
+def mechanical_rules(reducer: Reducer, whole: bool) -> Iterator[Rule | Check]:
+    """State the rules of what is not the shape of gear and ring; what stands on that only where it is `whole`."""
     design = reducer.design
-    yield verdict(
-        reducer,
+    yield Rule(
         "output_pins",
         Limit("output.pins", "at least", 3),
         "two output pins carry no torque when they stand in line with the eccentricity",
     )
-    yield from _output_root_checks(reducer)
-    yield from _shaft_checks(reducer)
+    yield from _output_root_rules(reducer)
+    yield from _shaft_rules(reducer)
     if design.housing.support == "bolts" and design.ring_root_radius < design.housing.outer_radius:
-        yield from _bolt_checks(reducer)
+        yield from _bolt_rules(reducer)
     yield from _play_checks(reducer, whole)
     tables = ("material", *(f"{part}_material" for part in PARTS))
     for table in tables:
         if material := getattr(design, table):
-            yield from _material_checks(reducer, table, material)
-    yield from _drive_checks(reducer)
+            yield from _material_rules(reducer, table, material)
+    yield from _drive_rules(reducer)
 
 
-def _material_checks(reducer: Reducer, table: str, material: Material) -> Iterator[Check]:
-    """Check one table of material; the names of a part's own begin with the part's."""
+def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterator[Rule]:
+    """State the rules of one table of material; the names of a part's own begin with the part's."""
     part = table.removesuffix("material")
-    yield verdict(
-        reducer,
+    yield Rule(
         f"{part}yield_strength",
         Limit(f"{table}.yield_strength", "at most", material.tensile_strength),
         "no material yields above its tensile strength",
-        Limit(f"{table}.tensile_strength", "at least", material.yield_strength),
+        (Limit(f"{table}.tensile_strength", "at least", material.yield_strength),),
     )
     for name, (low, high) in PLAUSIBLE.items():
         at_least = Limit(f"{table}.{name}", "at least", low)
         limit = Limit(at_least.key, "at most", high) if at_least.holds(reducer) else at_least
         why = "no material between polymers and tungsten carbide lies beyond (a slip of units?)"
-        yield verdict(reducer, f"{part}{name}", limit, why, severity="warning")
+        yield Rule(f"{part}{name}", limit, why, severity="warning")
 
 
-def _output_root_checks(reducer: Reducer) -> Iterator[Check]:
+def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
     output = reducer.design.output
     if output.rollers:
-        yield verdict(
-            reducer,
+        yield Rule(
             "output_core",
             Limit("output.core_radius", "less than", output.pin_radius),
             "the core pin carries the roller round it",
-            Limit("output.pin_radius", "more than", output.core_radius),
+            (Limit("output.pin_radius", "more than", output.core_radius),),
         )
-    yield verdict(
-        reducer,
+    yield Rule(
         "output_fillet",
         Limit("output.fillet_radius", "less than", output.root_radius),
         "a fillet is to be smaller than the radius of the pin it rounds off",
     )
 
 
-def _bolt_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check that the bolts' clamped circles lie within the wall behind the teeth, and apart from each other."""
+def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
+    """State that the bolts' clamped circles lie within the wall behind the teeth, and apart from each other."""
     design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
     limit = Limit(above.key, "less than", outer) if circle > root else above
     why = f"the bolts stand in the wall between the teeth (out to {millimetres(root)}) and the rim"
-    yield verdict(reducer, "bolt_circle", limit, why)
+    yield Rule("bolt_circle", limit, why)
     room = min(outer - circle, circle - max(root, 0.0))
     if not room > 0.0:
         return
-    yield verdict(reducer, "bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
+    yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
     if design.bolt_radius < room:
-        yield verdict(
-            reducer,
+        yield Rule(
             "bolts",
             Limit("housing.bolts", "less than", pitches(design.bolt_radius / circle)),
             "neighbouring bolts would clamp the same place",
-            Limit("housing.bolt_radius", "less than", circle * math.sin(math.pi / design.housing.bolts)),
+            (Limit("housing.bolt_radius", "less than", circle * math.sin(math.pi / design.housing.bolts)),),
         )
 
 
-def _shaft_checks(reducer: Reducer) -> Iterator[Check]:
+def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
-    yield verdict(
-        reducer,
+    yield Rule(
         "shaft",
         Limit("shaft.radius", "less than", design.gear.bore_radius - c),
         "the cam must enclose the shaft, or the gear cannot be slid on",
-        Limit("gear.bore_radius", "more than", shaft.radius + c),
+        (Limit("gear.bore_radius", "more than", shaft.radius + c),),
     )
-    yield verdict(
-        reducer,
+    yield Rule(
         "shaft_fillet",
         Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),
         "the cam's shoulder, which is lowest opposite the eccentricity, leaves no more room for a fillet",
-        Limit("gear.bore_radius", "more than", shaft.radius + c + shaft.fillet_radius),
+        (Limit("gear.bore_radius", "more than", shaft.radius + c + shaft.fillet_radius),),
     )
     if design.gear.discs > 1:  # they balance each other
         return
-    yield verdict(
-        reducer,
+    yield Rule(
         "counterweight",
         Limit("shaft.counterweight_radius", "more than", shaft.radius),
         "the counterweight must stand out from the shaft",
-        Limit("shaft.radius", "less than", shaft.counterweight_radius),
+        (Limit("shaft.radius", "less than", shaft.counterweight_radius),),
     )
-    yield verdict(
-        reducer,
+    yield Rule(
         "counterweight_room",
         Limit("shaft.counterweight_radius", "less than", design.ring.pin_circle_radius - design.ring.pin_radius),
         "the counterweight turns inside the ring's teeth, which reach in to E - rho",
-        Limit("ring.pin_circle_radius", "more than", shaft.counterweight_radius + design.ring.pin_radius),
+        (Limit("ring.pin_circle_radius", "more than", shaft.counterweight_radius + design.ring.pin_radius),),
     )
 
 
@@ -187,24 +178,22 @@ def _jump(reducer: Reducer) -> Check:
     )
 
 
-def _drive_checks(reducer: Reducer) -> Iterator[Check]:
+def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
     design = reducer.design
     drive, load = design.drive, design.load.torque
     speed = abs(drive.speed)
-    yield verdict(
-        reducer,
+    yield Rule(
         "power",
         Limit("drive.power", "at least", drive.torque * speed / OVERLOAD),
         f"drive torque times speed is to be at most {OVERLOAD:g} times the rated power (assumed)",
-        Limit("drive.torque", "at most", OVERLOAD * drive.power / speed if speed else math.inf),
+        (Limit("drive.torque", "at most", OVERLOAD * drive.power / speed if speed else math.inf),),
         severity="warning",
     )
     capacity = design.rated_torque * (1.0 + STRICT_MARGIN)  # a load may be that torque, as it is rounded
-    yield verdict(
-        reducer,
+    yield Rule(
         "load",
         Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),
         f"the rated drive torque times the ratio, {design.reduction}, is all that a drive without losses can move",
-        Limit("drive.torque", "at least", abs(load) / design.reduction),
+        (Limit("drive.torque", "at least", abs(load) / design.reduction),),
         severity="warning",
     )

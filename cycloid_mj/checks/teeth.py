@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
-from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
+from cycloid_mj.checks.limit import Limit, Rule, millimetres, wall_rule
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer import Reducer
@@ -25,40 +24,41 @@ LEAST_CORE = 1 / 3
 BISECTIONS = 60
 
 
-def tooth_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check the teeth of gear and ring."""
+def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
+    """State the rules of the teeth of gear and ring."""
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
     smaller = min(design.modification.pin_circle, 0.0)  # the gear may be generated with a smaller pin circle
-    loops = verdict(
-        reducer,
+    loops = Rule(
         "loops",
         Limit("gear.eccentricity", "less than", (E + smaller) / N * (1 - LOOP_MARGIN)),
         "from E / N on the path of a pin in the gear has loops, which no gear can follow",
-        Limit("ring.teeth", "less than", (E + smaller) / c * (1 - LOOP_MARGIN)),
-        Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - smaller),
+        (
+            Limit("ring.teeth", "less than", (E + smaller) / c * (1 - LOOP_MARGIN)),
+            Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - smaller),
+        ),
     )
     yield loops
-    if loops.passed:
+    looped = not loops.limit.holds(reducer)
+    if not looped:
         yield _undercut(reducer)
     if design.ring.kind == "pin":
         yield _neighbouring_pins(reducer)
         if design.ring.has_sleeves:
             yield _sleeve(reducer)
-        yield verdict(
-            reducer,
+        yield Rule(
             "socket",
             Limit("ring.pin_radius", "more than", c),
             "the gear's tips sweep out to E - rho + 2 c, which must not reach the bottoms of the sockets at E + rho",
-            Limit("gear.eccentricity", "less than", rho),
+            (Limit("gear.eccentricity", "less than", rho),),
         )
-        if loops.passed and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
-            yield _check_sockets_hold(reducer)
+        if not looped and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
+            yield _sockets_hold(reducer)
     yield _housing(reducer)
 
 
-def _undercut(reducer: Reducer) -> Check:
-    """Check that the profile has no cusps.
+def _undercut(reducer: Reducer) -> Rule:
+    """State that the profile has no cusps.
 
     It is also all that the internal gear needs to exist (see `envelope`), and it keeps the outline simple: for N >= 4
     the least convex radius of the path is below the least distance of its tangents from the gear's centre, so that the
@@ -72,17 +72,16 @@ def _undercut(reducer: Reducer) -> Check:
         gear = CycloidGear(ring.teeth, eccentricity, generating, ring.pin_radius)
         return profile.undercut_radius(gear) - offset
 
-    flatter = [] if spare(c) > 0 else [Limit("gear.eccentricity", "less than", _falling_root(spare, c))]
-    return verdict(
-        reducer,
+    flatter = () if spare(c) > 0 else (Limit("gear.eccentricity", "less than", _falling_root(spare, c)),)
+    return Rule(
         "undercut",
         Limit("ring.pin_radius", "less than", ring.pin_radius + spare(c)),
         "a pin that is larger, with its clearance, than the sharpest convex bend of its path cuts the lobes away",
-        *flatter,
+        flatter,
     )
 
 
-def _neighbouring_pins(reducer: Reducer) -> Check:
+def _neighbouring_pins(reducer: Reducer) -> Rule:
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
@@ -95,31 +94,27 @@ def _neighbouring_pins(reducer: Reducer) -> Check:
             Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
         )
 
-    return wall_verdict(reducer, "neighbouring_pins", limits, WALL_SHARE, "between the sockets of neighbouring pins")
+    return wall_rule("neighbouring_pins", limits, WALL_SHARE, E, "between the sockets of neighbouring pins")
 
 
-def _sleeve(reducer: Reducer) -> Check:
-    """Check that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
+def _sleeve(reducer: Reducer) -> Rule:
+    """State that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
-    check = verdict(
-        reducer,
+    none_left = Rule(
+        "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
+    )
+    return Rule(
         "sleeve",
         Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
         f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
-        Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - LEAST_CORE)),
+        (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - LEAST_CORE)),),
         severity="warning",
+        first=none_left,
     )
-    there = verdict(
-        reducer,
-        "sleeve",
-        Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
-        "the sleeve leaves no pin inside",
-    )
-    return check if there.passed else replace(there, remedy=check.remedy, changes=check.changes)
 
 
-def _check_sockets_hold(reducer: Reducer) -> Check:
-    """Check that sockets reach round their pins as far as the gear presses on these.
+def _sockets_hold(reducer: Reducer) -> Rule:
+    """State that sockets reach round their pins as far as the gear presses on these.
 
     It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin
     stays in: pressed it lies on the socket's wall, and idle the gear in front of it holds it back.
@@ -136,17 +131,16 @@ def _check_sockets_hold(reducer: Reducer) -> Check:
         )
         return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
-    return verdict(
-        reducer,
+    return Rule(
         "pin_held",
         Limit("ring.pin_radius", "more than", _falling_root(lambda radius: -spare(radius, c), E)),
         f"the gear presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg aside, and a half-open socket that "
         f"holds them to {math.degrees(socket_half_angle(design)):.4g} deg lets them out (closed ones hold them)",
-        Limit("gear.eccentricity", "less than", _falling_root(lambda aside: spare(rho, aside), E / N)),
+        (Limit("gear.eccentricity", "less than", _falling_root(lambda aside: spare(rho, aside), E / N)),),
     )
 
 
-def _housing(reducer: Reducer) -> Check:
+def _housing(reducer: Reducer) -> Rule:
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
@@ -161,7 +155,7 @@ def _housing(reducer: Reducer) -> Check:
         )
 
     where = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_verdict(reducer, "housing", limits, WALL_SHARE, where)
+    return wall_rule("housing", limits, WALL_SHARE, ring.pin_circle_radius, where)
 
 
 def pitches(half_pitch_share: float) -> float:

@@ -9,7 +9,6 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import WALLS, soundness
 from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS
-from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.life.figures import length
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
@@ -223,7 +222,7 @@ def _balanced(reducer: Reducer) -> Reducer:
     shaft = reducer.design.shaft
     if reducer.design.gear.discs > 1:
         return reducer.but(shaft={"length": rounded_up(max(2.0 * shaft.radius, 1.1 * shaft.bearing_width))})
-    needed = MILLIMETRE.to_si(bearings(reducer).bound or 0.0)
+    needed = bearings(reducer).limit.bound
     return reducer.but(shaft={"length": rounded_up(needed + (0.5 if shaft.bearing_width else 1.5) * shaft.radius)})
 
 
