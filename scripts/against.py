@@ -134,15 +134,15 @@ except ImportError:
         from cycloid_mj.loaded.balance import transmission_error
     except ImportError:
         from cycloid_mj.measure.static_error import static_error as transmission_error
-found = {}
+by_case = {}
 crank = np.linspace(0.0, 2.0 * np.pi, 361)[:-1]
 for name in ("pin", "nonpin"):
     for seed in range(5):
         made = ["hole_position", "pin_position"] if name == "pin" else ["hole_position"]
         changes = [f"errors.seed={seed}", *(f"errors.{each}_um=1.0" for each in made)]
         errors = transmission_error(prepared(override(PRESETS[name], changes)), crank, 36.68)
-        found[f"{name} {seed}"] = {"mean": float(errors[:, 0].mean()), "std": float(errors[:, 0].std())}
-json.dump(found, sys.stdout)
+        by_case[f"{name} {seed}"] = {"mean": float(errors[:, 0].mean()), "std": float(errors[:, 0].std())}
+json.dump(by_case, sys.stdout)
 """
 """Static transmission error of ten toleranced reducers over a turn, by what each revision has for it."""
 
@@ -167,7 +167,7 @@ cases = {
     "fixed pins, 36.68 N m": ("pin", 36.68, 0.1, ["ring.pins=fixed"]),
     "nonpin, 36.68 N m": ("nonpin", 36.68, 0.1, []),
 }
-found = {}
+by_case = {}
 for name, (preset, load, hold, changes) in cases.items():
     run = ["drive.ramp_s=0", f"drive.hold_s={hold}", f"load.torque_nm={load}", *changes]
     design = override(PRESETS[preset], run)
@@ -175,8 +175,8 @@ for name, (preset, load, hold, changes) in cases.items():
     next(samples)
     start = time.thread_time()
     taken = sum(len(block.time) for block in samples)
-    found[name] = (time.thread_time() - start) * design.settings.log_rate / taken
-json.dump(found, sys.stdout)
+    by_case[name] = (time.thread_time() - start) * design.settings.log_rate / taken
+json.dump(by_case, sys.stdout)
 """
 """CPU time of a simulated second [s] in the step loop alone, from the first block of samples on.
 

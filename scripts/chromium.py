@@ -50,27 +50,27 @@ class Tab:
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": values}))
         while True:
-            told = json.loads(self._socket.recv())
-            if told.get("id") == number:
-                if "error" in told:
-                    raise RuntimeError(f"{method}: {told['error']['message']}")
-                return told["result"]
-            self._hear(told)
+            answer = json.loads(self._socket.recv())
+            if answer.get("id") == number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']['message']}")
+                return answer["result"]
+            self._hear(answer)
 
-    def _hear(self, told: dict[str, Any]) -> None:
-        values = told.get("params", {})
-        if told.get("method") == "Runtime.exceptionThrown":
+    def _hear(self, answer: dict[str, Any]) -> None:
+        values = answer.get("params", {})
+        if answer.get("method") == "Runtime.exceptionThrown":
             details = values["exceptionDetails"]
             self.errors.append(details.get("exception", {}).get("description", details["text"]))
-        elif told.get("method") == "Log.entryAdded" and values["entry"]["level"] == "error":
+        elif answer.get("method") == "Log.entryAdded" and values["entry"]["level"] == "error":
             self.errors.append(f"{values['entry']['text']} {values['entry'].get('url', '')}")
 
     def run(self, script: str) -> Any:
         """Run JavaScript on the page and return what it gives, waiting for what is promised."""
-        told = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
-        if "exceptionDetails" in told:
-            raise RuntimeError(told["exceptionDetails"].get("exception", {}).get("description", script))
-        return told["result"].get("value")
+        answer = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        if "exceptionDetails" in answer:
+            raise RuntimeError(answer["exceptionDetails"].get("exception", {}).get("description", script))
+        return answer["result"].get("value")
 
     def go(self, address: str) -> None:
         """Open an address."""
@@ -167,12 +167,12 @@ def tab(downloads: Path | None = None) -> Iterator[Tab]:
                 browser.terminate()
 
 
-def _address(told: Path, lives: Callable[[], bool]) -> str:
+def _address(answer: Path, lives: Callable[[], bool]) -> str:
     """Find out where the browser's first page listens."""
     from urllib.request import urlopen
 
     for _ in range(600):
-        if told.exists() and (lines := told.read_text().split()):
+        if answer.exists() and (lines := answer.read_text().split()):
             with urlopen(f"http://127.0.0.1:{lines[0]}/json") as listed:
                 pages = [one for one in json.load(listed) if one["type"] == "page"]
             if pages:

@@ -47,16 +47,16 @@ def fitted() -> dict[str, Any]:
     for kind, names in LOOPS.items():
         drawn = cm.load("printed").but(ring={"kind": kind})
         loops = [cm.read_loop(BENCH / f"{name}.csv") for name in names]
-        found = cm.calibrate(drawn, loops)
-        told = found.as_json()
-        pin = pin or found.design
+        calibration = cm.calibrate(drawn, loops)
+        content_of = calibration.as_json()
+        pin = pin or calibration.design
         play = pin.clearance.pin_gear
         twin = drawn.but(clearance={"pin_gear": play, "tooth": play, "output": play}, springs=pin.springs.model_dump())
         predicted = cm.predict_loops(Reducer(twin), loops)
-        own = cm.predict_loops(Reducer(found.design), loops)
+        own = cm.predict_loops(Reducer(calibration.design), loops)
         content[kind] = {
-            **{key: told[key] for key in ("parameters", "measured", "model")},
-            "shares": [loop["residual_share"] for loop in told["loops"]],
+            **{key: content_of[key] for key in ("parameters", "measured", "model")},
+            "shares": [loop["residual_share"] for loop in content_of["loops"]],
             "shares_without_offset": list(own.shares),
             "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
             "predicted_shares": list(predicted.shares),

@@ -119,16 +119,16 @@ def rows_of(layout: str) -> list[str]:
         design, name = design_of(layout, share, friction, speed), f"{layout} | {share:.0%} | {friction:g} | {speed:g}"
         reducer, jams = Reducer(design), []
         models: dict[str, Model] = {"planar": planar_model(reducer, step=STEP), "MuJoCo": build(design)}
-        found = {}
+        by_solver = {}
         for solver, model in models.items():
             try:
-                found[solver] = figures(reducer, model)
+                by_solver[solver] = figures(reducer, model)
             except RunError as error:
                 jams.append(f"{solver}: {str(error).partition(' s ')[2].partition(';')[0].partition(':')[0]}")
         if jams:
             rows.append(f"| {name} | {'; '.join(jams)} |" + " |" * (len(COLUMNS) - 1))
             continue
-        larger = difference(found["planar"], found["MuJoCo"])
+        larger = difference(by_solver["planar"], by_solver["MuJoCo"])
         rows.append(row(name, larger))
         if (np.abs(larger) > BOUNDS).any():
             rows.append(row(f"{name}, no cone", difference(*without_cone(design))))

@@ -58,7 +58,7 @@ def drawn(count: int, seed: int) -> list[Requirement]:
     With one seed, fewer are the first of more.
     """
     points = qmc.Sobol(5, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
-    found = []
+    grid = []
     for number, (ratio, size, more, wish, share) in enumerate(points[:count]):
         torque = min(max(0.7 * size + 0.6 * (more - 0.35), 0.0), 1.0)
         asked = Requirement(
@@ -68,8 +68,8 @@ def drawn(count: int, seed: int) -> list[Requirement]:
             process=KINDS[number % len(KINDS)],
         )
         chosen = int(2.0 * wish * len(WISHES))
-        found.append(asked.but(**WISHES[chosen](asked, share)) if chosen < len(WISHES) else asked)
-    return found
+        grid.append(asked.but(**WISHES[chosen](asked, share)) if chosen < len(WISHES) else asked)
+    return grid
 
 
 def _even(low: float, high: float, share: float) -> float:

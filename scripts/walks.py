@@ -66,8 +66,8 @@ class Walk:
 
 def _module(frame: FrameType) -> str | None:
     """Name the package's module of a frame; None for a frame of other code."""
-    _, found, name = frame.f_code.co_filename.rpartition(PACKAGE)
-    return name if found else None
+    _, package, name = frame.f_code.co_filename.rpartition(PACKAGE)
+    return name if package else None
 
 
 def _handed_on(value: object) -> bool:

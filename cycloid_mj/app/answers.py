@@ -64,9 +64,9 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 def checks(reducer: Reducer) -> dict[str, Any]:
     """List the checks that do not hold at the load, errors before warnings, and how many there are."""
     loaded = at_load(reducer)
-    found = (*check(loaded.design), *lasting_checks(loaded))
-    ordered = sorted(found, key=lambda one: one.severity != "error")
-    return {"count": len(found), "failed": _broken(loaded, ordered)}
+    every = (*check(loaded.design), *lasting_checks(loaded))
+    ordered = sorted(every, key=lambda one: one.severity != "error")
+    return {"count": len(every), "failed": _broken(loaded, ordered)}
 
 
 def ways(reducer: Reducer) -> dict[str, Any]:
@@ -144,7 +144,7 @@ def _item(item: RatedItem, asked: float) -> dict[str, Any]:
     }
 
 
-def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
+def _broken(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
     return [
         {
             "name": _spoken(one.name),
@@ -155,7 +155,7 @@ def _broken(reducer: Reducer, found: Iterable[Check]) -> list[dict[str, Any]]:
             "remedy": "" if one.name in KINDS else one.remedy,  # of those the page asks for ways, with buttons
             "changes": [_change(reducer, key, value) for key, value in one.changes],
         }
-        for one in found
+        for one in failed
         if not one.passed
     ]
 

@@ -28,8 +28,8 @@ class Job:
 
     def as_json(self) -> dict[str, Any]:
         """Convert it to JSON values: files by their names alone."""
-        told = {"job": self.number, "state": self.state, "told": self.told, "result": self.result, "error": self.error}
-        return {**told, "files": list(self.files), "page": bool(self.page)}
+        state = {"job": self.number, "state": self.state, "told": self.told, "result": self.result, "error": self.error}
+        return {**state, "files": list(self.files), "page": bool(self.page)}
 
 
 @dataclass(frozen=True)

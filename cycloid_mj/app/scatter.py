@@ -43,20 +43,20 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
     zones = tolerances(reducer)
     if not zones:
         raise UsageError("the design has no tolerances: give a half width for each size")
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     for batch in blocks(DRIVES):
         block = balanced(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
-        found = {key: np.concatenate([found[key], one]) if found else one for key, one in block.items()}
-        count = len(jams_of(found))
-        told({"doing": f"{count} of {DRIVES} drives", "share": count / DRIVES, "seen": _seen(reducer, found)})
-        if jams_of(found).all():
+        columns = {key: np.concatenate([columns[key], one]) if columns else one for key, one in block.items()}
+        count = len(jams_of(columns))
+        told({"doing": f"{count} of {DRIVES} drives", "share": count / DRIVES, "seen": _seen(reducer, columns)})
+        if jams_of(columns).all():
             break
     else:
-        told({"doing": "what to tighten first", "share": 1.0, "seen": _seen(reducer, found)})
+        told({"doing": "what to tighten first", "share": 1.0, "seen": _seen(reducer, columns)})
         study = tolerance(reducer.design, BUDGETED, SEED)
         shares = [{"source": one.source, "share": one.total} for one in study.budget]
-        return {**_seen(reducer, found), "budget": shares, "budget_of": figure(study.budget_of).name}
-    return _seen(reducer, found)
+        return {**_seen(reducer, columns), "budget": shares, "budget_of": figure(study.budget_of).name}
+    return _seen(reducer, columns)
 
 
 def spread_design(design: Design, spread_um: Any) -> Design:
@@ -75,10 +75,10 @@ def spread_design(design: Design, spread_um: Any) -> Design:
     return design.but(tolerance=dict.fromkeys(SPREAD, zone))
 
 
-def _seen(reducer: Reducer, found: Mapping[str, Array]) -> dict[str, Any]:
+def _seen(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Sum up the drives that are balanced so far."""
-    jams, charts = jams_of(found), list[dict[str, Any]]()
-    for key, values in found.items():
+    jams, charts = jams_of(columns), list[dict[str, Any]]()
+    for key, values in columns.items():
         row, fits = figure(key), values[~jams]
         if row.unit not in UNITS or len(fits) < 2:
             continue

@@ -27,11 +27,11 @@ def stress(told: Callable[[Any], None], values: Any) -> dict[str, Any]:
     for number, (kind, part) in enumerate(KINDS.items()):
         told({"doing": f"stress of the {kind}", "share": number / len(KINDS), "rows": list(rows)})
         row = figure(f"{kind}_stress_mpa")
-        found = row.value(reducer)
-        if math.isnan(found):
+        largest = row.value(reducer)
+        if math.isnan(largest):
             continue
         allowed = design.material_of(part).yield_strength / MEGAPASCAL
-        rows.append({"name": row.name, "mpa": found, "yield_mpa": allowed, "note": row.definition})
+        rows.append({"name": row.name, "mpa": largest, "yield_mpa": allowed, "note": row.definition})
     if not rows:
         raise CycloidError("no part of this design has a stress that can be computed")
     return {"rows": rows}

@@ -67,13 +67,13 @@ def error(reducer: Reducer) -> dict[str, Any]:
     for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
         angle = ARCSECONDS * sense(design) * transmission_error(reducer, crank, share * load)[:, 1]
         angle = angle - angle.mean()
-        found = periodic_orders(crank, angle, 2.0 * np.pi / reducer.mesh_turn, MOST_ORDER)
+        spectrum = periodic_orders(crank, angle, 2.0 * np.pi / reducer.mesh_turn, MOST_ORDER)
         curves.append(
             {
                 "name": name,
                 "arcsec": np.round(angle, 4).tolist(),
-                "orders": np.round(found.order, 4).tolist(),
-                "amplitudes": np.round(found.amplitude, 5).tolist(),
+                "orders": np.round(spectrum.order, 4).tolist(),
+                "amplitudes": np.round(spectrum.amplitude, 5).tolist(),
                 "peak_to_peak": float(np.ptp(angle)),
             }
         )

@@ -100,8 +100,8 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no ty
 
 def _stamp(sources: Path) -> tuple[tuple[str, int, int], ...]:
     """List the sources in a folder: name, time of the last change [ns] and size [byte] of each."""
-    found = ((path.name, path.stat()) for path in sorted(sources.glob("*.py")))
-    return tuple((name, state.st_mtime_ns, state.st_size) for name, state in found)
+    states = ((path.name, path.stat()) for path in sorted(sources.glob("*.py")))
+    return tuple((name, state.st_mtime_ns, state.st_size) for name, state in states)
 
 
 def _digest(content: bytes) -> bytes:

@@ -354,7 +354,7 @@ def calibrated_name(reducer: Reducer) -> str:
 def compare_losses(
     calibration: Calibration,
     progress: Progress = lambda done: None,
-    done: Callable[[Calibration], object] = lambda found: None,
+    done: Callable[[Calibration], object] = lambda _: None,
 ) -> Calibration:
     """Fit constant friction alone, with that of the contacts, with a lossy material, and with both, to the same loops.
 
@@ -473,24 +473,24 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
     open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
     most, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
-    coulomb, told = coulomb_of(lowest).value, []
+    coulomb, advice = coulomb_of(lowest).value, []
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
         half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
         angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
-        told.append(f"play: a loop at a second crank angle, {angle:.4g} deg, where other teeth and holes carry")
+        advice.append(f"play: a loop at a second crank angle, {angle:.4g} deg, where other teeth and holes carry")
     if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
         small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * most
-        told.append(
+        advice.append(
             f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, beside one of "
             f"+-{most:.4g} N m"
         )
         other = "output" if bench.held == "crank" else "crank"
-        told.append(
+        advice.append(
             f"friction: the same loop with the {other} held (--held {other}): friction acts the other way there"
         )
     if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:
-        told.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, in which play and friction are a smaller part")
-    return tuple(told)
+        advice.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, in which play and friction are a smaller part")
+    return tuple(advice)
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:

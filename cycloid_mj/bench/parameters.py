@@ -169,12 +169,14 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
     zones = tolerances(reducer)
 
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
-        told = [one for one in SHIFTING if one in zones and {"teeth": tooth}.get(SHIFTING[one], SHIFTING[one]) in kinds]
+        shifting = [
+            one for one in SHIFTING if one in zones and {"teeth": tooth}.get(SHIFTING[one], SHIFTING[one]) in kinds
+        ]
         parameter = Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
-        if not told:
+        if not shifting:
             return parameter
-        squares = sum(zones[one].deviation ** 2 + zones[one].middle ** 2 for one in told)
-        source = f"tolerance: {', '.join(told)}"
+        squares = sum(zones[one].deviation ** 2 + zones[one].middle ** 2 for one in shifting)
+        source = f"tolerance: {', '.join(shifting)}"
         return replace(parameter, deviation=um(math.sqrt(squares)), source=source)
 
     mated = (tooth, *([design.seat_pair] if design.seat_pair else []))

@@ -213,7 +213,7 @@ def protocol(
     RunError
         The model has no balance, or a run went wrong.
     """
-    found = {**_of_loops(files.loops, rated), **_of_files(files)} if files != BenchFiles() else {}
+    of_bench = {**_of_loops(files.loops, rated), **_of_files(files)} if files != BenchFiles() else {}
     loaded = working_at(reducer, rated)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
@@ -234,7 +234,7 @@ def protocol(
         reducer.design.name,
         rated,
         of_model,
-        found,
+        of_bench,
         loops,
         files.loops,
         tuple(notes),

@@ -99,30 +99,30 @@ def protocol(
     )
     design = chosen.sound()
     place = claimed(delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")])
-    found = computed(
+    sheet = computed(
         Reducer(design), files, rated_nm or design.rated_torque, angles, counted("protocol", delivery.quiet)
     )
-    return deliver(_outcome(found), place, delivery)
+    return deliver(_outcome(sheet), place, delivery)
 
 
-def _outcome(found: "Protocol") -> Outcome:
+def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.base.result import plain
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import drawn
 
-    measured = {key for key, one in found.bench.items() if not isnan(one.value)}
-    first = {key: found.bench[key] if key in measured else one for key, one in found.model.items()}
+    measured = {key for key, one in sheet.bench.items() if not isnan(one.value)}
+    first = {key: sheet.bench[key] if key in measured else one for key, one in sheet.model.items()}
     return Outcome(
-        title=f"protocol of {found.design}",
-        condition=f"rated torque {found.rated:.4g} N m",
+        title=f"protocol of {sheet.design}",
+        condition=f"rated torque {sheet.rated:.4g} N m",
         headline={
             f"{LINES[key].name}{', bench' if key in measured else ''}": f"{one.value:.4g} {LINES[key].unit}"
             for key, one in first.items()
         },
-        tables=[found.table()],
-        frame=found.frame,
-        notes=[*found.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
-        pictures={f"{found.design}-protocol": partial(drawn, protocol_figure(found))},
-        result=plain(found.as_json()),
+        tables=[sheet.table()],
+        frame=sheet.frame,
+        notes=[*sheet.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
+        pictures={f"{sheet.design}-protocol": partial(drawn, protocol_figure(sheet))},
+        result=plain(sheet.as_json()),
     )

@@ -283,8 +283,9 @@ def _speed(reducer: Reducer) -> str:
 
 def _figure(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
     """Compute a figure of the catalogue for a line of the sheet; one that cannot be computed says why."""
-    found = quantity(reducer, key)
-    return Quantity(key, name, found.value, found.unit, note=condition if math.isfinite(found.value) else found.note)
+    computed = quantity(reducer, key)
+    note = condition if math.isfinite(computed.value) else computed.note
+    return Quantity(key, name, computed.value, computed.unit, note=note)
 
 
 def _renamed(quantity: Quantity, name: str, condition: str) -> Quantity:

@@ -61,8 +61,8 @@ def largest_speed(reducer: Reducer) -> float:
     seat = seat_radius(reducer, bearing_width_of(reducer))
     speeds = [SPEED_FACTOR / (shaft.radius + seat)]
     if gear.bearing == "rolling":
-        found = cam_bearing(reducer)
-        bore = 0.5 * found[0].bore if found else gear.bore_radius
+        in_stock = cam_bearing(reducer)
+        bore = 0.5 * in_stock[0].bore if in_stock else gear.bore_radius
         slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
         speeds.append(SPEED_FACTOR / (bore + gear.bore_radius) * slower)
     return min(speeds)

@@ -22,7 +22,7 @@ def rating_page(rating: Rating) -> str:
         .get_template("rating.html")
         .render(
             title=f"cycloid_mj: rating of {rating.design}",
-            found=rating,
+            rating=rating,
             header=table.header,
             rows=list(zip(map(state, rating.items.values()), table.cells, strict=True)),
             failing=failing,

@@ -41,7 +41,7 @@ def calibration_page(calibration: "Calibration", figure: str, unusable: Sequence
         .get_template("bench.html")
         .render(
             title=f"cycloid_mj: {calibration.design.name}",
-            found=calibration,
+            calibration=calibration,
             unusable=unusable,
             bench=f"{calibration.fitted.bench.held} held",
             tables=calibration.tables(),

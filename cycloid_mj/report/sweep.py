@@ -23,7 +23,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
         .get_template("sweep.html")
         .render(
             title=f"cycloid_mj: sweep of {task.reducer.design.name}",
-            found=sweep,
+            sweep=sweep,
             varied=_varied(sweep),
             figure=b64encode(figure).decode(),
             tables=tables(sweep, tuple(quantities)),

@@ -168,8 +168,8 @@ def population(
     """
     ranges = tuple(_about(reducer, one) for one in inputs(reducer) if one.table in VARIED)
     work = partial(_drive, reducer, ranges, seed)
-    found = (engine or Engine(kind="threads")).each(work, range(samples), progress)
-    good = [one for one in found if one is not None]
+    drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
+    good = [one for one in drives if one is not None]
     if len(good) < 2:
         raise RunError(
             f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} do not go together: "
@@ -235,9 +235,9 @@ def _drive(
         changes.setdefault(one.table, {}).update(one.between(share))
     try:
         made = Reducer(as_design(reducer, drawn(reducer, zones, seed, place), 0, reducer.design.name)).but(**changes)
-        found = parameters(made)
+        values = parameters(made)
     except CycloidError:
         return None
     of_parts = {key: float(values[0]) for key, values in drawn_columns(departures(reducer, zones, seed, place)).items()}
     of_ranges = {f"drawn_{table}_{key}": value for table, of in changes.items() for key, value in of.items()}
-    return found, {**of_ranges, **of_parts}
+    return values, {**of_ranges, **of_parts}

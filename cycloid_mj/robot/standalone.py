@@ -91,8 +91,8 @@ class Joint:
         self.values = content["joint"]
         self.timestep = content["scene"]["timestep_s"]
         self.integrator = content["scene"]["integrator"]
-        told = (content.get("spread") or {}).get("parameters", {})
-        self.nominal = {key: one["nominal"] for key, one in told.items()}
+        parameters = (content.get("spread") or {}).get("parameters", {})
+        self.nominal = {key: one["nominal"] for key, one in parameters.items()}
 
     @property
     def coefficient(self) -> float:

@@ -124,9 +124,9 @@ def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: Non
 
     `noted` gets a refusal as soon as the most that goes is known, and again with each way out that is found.
     """
-    asked, found, path = _searched(asked)
-    if found:
-        drives = tuple(_shortlist(asked, found))
+    asked, step, path = _searched(asked)
+    if step:
+        drives = tuple(_shortlist(asked, step))
         exact = tuple(drive for drive in drives if drive.figures["backlash_arcmin"] <= asked.backlash)
         if exact:
             return Answer(asked, exact)
@@ -158,9 +158,9 @@ def _none_fits(asked: Requirement) -> Answer:
         f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
     )
     ways = []
-    found = _held(asked.but(length=math.inf), Budget())[0] if asked.length < math.inf else None
-    if found:
-        longer = asked.but(length=math.ceil(length(found[1].reducer)) / MILLIMETRES)
+    step = _held(asked.but(length=math.inf), Budget())[0] if asked.length < math.inf else None
+    if step:
+        longer = asked.but(length=math.ceil(length(step[1].reducer)) / MILLIMETRES)
         ways.append(Way(f"a length of {MILLIMETRES * longer.length:g} mm", longer))
     else:
         larger = _larger(asked, 0.0, Budget(LOOKED_FOR))
@@ -170,8 +170,8 @@ def _none_fits(asked: Requirement) -> Answer:
 
 def _exact(asked: Requirement) -> bool:
     """Tell whether a requirement is held, its backlash included."""
-    asked, found, _ = _searched(asked)
-    return found is not None and figure("backlash_arcmin").value(found[1].reducer) <= asked.backlash
+    asked, step, _ = _searched(asked)
+    return step is not None and figure("backlash_arcmin").value(step[1].reducer) <= asked.backlash
 
 
 def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
@@ -233,9 +233,9 @@ def _searched(asked: Requirement) -> tuple[Requirement, Step | None, list[Step]]
     tighter = _tightened(asked)
     for discs in [asked.discs] if asked.discs else [1, 2]:
         last = tighter.but(discs=discs)
-        found, path = _held(last, Budget())
-        if found:
-            return last, found, path
+        step, path = _held(last, Budget())
+        if step:
+            return last, step, path
     return last, None, path
 
 
@@ -244,8 +244,8 @@ def _held(asked: Requirement, budget: Budget) -> tuple[Step | None, list[Step]]:
     path: list[Step] = []
     for of, trial in climbed(asked, budget):
         path.append((of, trial))
-        if trial.bears >= asked.torque and (found := _holding(asked, of, asked.torque)):
-            return (of, found), path
+        if trial.bears >= asked.torque and (sure := _holding(asked, of, asked.torque)):
+            return (of, sure), path
     return None, path
 
 
@@ -275,8 +275,8 @@ def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
         torque = _floored(torque)
         if torque < LEAST * GUESS[asked.process] * asked.diameter**3:
             break
-        if found := _holding(asked, of, torque):
-            return torque, found
+        if sure := _holding(asked, of, torque):
+            return torque, sure
         torque *= SURELY**2
     return 0.0, replace(trial, weakest=None)
 
@@ -292,12 +292,12 @@ def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
     budget = Budget(LOOKED_FOR)
     if larger := _larger(asked, most, budget):
         yield larger
-    found = 0
+    yielded = 0
     for way in _conceivable(asked, top, most):
-        if found < MOST_WAYS and _works(way.asked, top, budget):
-            found += 1
+        if yielded < MOST_WAYS and _works(way.asked, top, budget):
+            yielded += 1
             yield way
-    if not larger and not found:
+    if not larger and not yielded:
         yield from _together(asked)
 
 
@@ -343,8 +343,8 @@ def _larger(asked: Requirement, bears: float, budget: Budget) -> Way | None:
         larger = larger.but(diameter=_rounded_size(larger.diameter * max(share, LEAST_STEP)))
         if larger.diameter > LARGEST:
             return None
-        found, path = _held(larger, budget)
-        if found:
+        step, path = _held(larger, budget)
+        if step:
             return Way(f"{1e3 * larger.diameter:g} mm", larger)
         bears = _borne(path)
     return None
@@ -364,8 +364,8 @@ def _together(asked: Requirement) -> Iterator[Way]:
         slower = strongest.but(speed=share * asked.speed)
         changes.append((f"{also}{', ' if also else ''}{slower.speed / RPM:.0f} rpm", slower))
     for words, changed in changes:
-        found, path = _held(changed, budget)
-        if found:
+        step, path = _held(changed, budget)
+        if step:
             yield Way(words, changed)
             return
         heated = path and path[-1][1].weakest and path[-1][1].weakest.key == "temperature"
@@ -381,9 +381,9 @@ def _rounded_size(diameter: float) -> float:
     return round(math.ceil(diameter / step - 1e-9) * step, 6)
 
 
-def _shortlist(asked: Requirement, found: Step) -> Iterator[SizedDrive]:
+def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
-    lightest = _narrowed(asked, found)
+    lightest = _narrowed(asked, step)
     yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
     rest = list(_others(asked, lightest)) if lightest[1].work < EASY else []
     for title, why, merit in (
@@ -424,12 +424,12 @@ def _looked_at(asked: Requirement, of: Proportions) -> TorqueTrial | None:
     return trial if trial and trial.rating and trial.bears >= RESERVE * asked.torque else None
 
 
-def _narrowed(asked: Requirement, found: Step) -> Step:
+def _narrowed(asked: Requirement, step: Step) -> Step:
     """Return the narrowest drive of found proportions that holds the torque."""
-    low, high = NARROWEST, found[0].width
+    low, high = NARROWEST, step[0].width
     enough: list[Proportions] = []
     for _ in range(NARROWINGS):
-        of = found[0].but(width=math.sqrt(low * high))
+        of = step[0].but(width=math.sqrt(low * high))
         if _looked_at(asked, of):
             high = of.width
             enough.append(of)
@@ -438,7 +438,7 @@ def _narrowed(asked: Requirement, found: Step) -> Step:
     for of in reversed(enough):
         if sure := _holding(asked, of, asked.torque):
             return of, sure
-    return found
+    return step
 
 
 def _drive(asked: Requirement, of: Proportions, trial: TorqueTrial, title: str, why: str) -> SizedDrive:

@@ -45,28 +45,28 @@ class CamBearing:
 
 def ring_pin(radius: float, room: float) -> float | None:
     """Find the radius of the pin in stock nearest to one [m], in the room between its neighbours [m]; none if none."""
-    found = [0.5 * size for size in pin_diameters() if 0.5 * size <= FULLEST * room]
-    nearest = min(found, key=lambda one: abs(math.log(one / radius)), default=0.0)
+    radii = [0.5 * size for size in pin_diameters() if 0.5 * size <= FULLEST * room]
+    nearest = min(radii, key=lambda one: abs(math.log(one / radius)), default=0.0)
     return round(nearest, 9) or None
 
 
 def cam_bearing(radius: float, width: float) -> CamBearing | None:
     """Find the bearing for a gear's bore of about a radius [m] that is no wider than the disc [m]; none if none."""
-    found = [one for one in needle_bearings() if one.outside <= 2.0 * LARGER * radius and one.width <= width]
-    return CamBearing(max(found, key=lambda one: (one.outside, -one.bore))) if found else None
+    fitting = [one for one in needle_bearings() if one.outside <= 2.0 * LARGER * radius and one.width <= width]
+    return CamBearing(max(fitting, key=lambda one: (one.outside, -one.bore))) if fitting else None
 
 
 def shaft_bearing(radius: float, bar: bool) -> StockBearing | None:
     """Find the narrowest bearing for the thickest shaft of at most a radius [m], or ground `bar`; none if none."""
     bores = bar_diameters() if bar else [one.bore for one in needle_bearings()]
-    found = [one for one in needle_bearings() if one.bore <= 2.0 * radius * (1.0 + 1e-9) and one.bore in bores]
-    return max(found, key=lambda one: (one.bore, -one.width)) if found else None
+    fitting = [one for one in needle_bearings() if one.bore <= 2.0 * radius * (1.0 + 1e-9) and one.bore in bores]
+    return max(fitting, key=lambda one: (one.bore, -one.width)) if fitting else None
 
 
 def core(roller: float, length: float) -> float | None:
     """Find the radius of the thickest dowel of a length [m] under a roller of a radius [m]; none if none."""
-    found = [size for size in dowel_diameters() if size <= 2.0 * CORE * roller and _in_one(size, length)]
-    return round(0.5 * max(found), 9) if found else None
+    thin_enough = [size for size in dowel_diameters() if size <= 2.0 * CORE * roller and _in_one(size, length)]
+    return round(0.5 * max(thin_enough), 9) if thin_enough else None
 
 
 def _in_one(size: float, length: float) -> bool:

@@ -128,10 +128,10 @@ def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
     circle = rounded((1.0 - of.wall) * outer / (1.0 + of.pin * room))
     pin = rounded(min(of.pin * room, THICKEST) * circle)
     if not asked.custom:
-        found = bought.ring_pin(pin, room * circle)
-        if not found:
+        bought_pin = bought.ring_pin(pin, room * circle)
+        if not bought_pin:
             return None
-        pin, circle = found, rounded((1.0 - of.wall) * outer - found)
+        pin, circle = bought_pin, rounded((1.0 - of.wall) * outer - bought_pin)
     eccentricity = rounded(of.short_width * circle / teeth)
     root = circle - eccentricity - pin - asked.clearance_at(2.0 * pin)
     bore, cam, width = rounded(of.bore * root), math.inf, 0.0

@@ -57,8 +57,8 @@ def required(
 
 def _named(material: str) -> str:
     """Return the only material of the library that has a word in its name, as 16MnCr5; what is none stays as it is."""
-    found = [name for name in MATERIALS if material.lower() in name.lower().split()]
-    return found[0] if len(found) == 1 and material not in MATERIALS else material
+    matching = [name for name in MATERIALS if material.lower() in name.lower().split()]
+    return matching[0] if len(matching) == 1 and material not in MATERIALS else material
 
 
 @dataclass(frozen=True)

@@ -30,16 +30,16 @@ def friction_borne(springs: KernelSprings, k: int, load: Array) -> float:
 
     def left(z: Array, friction: float) -> Array:
         forces = springs.stiffness[k] * np.maximum(-slopes @ z * unit, 0.0)
-        found = load + forces @ (slopes + friction * rubbing)
+        rest = load + forces @ (slopes + friction * rubbing)
         away = z[:-1].reshape(-1, 3)[:, :2] * unit
-        found[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * away
-        found[2:-1:3] += friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(away, axis=1)
-        return np.asarray(found / scale)
+        rest[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * away
+        rest[2:-1:3] += friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(away, axis=1)
+        return np.asarray(rest / scale)
 
     z, borne = np.zeros(load.size), 0.0
     for friction in STEP * np.arange(round(BORNE / STEP) + 1):
-        found = root(left, z, args=(friction,), method="lm")
-        if np.abs(found.fun).max() > _LEFT or np.abs(found.x[:-1].reshape(-1, 3)[:, :2]).max() > _GROWN:
+        balanced = root(left, z, args=(friction,), method="lm")
+        if np.abs(balanced.fun).max() > _LEFT or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > _GROWN:
             break
-        z, borne = found.x, float(friction)
+        z, borne = balanced.x, float(friction)
     return borne

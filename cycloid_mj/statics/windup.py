@@ -99,7 +99,8 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     centre_leads = {share: leads(one.departures).tolist() for share, one in by_torque.items()}
     return [
         Windup(
-            rated, *({share: one[place] for share, one in found.items()} for found in (turns, gear_turns, centre_leads))
+            rated,
+            *({share: one[place] for share, one in by_share.items()} for by_share in (turns, gear_turns, centre_leads)),
         )
         for place in range(len(cranks))
     ]

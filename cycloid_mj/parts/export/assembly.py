@@ -165,21 +165,21 @@ def _output(reducer: Reducer, drawn: tuple[PartSection, ...]) -> dict[str, tuple
     radius, (disc, *others) = pin_radius(reducer), drawn
     pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
     pins = output_pin_span(reducer)
-    found = {
+    pieces = {
         names.OUTPUT: cut_sections(names.OUTPUT, pressed, (disc,)),
         OUTPUT_PIN: (_round(OUTPUT_PIN, radius, *pins),),
     }
     if reducer.design.output.support == "both_ends":
-        found[SECOND_OUTPUT] = cut_sections(SECOND_OUTPUT, pressed, others[-1:])
-    return found
+        pieces[SECOND_OUTPUT] = cut_sections(SECOND_OUTPUT, pressed, others[-1:])
+    return pieces
 
 
 def _seated(reducer: Reducer, sections: Mapping[str, tuple[PartSection, ...]]) -> dict[str, tuple[PartSection, ...]]:
     """Draw cams as thick as the bore of their bearing, and the bearing; nothing where none in stock fits."""
-    found = cam_bearing(reducer)
-    if not found:
+    in_stock = cam_bearing(reducer)
+    if not in_stock:
         return {}
-    bearing, count = found
+    bearing, count = in_stock
     seat, outside, half = 0.5 * bearing.bore, 0.5 * bearing.outside, 0.5 * bearing.width * count
     slim = {}
     for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
@@ -230,13 +230,13 @@ class _Entities:
         self.last += max(map(int, _NUMBER.findall(data)))
         self.lines.append(_NUMBER.sub(lambda match: f"#{int(match[1]) + shift}", data).strip())
 
-        def found(pattern: str) -> tuple[int, ...]:
+        def numbers_of(pattern: str) -> tuple[int, ...]:
             match = re.search(pattern, data)
             assert match, pattern  # OpenCASCADE writes a part as one product with one solid
             return tuple(int(number) + shift for number in match.groups())
 
-        (definition,) = found(r"#(\d+) = PRODUCT_DEFINITION\('design'")
-        numbers = found(r"#(\d+) = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\(#(\d+),#(\d+)\),#(\d+)\)")
+        (definition,) = numbers_of(r"#(\d+) = PRODUCT_DEFINITION\('design'")
+        numbers = numbers_of(r"#(\d+) = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\(#(\d+),#(\d+)\),#(\d+)\)")
         representation, frame, solid, context = numbers
         return _DrawnPart(definition, representation, frame, solid, context)
 
@@ -267,8 +267,8 @@ def _assembled(name: str, drawn: Mapping[str, bytes], placed: tuple[Place, ...])
     """Put files of parts together as one product with an occurrence of its part at each place."""
     entities = _Entities()
     parts = {part: entities.include(part, content) for part, content in drawn.items()}
-    for part, found in parts.items():
-        entities.colour(found, tinted(COLOURS[names.family(part)], part))
+    for part, included in parts.items():
+        entities.colour(included, tinted(COLOURS[names.family(part)], part))
     context = entities.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')")
     of_product = entities.add(f"PRODUCT_CONTEXT('',#{context},'mechanical')")
     product = entities.add(f"PRODUCT('{name}','{name}','',(#{of_product}))")

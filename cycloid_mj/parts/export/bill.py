@@ -150,10 +150,10 @@ def _pins(reducer: Reducer) -> Iterator[BillLine]:
 
 def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:
     """Return the line of round pins: of those in stock, which may stand in line, or of their own size."""
-    found = stock.pins(2.0 * radius, reach)
-    if not found:
+    in_stock = stock.pins(2.0 * radius, reach)
+    if not in_stock:
         return BillLine(item, count, _round(("diameter", radius), length=reach), material, "bought")
-    pin, in_line = found
+    pin, in_line = in_stock
     size = _round(("diameter", radius), length=pin.length)
     return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
 
@@ -175,9 +175,9 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     design = reducer.design
     gear, shaft = design.gear, design.shaft
     if gear.bearing == "rolling":
-        found = cam_bearing(reducer)
-        if found and cam_seat in (0.0, round(0.5 * found[0].bore, 9)):
-            bearing, count = found
+        in_stock = cam_bearing(reducer)
+        if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
+            bearing, count = in_stock
             size = _sizes_of(bearing)
             yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, _fit_of(bearing))
         else:
@@ -198,8 +198,8 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     design = reducer.design
     gear = design.gear
     least = gear.eccentricity + (design.shaft.radius if gear.discs > 1 else 0.0)
-    found = [one for one in stock.bearings_outside(2.0 * gear.bore_radius) if one.bore > 2.0 * least]
-    return stock.side_by_side(found, gear.face_width) if gear.bearing == "rolling" else None
+    wide_enough = [one for one in stock.bearings_outside(2.0 * gear.bore_radius) if one.bore > 2.0 * least]
+    return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
 
 
 def _fit_of(bearing: stock.StockBearing) -> str:

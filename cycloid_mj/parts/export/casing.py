@@ -292,7 +292,7 @@ def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel |
     """Choose two dowels for each face that covers meet at, opposite each other between the screws."""
     design = reducer.design
     sizes = [size for size in reversed(stock.dowel_diameters()) if size <= screws.bolt.thread]
-    pins = [found[0] for size in sizes if (found := stock.pins(size, 2.0 * size))]
+    pins = [in_stock[0] for size in sizes if (in_stock := stock.pins(size, 2.0 * size))]
     pin = next((one for one in pins if one.length <= design.gear.stack_width - wall), None)
     if not pin:
         return None, ()
@@ -334,8 +334,8 @@ def _motor_flange(motor: Motor, outer: float, seat: float, wall: float) -> Motor
             f"{2e3 * seat:.4g} mm: take another motor"
         )
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
-    if found := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
-        return found
+    if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
+        return frame
     thread = _thickest(THREAD_SHARE * outer).thread
     circle = outer - 0.5 * thread - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
@@ -384,7 +384,7 @@ class CasingPlace:
 def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
     """Build all parts of the casing by name, those bought in frames of their own; of the mechanism's what is added."""
     screws, bolt, hub = sizes.screws, sizes.screws.bolt, sizes.hub
-    found = {
+    parts = {
         names.HOUSING: _ring(reducer, sizes),
         names.OUTPUT: _output(reducer, sizes),
         MOTOR_COVER: _motor_cover(reducer, sizes),
@@ -396,11 +396,11 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
         SHAFT_BEARING: tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
     }
     if bore := _motor_bore(reducer, sizes):
-        found[names.SHAFT] = bore
+        parts[names.SHAFT] = bore
     if sizes.dowel:
         half = 0.5 * sizes.dowel.length
-        found[DOWEL] = CasingPart(names.PIN, ((0.5 * sizes.dowel.diameter, -half, half),), bought=True)
-    return found
+        parts[DOWEL] = CasingPart(names.PIN, ((0.5 * sizes.dowel.diameter, -half, half),), bought=True)
+    return parts
 
 
 def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:

@@ -92,12 +92,12 @@ def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
     """Compute mass [kg] and inertia about the axis [kg m2] that each made part gains by the casing."""
     bare, cased = (made_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
     of_casing = [name for name, part in casing_parts(reducer, casing(reducer)).items() if not part.bought]
-    found = {}
+    gains = {}
     for name in of_casing:
         if name in cased:
             (mass, inertia), (before, slower) = _heaviness(cased[name]), _heaviness(bare.get(name))
-            found[name] = mass - before, inertia - slower
-    return found
+            gains[name] = mass - before, inertia - slower
+    return gains
 
 
 def _heaviness(part: PrintedPart | None) -> tuple[float, float]:
@@ -118,10 +118,10 @@ def _bought(reducer: Reducer, sizes: Casing) -> float:
 
 def _hollow_cams(reducer: Reducer) -> float:
     """Compute by how much the cams with their bearings are lighter than they are drawn [kg]."""
-    found = cam_bearing(reducer)
-    if not found:
+    bought = cam_bearing(reducer)
+    if not bought:
         return 0.0
-    bearing, count = found
+    bearing, count = bought
     ring = _steel(tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width))
     return (1.0 - BEARING_FILL) * count * reducer.design.gear.discs * ring
 

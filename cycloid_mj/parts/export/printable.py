@@ -70,8 +70,8 @@ def doubts(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * SMALLEST:g} mm"
         shape = next(mesh for mesh, place in zip(laid.meshes, laid.places, strict=True) if place.part == name)
         if faces := faces_in_mid_air(shape):
-            told = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
-            yield f"{name} needs supports, as it lies: {told}"
+            areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
+            yield f"{name} needs supports, as it lies: {areas}"
 
 
 def thinnest_wall(prism: Prism) -> float:
