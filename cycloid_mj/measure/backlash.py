@@ -184,7 +184,7 @@ def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
         closed_forms[_ALL] = Known(play.total(reducer, np.array(cranks)), play.over_a_turn(reducer)[1])
     for kind in reducer.design.pair_kinds:
         single = alone(reducer, kind)
-        sampled, whole = (np.array([play.parts_alone(single, float(at))[kind] for at in way]) for way in (cranks, turn))
+        sampled, whole = (play.parts_alone(single, way)[kind] for way in (np.array(cranks), turn))
         closed_forms[kind] = Known(sampled, whole)
     return closed_forms
 

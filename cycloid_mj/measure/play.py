@@ -13,10 +13,11 @@ that balance a unit torque on the output. With one clearance alone this has a cl
 """
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.gaps import gaps
+from cycloid_mj.reducer.gaps import Gaps, arc_gaps, flank_gaps
 from cycloid_mj.reducer.limits import CAM_SIDES, stops
 from cycloid_mj.reducer.member import against_ring
 
@@ -35,15 +36,39 @@ def has_linear_gaps(reducer: Reducer) -> bool:
     return not (reducer.design.modification.pin_circle or reducer.design.modification.rotation)
 
 
-def parts_alone(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
+def parts_alone(reducer: Reducer, cranks: npt.ArrayLike) -> dict[str, Array]:
+    """Compute the backlash of the output [rad] by each kind of clearance, if it were alone, at crank angles (k,) [rad].
+
+    Returns
+    -------
+    Kind of pair -> shape (k,); (1,) at one angle.
+    """
     design = reducer.design
-    mesh_gaps = gaps(reducer, float(against_ring(design, crank)))
-    arms = design.output.pin_circle_radius * mesh_gaps.slope[np.arange(mesh_gaps.disc.size), 3 * mesh_gaps.disc + 2]
-    mesh, output = (_both_ways(arms[mesh_gaps.kind == kind]) for kind in (design.tooth_pair, "output"))
-    per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
+    seen = np.atleast_1d(against_ring(design, np.asarray(cranks, float)))
+    mesh_gaps = arc_gaps(reducer, seen)
+    most, least = _arms(reducer, mesh_gaps, design.tooth_pair)
+    if design.ring.kind == "nonpin":
+        flanks = [
+            [
+                _arms(reducer, flank_gaps(reducer, float(at), disc), design.tooth_pair)
+                for disc in range(design.gear.discs)
+            ]
+            for at in seen
+        ]
+        ends = np.array(flanks)
+        most, least = np.maximum(most, ends[..., 0].max(axis=1)), np.minimum(least, ends[..., 1].min(axis=1))
+    mesh, output = (1.0 / high - 1.0 / low for high, low in ((most, least), _arms(reducer, mesh_gaps, "output")))
+    cam = np.full(len(seen), 2.0 / (design.gear.eccentricity * design.lobes))
+    per_clearance = {"cam": cam, "output": output}
     of = reducer.share
     return {kind: of * per_clearance.get(kind, mesh) * clearance(reducer, kind) for kind in design.pair_kinds}
+
+
+def _arms(reducer: Reducer, of: Gaps, kind: str) -> tuple[Array, Array]:
+    """Compute the largest arm of a kind's normals about a disc's centre, and the least [m], shape (k,) each."""
+    arms = reducer.design.output.pin_circle_radius * of.slope[..., np.arange(of.disc.size), 3 * of.disc + 2]
+    own = arms[..., of.kind == kind]
+    return own.max(axis=-1), own.min(axis=-1)
 
 
 def clearance(reducer: Reducer, kind: str) -> float:
@@ -55,11 +80,6 @@ def clearance(reducer: Reducer, kind: str) -> float:
         "output": output.hole_radius - output.pin_radius - design.gear.eccentricity,
     }
     return float(getattr(design.clearance, kind) + wider.get(kind, 0.0))
-
-
-def _both_ways(arms: Array) -> float:
-    """Turn per clearance [1/m], from stop to stop."""
-    return float(1.0 / arms.max() - 1.0 / arms.min())
 
 
 def total(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:

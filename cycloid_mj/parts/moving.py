@@ -13,6 +13,11 @@ from cycloid_mj.reducer.bodies import Role
 
 def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Map part to its mass properties; a ring that turns has those of its pins too, where they are no bodies."""
+    return _moving_masses(reducer.shape)
+
+
+@once
+def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     load = reducer.mechanism.turning
     if any(load in of.bodies for of in reducer.mechanism.surfaces if of.role == Role.PIN):
