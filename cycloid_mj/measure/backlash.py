@@ -52,6 +52,13 @@ SAMPLES = 200
 LONGER, FINER = 1.5, 1.5
 """The check: each torque this many times as long, at a step this many times shorter."""
 
+COARSE = 0.5
+"""By how much finer planar steps are than the bench's own: massless pins do not chatter, and only rest is read.
+
+At 35 us against 17.5 us the mean of `pin` is 8e-6 larger; that of 54 sleeved pins with 20 um of play, which settle
+late, 0.5 %, and nearer to the linear programme's.
+"""
+
 NAMES = {
     "pin_gear": "teeth on pins",
     "pin_socket": "pins in sockets",
@@ -122,8 +129,9 @@ def backlash(
     if solver == "planar":
         cases = {name: massless(case) for name, case in cases.items()}
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
-    jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
-    jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
+    finer = COARSE if solver == "planar" and not design.settings.timestep else 1.0
+    jobs = [(case, cranks[0], LONGER * longer[name], FINER * finer) for name, case in cases.items()]
+    jobs += [(case, crank, longer[name], finer) for name, case in cases.items() for crank in cranks]
     runs = each_in_threads(lambda job: press(*job, solver), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
