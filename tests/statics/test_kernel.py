@@ -85,6 +85,20 @@ def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
         assert state(apart, 0, rest, rest).energy == pytest.approx(0.5 * stored, rel=1e-12)
 
 
+def test_no_contact_that_is_hardly_closed_passes_for_open() -> None:
+    """Gaps that are drawn at random about the place where parts touch, with the curves displaced along each other."""
+    contacts = springs("pin", "structure=rigid")._replace(cam_clearance=np.inf)
+    rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
+    draw = np.random.default_rng(6).uniform
+    for size, aside in ((1e-9, 0.0), (5e-11, 5e-7)):
+        distance = draw(-size, size, shape) - contacts.room
+        touching = contacts._replace(distance=distance, shift=draw(-aside, aside, shape))
+        widths = np.array([gap(touching, 0, i, rest).width for i in range(contacts.disc.size)])
+        assert np.any(widths < 0.0)
+        stored = 0.5 * contacts.stiffness[0] @ np.minimum(widths, 0.0) ** 2
+        assert state(touching, 0, rest, rest).energy == pytest.approx(stored, rel=1e-6)
+
+
 @pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "light"])
 @pytest.mark.parametrize("size", [2e-5, 5e-5])
 def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float) -> None:
