@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path, PurePath
@@ -11,19 +11,18 @@ from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
-from mcap.writer import Writer
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
-from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
+from cycloid_mj.log.blocks import BlockWriter
+from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 
 MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}
-WHOLE_CHUNKS_ONLY = 1 << 62  # mcap's own limit on chunks, out of the way: chunks end here, between two samples
 
 Groups = Mapping[str, Mapping[str, str] | Sequence[tuple[str, str]]]
 
@@ -85,12 +84,7 @@ class LogWriter:
         first = preamble(provenance or {}, attachments or {})
         self._place, self._mcap = _started(Path(path), force, hidden, first, attachments or {})
         self._channels = [
-            self._mcap.register_channel(
-                group.topic,
-                "protobuf",
-                self._mcap.register_schema(group.message, "protobuf", group.schema()),
-                group.metadata(),
-            )
+            self._mcap.add_channel(group.topic, self._mcap.add_schema(group.message, group.schema()), group.metadata())
             for group in self._groups
         ]
         self._viewer = viewer
@@ -199,27 +193,31 @@ class LogWriter:
         return shown
 
     def _append(
-        self,
-        nanoseconds: npt.NDArray[np.uint64],
-        messages: list[npt.NDArray[np.uint8]],
-        shown: Mapping[int, list[Message]],
+        self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], shown: Mapping[int, list[Message]]
     ) -> None:
         """Append samples that fit into the chunk being filled, each after the viewers' messages of it."""
-        times = nanoseconds.tolist()
-        rows = zip(*(_rows(block) for block in messages), strict=True)
+        stops = [*np.flatnonzero(np.isin(nanoseconds, list(shown))).tolist(), len(nanoseconds)]
+        start = 0
         try:
-            for time, row in zip(times, rows, strict=True):
-                for topic, _, content in shown.get(time, ()):
-                    self._mcap.add_message(self._viewer_channels[topic], time, content, time, self._frames[topic])
-                    self._frames[topic] += 1
-                sequence = self.samples & 0xFFFFFFFF
-                for channel, message in zip(self._channels, row, strict=True):
-                    self._mcap.add_message(channel, time, message, time, sequence)
-                self.samples += 1
+            for stop in stops:
+                rows = slice(start, stop)
+                if stop > start:
+                    self._mcap.add_samples(
+                        self._channels, nanoseconds[rows], self.samples, [block[rows] for block in messages]
+                    )
+                    self.samples += stop - start
+                if stop < len(nanoseconds):
+                    self._show(shown[int(nanoseconds[stop])])
+                start = stop
         except OSError as problem:
             raise self._failed(problem) from problem
         if self.samples % self._chunk == 0:
             self.flush()
+
+    def _show(self, messages: Iterable[Message]) -> None:
+        for topic, time, content in messages:
+            self._mcap.add_message(self._viewer_channels[topic], time, self._frames[topic], content)
+            self._frames[topic] += 1
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         topics = [group.topic for group in self._groups]
@@ -298,7 +296,7 @@ def _started(
     hidden: bool,
     first: Metadata,
     attachments: Mapping[str, bytes],
-) -> tuple[LogFile, Writer]:
+) -> tuple[LogFile, BlockWriter]:
     """Open the log and write what comes before the samples; leave no trace if that fails."""
     place = LogFile(path, force, hidden)
     try:
@@ -310,10 +308,9 @@ def _started(
         raise
 
 
-def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> Writer:
+def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> BlockWriter:
     """Write metadata and attachments, and see them leave for the disk."""
-    mcap = Writer(stream, chunk_size=WHOLE_CHUNKS_ONLY, enable_data_crcs=True)
-    mcap.start(library=PACKAGE)
+    mcap = BlockWriter(stream, PACKAGE)
     for name, entries in first.items():
         mcap.add_metadata(name, dict(entries))
     _attach(mcap, attachments)
@@ -321,24 +318,21 @@ def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) 
     return mcap
 
 
-def _attach(mcap: Writer, attachments: Mapping[str, bytes]) -> None:
+def _attach(mcap: BlockWriter, attachments: Mapping[str, bytes]) -> None:
     """Write files that are kept with the run: name -> content."""
     for name, content in attachments.items():
-        mcap.add_attachment(0, 0, storable(name), _media_type(name), content)
+        mcap.add_attachment(storable(name), _media_type(name), content)
 
 
 def _media_type(name: str) -> str:
     return MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
 
 
-def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
-    """Register the viewer's topics; give the channel of each."""
+def _viewer_channels(mcap: BlockWriter, viewer: Viewer) -> dict[str, int]:
+    """Add the viewer's topics; give the channel of each."""
+    schemas = {name: mcap.add_schema(name, schema) for name, schema in viewer.schemas.values()}
     metadata = {RATE: repr(viewer.rate)}
-    schemas = {name: mcap.register_schema(name, "protobuf", schema) for name, schema in viewer.schemas.values()}
-    return {
-        topic: mcap.register_channel(topic, "protobuf", schemas[name], metadata)
-        for topic, (name, _) in viewer.schemas.items()
-    }
+    return {topic: mcap.add_channel(topic, schemas[name], metadata) for topic, (name, _) in viewer.schemas.items()}
 
 
 def _checked(groups: Groups) -> list[ColumnGroup]:
@@ -352,9 +346,3 @@ def _checked(groups: Groups) -> list[ColumnGroup]:
                 raise LogError(f"column {name!r} of {topic} is in {seen[name]} too: give each column its own name")
             seen[name] = topic
     return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]
-
-
-def _rows(block: npt.NDArray[np.uint8]) -> list[bytes]:
-    count, size = block.shape
-    joined = block.tobytes()
-    return [joined[i : i + size] for i in range(0, count * size, size)]
