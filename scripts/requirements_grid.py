@@ -2,29 +2,39 @@
 
     python scripts/requirements_grid.py [--seed 1] [--count 40] [--thorough]
 
-Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, some with a wish more; evenly spread
-(Sobol's points, scrambled by the seed). A drive is to pass `design check`, and its rated torque and life are to meet
-what was asked. Of a refusal, the most that goes and a way out are asked for in their turn; `--thorough` asks for all
-ways and looks at all drives of a shortlist. Forty take some 8 minutes of CPU; the exit code is 1 where one fails.
+Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two wishes more; evenly
+spread (Sobol's points, scrambled by the seed). Each is asked for by its flags. The written drive is to pass
+`design check`, and its rated torque and life are to meet what was asked. Of a refusal, the most that goes and a way out
+are asked for in their turn, by the flags that are told; `--thorough` asks for all ways and looks at all drives of a
+shortlist. Forty take some 8 minutes of CPU; the exit code is 1 where one fails.
 """
 
 import argparse
+import json
 import math
+import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from io import StringIO
+from pathlib import Path
 from typing import Any
 
 from scipy.stats import qmc
 
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.checks import check
+from cycloid_mj.cli import main as command
+from cycloid_mj.design import load
+from cycloid_mj.figures import figure
 from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.figures import length
 from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import SizedDrive, answered, best_ratio
 from cycloid_mj.sizing.process import PROCESSES, Process
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -32,6 +42,27 @@ RATIOS, DIAMETERS, TORQUES = (5.0, 120.0), (0.03, 0.3), (0.2, 500.0)
 KINDS: tuple[Process, ...] = ("steel", "printed", "steel", "milled")
 SLOWEST = 10.0
 """CPU time of an answer [s] that a user is asked to wait at most."""
+
+FLAGS = {
+    "diameter": "--diameter-mm",
+    "torque": "--torque-nm",
+    "process": "--process",
+    "life": "--life-h",
+    "speed": "--speed-rpm",
+    "discs": "--discs",
+    "length": "--length-mm",
+    "backlash": "--backlash-arcmin",
+    "material": "--material",
+    "clearance": "--clearance-um",
+    "fit": "--fit",
+}
+"""Values of a requirement -> their flags."""
+
+ALWAYS = ("diameter", "torque", "process")
+NUMBERS = ("--diameter-mm", "--torque-nm", "--life-h", "--speed-rpm", "--length-mm", "--backlash-arcmin")
+
+TOLD = 0.06
+"""Relative: how near the shortlist is to be to the data sheet, which looks at thrice as many crank angles."""
 
 EVERY, RANGE = 8, 6
 """Every so many requirements a range of ratios is asked for, so wide."""
@@ -53,13 +84,14 @@ WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
 
 
 def drawn(count: int, seed: int) -> list[Requirement]:
-    """Draw requirements, each size evenly by its logarithm; larger drives are asked for more torque, half have a wish.
+    """Draw requirements, each size evenly by its logarithm; larger drives are asked for more torque.
 
-    With one seed, fewer are the first of more.
+    A quarter has no wish more, a half one, a quarter two, as far as these go together. With one seed, fewer are the
+    first of more.
     """
-    points = qmc.Sobol(5, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
+    points = qmc.Sobol(7, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
     grid = []
-    for number, (ratio, size, more, wish, share) in enumerate(points[:count]):
+    for number, (ratio, size, more, *wishes) in enumerate(points[:count]):
         torque = min(max(0.7 * size + 0.6 * (more - 0.35), 0.0), 1.0)
         asked = Requirement(
             ratio=round(_even(*RATIOS, ratio)),
@@ -67,8 +99,12 @@ def drawn(count: int, seed: int) -> list[Requirement]:
             torque=_even(*TORQUES, torque),
             process=KINDS[number % len(KINDS)],
         )
-        chosen = int(2.0 * wish * len(WISHES))
-        grid.append(asked.but(**WISHES[chosen](asked, share)) if chosen < len(WISHES) else asked)
+        for wish, share in (wishes[:2], wishes[2:]):
+            chosen = int(2.0 * wish * len(WISHES))
+            if chosen < len(WISHES):
+                with suppress(UsageError):  # a fit and a clearance, or a fit beyond its sizes
+                    asked = asked.but(**WISHES[chosen](asked, share))
+        grid.append(asked)
     return grid
 
 
@@ -81,56 +117,99 @@ def _one_of(names: tuple[str, ...], share: float) -> str:
     return names[int(share * len(names))]
 
 
-def faults(drive: SizedDrive, asked: Requirement) -> Iterator[str]:
-    """Yield what of a requirement a drive does not hold, by `design check` and its own data sheet."""
-    reducer = Reducer(drive.design)
-    yield from (str(item) for item in check(drive.design) if item.severity == "error" and not item.passed)
+def flags(asked: Requirement, ratios: int = 0) -> dict[str, str]:
+    """Return the flags of `design new`, and their values, that ask for a requirement, or for a range of ratios."""
+    usual = Requirement(asked.ratio, asked.diameter, asked.torque)
+    values: dict[str, object] = {
+        "diameter": 1e3 * asked.diameter,
+        "torque": asked.torque,
+        "process": asked.process,
+        "life": asked.life,
+        "speed": asked.speed / RPM,
+        "discs": asked.discs or "auto",
+        "length": 1e3 * asked.length,
+        "backlash": asked.backlash,
+        "material": asked.material,
+        "clearance": 1e6 * asked.clearance,
+        "fit": asked.fit,
+    }
+    told = {
+        FLAGS[key]: f"{value:.10g}" if isinstance(value, float) else str(value)
+        for key, value in values.items()
+        if key in ALWAYS or getattr(asked, key) != getattr(usual, key)
+    }
+    told |= {"--ratio-range": f"{asked.ratio}:{asked.ratio + ratios}"} if ratios else {"--ratio": str(asked.ratio)}
+    return told | ({"--custom": ""} if asked.custom else {})
+
+
+def answer_to(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
+    """Ask by flags: what `design new --json` tells, or nothing and its error."""
+    words = [word for flag, value in asked.items() for word in ((flag,) if flag == "--custom" else (flag, value))]
+    out, err = StringIO(), StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        command(["design", "new", "asked", "--json", "--force", *words])
+    return (json.loads(out.getvalue()) if out.getvalue() else {}), err.getvalue()
+
+
+def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
+    """Yield what of a requirement a written drive does not hold, by `design check` and its own data sheet."""
+    design = load(Path(told["file"]))
+    reducer, figures = Reducer(design), told["figures"]
+    wanted = {flag: float(value) for flag, value in asked.items() if flag in NUMBERS}
+    yield from (str(item) for item in check(design) if item.severity == "error" and not item.passed)
     yield from (str(item) for item in lasting_checks(reducer) if not item.passed)
-    lasting, _ = rated_torque(reducer, asked.speed, asked.life)
+    lasting, _ = rated_torque(reducer, design.drive.speed, design.service.life)
     once, _ = momentary_torque(reducer)
-    if min(lasting, once) < asked.torque:
-        yield f"its rated torque is {min(lasting, once):.4g} N m"
-    told = drive.figures["rated_torque_nm"]
-    if abs(told / min(lasting, once) - 1.0) > 0.06:
-        yield f"the shortlist tells {told:.4g} N m, the data sheet {min(lasting, once):.4g}"
-    if length(reducer) > 1e3 * asked.length:
-        yield f"it is {length(reducer):.4g} mm long"
-    if drive.figures["backlash_arcmin"] > asked.backlash:
-        yield f"its backlash is {drive.figures['backlash_arcmin']:.4g} arcmin"
-
-
-def judged(asked: Requirement, way: int, thorough: bool, ratios: int = 0) -> tuple[str, float, list[str]]:
-    """Ask for a drive, or the best of so many ratios: what is answered, its CPU time [s], and what of it is wrong."""
-    began = time.process_time()
-    asked = best_ratio(asked, asked.ratio, asked.ratio + ratios) if ratios else asked
-    answer = answered(asked)
-    spent = time.process_time() - began
-    if answer.drives:
-        looked_at = answer.drives if thorough else answer.drives[:1]
-        return answer.line, spent, [fault for drive in looked_at for fault in faults(drive, answer.asked)]
-    wrong = [] if answer.ways else ["no way out"]
-    if answer.most >= asked.torque:
-        wrong.append(f"{answer.most:g} N m are at most, and {asked.torque:g} refused")
-    if answer.most:
-        less = answered(answer.asked.but(torque=answer.most))
-        wrong += [f"at its most: {fault}" for drive in less.drives[:1] for fault in faults(drive, less.asked)]
-        wrong += [] if less.drives else [f"its most, {answer.most:g} N m, is refused: {less.refusal}"]
-    ways = answer.ways if thorough else answer.ways[way % max(len(answer.ways), 1) :][:1]
-    for one in ways:
-        then = answered(one.asked)
-        wrong += [f"{one.words}: {fault}" for drive in then.drives[:1] for fault in faults(drive, then.asked)]
-        wrong += [] if then.drives else [f"{one.words} is refused: {then.refusal}"]
-    return answer.refusal, spent, wrong
-
-
-def _words(asked: Requirement) -> str:
-    """Tell a requirement by the values that are not the usual ones."""
-    usual = Requirement(asked.ratio, asked.diameter, asked.torque, process=asked.process)
-    wish = {key: value for key, value in vars(asked).items() if value != getattr(usual, key)}
-    told = "".join(
-        f", {key} {value:.4g}" if isinstance(value, float) else f", {key} {value}" for key, value in wish.items()
+    rated = min(lasting, once)
+    if rated < wanted["--torque-nm"]:
+        yield f"its rated torque is {rated:.4g} N m"
+    if abs(figures["rated_torque_nm"] / rated - 1.0) > TOLD:
+        yield f"the shortlist tells {figures['rated_torque_nm']:.4g} N m, the data sheet {rated:.4g}"
+    kept = {
+        "--diameter-mm": 2e3 * design.housing.outer_radius,
+        "--life-h": design.service.life,
+        "--speed-rpm": design.drive.speed / RPM,
+    }
+    yield from (
+        f"{flag} is {value:.6g}" for flag, value in kept.items() if not math.isclose(value, wanted.get(flag, value))
     )
-    return f"{asked.ratio}:1, {1e3 * asked.diameter:.3g} mm, {asked.torque:g} N m, {asked.process}{told}"
+    if not figures["life_h"] >= design.service.life:
+        yield f"it lasts {figures['life_h']:.4g} h"
+    if (long := length(reducer)) > wanted.get("--length-mm", math.inf):
+        yield f"it is {long:.4g} mm long"
+    if (backlash := figure("backlash_arcmin").value(reducer)) > wanted.get("--backlash-arcmin", math.inf):
+        yield f"its backlash is {backlash:.4g} arcmin"
+
+
+def judged(asked: dict[str, str], way: int, thorough: bool) -> tuple[str, float, list[str]]:
+    """Ask for a drive: what is answered, its CPU time [s], and what of it is wrong."""
+    began = time.process_time()
+    answer, error = answer_to(asked)
+    spent = time.process_time() - began
+    if not answer:
+        return error, spent, ["neither a drive nor a refusal"]
+    if drives := answer.get("designs"):
+        titles = ", ".join(f"{one['title']} {one['figures']['mass_kg']:.3g} kg" for one in drives)
+        return titles, spent, [fault for one in drives[: None if thorough else 1] for fault in faults(one, asked)]
+    most, ways = answer["most"], answer["ways"]
+    wrong = [] if ways else ["no way out"]
+    if most >= float(asked["--torque-nm"]):
+        wrong.append(f"{most:g} N m are at most, and {asked['--torque-nm']} refused")
+    others = [("its most", asked | {"--torque-nm": f"{most:g}"})] if most else []
+    chosen = ways if thorough else ways[way % max(len(ways), 1) :][:1]
+    others += [(one["words"], _changed(asked, one["flags"])) for one in chosen]
+    for words, other in others:
+        then, error = answer_to(other)
+        wrong += [f"{words}: {fault}" for one in then.get("designs", [])[:1] for fault in faults(one, other)]
+        wrong += [] if then.get("designs") else [f"{words} is refused: {then.get('why', error)}"]
+    return answer["why"], spent, wrong
+
+
+def _changed(asked: dict[str, str], words: list[str]) -> dict[str, str]:
+    """Put the flags of a way out in the place of those that were given."""
+    custom = {"--custom": ""} if "--custom" in words else {}
+    pairs = [word for word in words if word != "--custom"]
+    return asked | dict(zip(pairs[::2], pairs[1::2], strict=True)) | custom
 
 
 def main() -> int:
@@ -140,13 +219,16 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--thorough", action="store_true")
     given = parser.parse_args()
-    answered(Requirement(20, 0.06, 5.0))  # compiles what is not yet
+    os.chdir(tempfile.mkdtemp())
+    answer_to(flags(Requirement(20, 0.06, 5.0)))  # compiles what is not yet
     times, bad = [], 0
-    for number, asked in enumerate(drawn(given.count, given.seed), start=1):
-        words, spent, wrong = judged(asked, number, given.thorough, RANGE if number % EVERY == 0 else 0)
+    for number, one in enumerate(drawn(given.count, given.seed), start=1):
+        asked = flags(one, RANGE if number % EVERY == 0 else 0)
+        told, spent, wrong = judged(asked, number, given.thorough)
         times.append(spent)
         bad += bool(wrong)
-        print(f"{number:3d}  {spent:5.1f} s  {_words(asked)}\n       {words}", *wrong, sep="\n       ! ", flush=True)
+        words = " ".join(f"{flag} {value}" for flag, value in asked.items())
+        print(f"{number:3d}  {spent:5.1f} s  {words}\n       {told}", *wrong, sep="\n       ! ", flush=True)
     slow = sum(spent > SLOWEST for spent in times)
     print(f"{len(times)} asked for: {bad} wrong; {slow} took over {SLOWEST:g} s of CPU, the slowest {max(times):.1f} s")
     return int(bool(bad))

@@ -150,13 +150,16 @@ def new(
         fit=fit,
         custom=custom,
     )
-    answer = answered(best_ratio(wanted, low, high) if high > low else wanted)
+    if ratio_range:
+        wanted = best_ratio(wanted, low, high)
+    answer = answered(wanted)
     if answer.drives:
         return _written(stem, answer, set_, json, force)
     if json:
-        say_json(_refusal(answer, wanted))
+        say_json(_refusal(answer, wanted, bool(ratio_range)))
         return 1
-    raise DesignError(answer.refusal)
+    best = f"of {ratio_range} the ratio {wanted.ratio} bears the most: " if ratio_range else ""
+    raise DesignError(best + answer.refusal)
 
 
 def _started(stem: str, source: str, changes: tuple[str, ...], json: bool) -> int:
@@ -205,13 +208,13 @@ def _row(drive: "SizedDrive") -> tuple[str, ...]:
     return drive.title, *(cells | {"life_h": hours(drive.figures["life_h"])}).values()
 
 
-def _refusal(answer: "Answer", asked: "Requirement") -> dict[str, Any]:
-    ways = [{"words": way.words, "flags": _flags(way, asked)} for way in answer.ways]
+def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, Any]:
+    ways = [{"words": way.words, "flags": _flags(way, asked, ranged)} for way in answer.ways]
     return {"most": answer.most, "limit": answer.limit, "ways": ways, "why": answer.refusal}
 
 
-def _flags(way: "Way", asked: "Requirement") -> list[str]:
-    """List the flags that ask for a way out, in the place of those that were given."""
+def _flags(way: "Way", asked: "Requirement", ranged: bool) -> list[str]:
+    """List the flags that ask for a way out, in the place of those that were given; of a range only the best ratio."""
     from cycloid_mj.base.units import RPM
 
     flags = {
@@ -227,6 +230,7 @@ def _flags(way: "Way", asked: "Requirement") -> list[str]:
     }
     changed = [flags[key] for key in flags if getattr(way.asked, key) != getattr(asked, key)]
     words = [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+    words += ["--ratio-range", f"{asked.ratio}:{asked.ratio}"] if ranged else []
     return [*words, "--custom"] if way.asked.custom and not asked.custom else words
 
 

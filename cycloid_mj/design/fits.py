@@ -11,6 +11,9 @@ from bisect import bisect_left
 _SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
 """Upper ends of the steps of nominal sizes [mm]; a size at an end belongs to the step below."""
 
+LARGEST = 1e-3 * _SIZES[-1]
+"""Largest nominal size [m] that is known here."""
+
 _GRADES = """
 0.8 1.2 2   3  4  6  10 14 25  40  60  100 140 250  400  600  1000 1400
 1   1.5 2.5 4  5  8  12 18 30  48  75  120 180 300  480  750  1200 1800

@@ -4,12 +4,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, fits
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import length
 from cycloid_mj.life.rated import rated_torque
@@ -18,8 +20,10 @@ from cycloid_mj.sizing.climb import GUESS, Budget, Step, climbed
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
 from cycloid_mj.sizing.reasons import reasons_of
-from cycloid_mj.sizing.requirement import MOST_RATIOS, Requirement
-from cycloid_mj.sizing.trial import ENOUGH, RESERVE, TorqueTrial, holds, settled, tried
+from cycloid_mj.sizing.requirement import LARGEST_PAIR, MOST_RATIOS, Requirement
+from cycloid_mj.sizing.trial import FEW, RESERVE, TorqueTrial, holds, settled, tried
+from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.springs import turn_evenly
 
 SURELY = 0.97
 """Of what the best proportions bear by the laws of their items: what is told as the most, if it is found to hold."""
@@ -32,8 +36,8 @@ LOWERINGS, LEAST = 6, 0.02
 TIGHTER = 0.9
 """Of the clearances that a backlash asks for in proportion, since other proportions have more of it."""
 
-EASY = 8e3
-"""Work of the lightest, beyond which it is told alone: others are as near to snapping over, and slow to compare."""
+EASY = 5e3
+"""Work of the lightest, times its discs, beyond which it is told alone: others are as slow to balance, and compare."""
 
 WIDER = 1.4
 """Face width of the stiffest and the longest living, over that of the lightest, as far as it goes."""
@@ -48,14 +52,14 @@ PROMISES, LOOKED_AHEAD = 0.75, 3.0
 """Of the torque: what a change must leave the best proportions bearing, so that it is looked at closely; and how many
 times what they bore before is looked at."""
 
-SLOWER = (0.5, 0.25, 0.1)
-"""Of the speed: what is tried with another process or a larger diameter."""
+COOLER, SLOWER = 0.9, 3
+"""Of the speed at which a torque would be held by the law of what fails: what is tried; and how often at most."""
 
 NO_BALANCE = "its teeth snap over within their clearances of {0:g} um under any load"
 
 NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bearings"
 
-MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 24.0, 36.0
+MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 """Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
 
 TOLD = 1e-2
@@ -134,8 +138,12 @@ def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: Non
     if not path:
         free = asked.but(custom=True)
         if not asked.custom and next(climbed(free, Budget()), None):
-            ways = (_larger(asked, 0.0, Budget(LOOKED_FOR)), Way(FREE, free) if _held(free, Budget())[0] else None)
-            return Answer(asked, (), 0.0, NO_STOCK, tuple(way for way in ways if way))
+            ways = (
+                _larger(asked, 0.0, Budget(LOOKED_FOR)),
+                _longer(asked),
+                Way(FREE, free) if _held(free, Budget())[0] else None,
+            )
+            return Answer(asked, (), 0.0, NO_STOCK, tuple(way for way in ways if way) or tuple(_beyond(asked)))
         return _none_fits(asked)
     most, held = _most(asked, path[-1])
     if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
@@ -157,15 +165,38 @@ def _none_fits(asked: Requirement) -> Answer:
         f"no gear with a ratio of {asked.ratio} fits into {within} with clearances of "
         f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
     )
-    ways = []
-    step = _held(asked.but(length=math.inf), Budget())[0] if asked.length < math.inf else None
-    if step:
-        longer = asked.but(length=math.ceil(length(step[1].reducer)) / MILLIMETRES)
-        ways.append(Way(f"a length of {MILLIMETRES * longer.length:g} mm", longer))
-    else:
-        larger = _larger(asked, 0.0, Budget(LOOKED_FOR))
-        ways += [larger] if larger else []
-    return Answer(asked, (), 0.0, limit, tuple(way for way in ways if _exact(way.asked)))
+    way = _longer(asked) or _larger(asked, 0.0, Budget(LOOKED_FOR))
+    return Answer(asked, (), 0.0, limit, (way,) if way and _exact(way.asked) else tuple(_beyond(asked)))
+
+
+def _beyond(asked: Requirement) -> Iterator[Way]:
+    """Yield a diameter into which a gear fits, with its parts in stock, and what that needs more."""
+    larger = _of_diameter(asked, FAR * asked.diameter)
+    while larger and not next(climbed(larger, Budget()), None):
+        larger = _of_diameter(larger, FAR * larger.diameter)
+    if not larger:
+        return
+    size, answer = f"{1e3 * larger.diameter:g} mm", answered(larger)
+    if answer.drives:
+        yield Way(size, larger)
+    for way in answer.ways[:1]:
+        yield Way(way.words if way.asked.diameter != larger.diameter else f"{size} and {way.words}", way.asked)
+
+
+def _longer(asked: Requirement) -> Way | None:
+    """Find a length with which the torque is held, where one is asked for, or a diameter and a length."""
+    if asked.length == math.inf:
+        return None
+    free, words = asked.but(length=math.inf), ""
+    step = _held(free, Budget())[0]
+    if not step and (larger := _larger(free, 0.0, Budget(LOOKED_FOR))):
+        free, words = larger.asked, f"{larger.words} and "
+        step = _held(free, Budget())[0]
+    if not step:
+        return None
+    longer = free.but(length=math.ceil(length(step[1].reducer)) / MILLIMETRES)
+    held = _held(longer, Budget())[0]
+    return Way(f"{words}a length of {MILLIMETRES * longer.length:g} mm", longer) if held else None
 
 
 def _exact(asked: Requirement) -> bool:
@@ -185,8 +216,8 @@ def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
     limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
     needed = asked.but(clearance=TIGHTER * share * asked.usual_clearance, fit="")
     ways = [Way(f"clearances of {1e6 * needed.clearance:.2g} um", needed)] if needed.clearance >= finest else []
-    larger = asked.but(diameter=_rounded_size(asked.diameter / (TIGHTER * share)))
-    ways += [Way(f"{1e3 * larger.diameter:g} mm", larger)] if larger.diameter <= LARGEST else []
+    if larger := _of_diameter(asked, asked.diameter / (TIGHTER * share)):
+        ways.append(Way(f"{1e3 * larger.diameter:g} mm", larger))
     looser = asked.but(backlash=math.ceil(100.0 * least) / 100.0)
     ways.append(Way(f"a backlash of {looser.backlash:g} arcmin", looser))
     exact = tuple(way for way in ways if _exact(way.asked)) if held else ()
@@ -305,7 +336,7 @@ def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
     limits, weakest = PROCESSES[asked.process], top[1].weakest
     if weakest and (weakest.key == "temperature" or weakest.life is not None):
         share = most / asked.torque if weakest.key == "temperature" else (most / asked.torque) ** 4
-        slower = math.floor(0.9 * share * asked.speed / RPM / 10.0) * 10.0 * RPM
+        slower = math.floor(COOLER * share * asked.speed / RPM / 10.0) * 10.0 * RPM
         if slower >= SLOWEST:
             yield Way(f"{slower / RPM:.0f} rpm", asked.but(speed=slower))
     if not (asked.clearance or asked.fit) and asked.usual_clearance > limits.finest:
@@ -340,9 +371,10 @@ def _larger(asked: Requirement, bears: float, budget: Budget) -> Way | None:
     larger = asked
     for _ in range(TRIES):
         share = (asked.torque / bears) ** (1.0 / GROWTH) if bears else FAR
-        larger = larger.but(diameter=_rounded_size(larger.diameter * max(share, LEAST_STEP)))
-        if larger.diameter > LARGEST:
+        next_size = _of_diameter(asked, larger.diameter * max(share, LEAST_STEP))
+        if next_size is None:
             return None
+        larger = next_size
         step, path = _held(larger, budget)
         if step:
             return Way(f"{1e3 * larger.diameter:g} mm", larger)
@@ -356,38 +388,50 @@ def _borne(path: list[Step]) -> float:
 
 
 def _together(asked: Requirement) -> Iterator[Way]:
-    """Yield a larger diameter together with another process, two discs or slower cranks, where none alone is enough."""
-    budget, processes = Budget(TOGETHER), list(_processes(asked))
-    changes = [*processes, ("two discs", asked.but(discs=2))]
-    also, strongest = processes[-1] if processes else ("", asked)
-    for share in SLOWER:
-        slower = strongest.but(speed=share * asked.speed)
-        changes.append((f"{also}{', ' if also else ''}{slower.speed / RPM:.0f} rpm", slower))
-    for words, changed in changes:
+    """Yield a larger diameter together with another process, slower cranks, or two discs, where none alone is enough.
+
+    The crank of what gets too hot is slowed down first.
+    """
+    budget = Budget(TOGETHER)
+    for also, changed in [*reversed(list(_processes(asked))), ("", asked), ("two discs", asked.but(discs=2))]:
+        slower, words = changed, [also] if also else []
         step, path = _held(changed, budget)
-        if step:
-            yield Way(words, changed)
-            return
-        heated = path and path[-1][1].weakest and path[-1][1].weakest.key == "temperature"
-        larger = None if heated else _larger(changed, _borne(path), budget)
-        if larger:
-            yield Way(f"{words} and {larger.words}", larger.asked)
+        for _ in range(SLOWER):
+            speed = math.floor(COOLER * _borne(path) / asked.torque * slower.speed / RPM) * RPM
+            if step or not _is_heated(path) or speed < SLOWEST:
+                break
+            slower = changed.but(speed=speed)
+            step, path = _held(slower, budget)
+        if slower != changed:
+            words.append(f"{slower.speed / RPM:.0f} rpm")
+        larger = None if step or _is_heated(path) or not words else _larger(slower, _borne(path), budget)
+        if step or larger:
+            ends = f" and {larger.words}" if larger else ""
+            yield Way(", ".join(words) + ends, larger.asked if larger else slower)
             return
 
 
-def _rounded_size(diameter: float) -> float:
-    """Round a diameter [m] up to 1 mm, from 50 mm on to 5 mm, from 200 mm on to 10 mm."""
+def _is_heated(path: list[Step]) -> bool:
+    """Tell whether heat is what the last proportions on a way up bear the least."""
+    weakest = path[-1][1].weakest if path else None
+    return weakest is not None and weakest.key == "temperature"
+
+
+def _of_diameter(asked: Requirement, diameter: float) -> Requirement | None:
+    """Ask for a diameter [m], rounded up to 1 mm, from 50 mm on to 5 mm, from 200 mm on to 10 mm; none if too large."""
     step = 1e-3 if diameter < 0.05 else 5e-3 if diameter < 0.2 else 1e-2
-    return round(math.ceil(diameter / step - 1e-9) * step, 6)
+    rounded = round(math.ceil(diameter / step - 1e-9) * step, 6)
+    return asked.but(diameter=rounded) if rounded <= (fits.LARGEST / LARGEST_PAIR if asked.fit else LARGEST) else None
 
 
 def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
-    lightest = _narrowed(asked, step)
+    narrowed = _narrowed(asked, step)
+    others = _others(asked, narrowed) if narrowed[1].work * max(asked.discs, 1) < EASY else ()
+    lightest, *rest = _lightest_first(asked, [narrowed, *others])
     yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
-    rest = list(_others(asked, lightest)) if lightest[1].work < EASY else []
     for title, why, merit in (
-        ("stiffest", "the stiffest of those tried", lambda one: _stiffness(one[1].reducer)),
+        ("stiffest", "the stiffest of those tried", lambda one: _first_stiffness(one[1].reducer)),
         ("longest life", "its first part to wear out lasts the longest of those tried", lambda one: one[1].life),
     ):
         least, merits = merit(lightest) if rest else 0.0, [(merit(one), one[0]) for one in rest]
@@ -396,6 +440,17 @@ def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
                 yield _drive(asked, of, sure, title, why)
                 rest = [one for one in rest if one[0] != of]
                 break
+
+
+def _lightest_first(asked: Requirement, steps: list[Step]) -> list[Step]:
+    """Put the lightest that holds the torque at all crank angles first, as the first of the steps is known to."""
+    masses = [figure("mass_kg").value(trial.reducer) for _, trial in steps]
+    lighter = [number for number in np.argsort(masses) if masses[number] < masses[0]]
+    for number in lighter:
+        of = steps[number][0]
+        if sure := _holding(asked, of, asked.torque):
+            return [(of, sure), *(step for step in steps if step[0] != of)]
+    return steps
 
 
 def _others(asked: Requirement, lightest: Step) -> Iterator[Step]:
@@ -450,7 +505,8 @@ def _figures(trial: TorqueTrial) -> Figures:
     reducer, rating = trial.reducer, trial.rating
     design = reducer.design
     speed, life = design.drive.speed, design.service.life
-    lasting, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=ENOUGH, exact=TOLD)
+    about, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=FEW, exact=TOLD)
+    lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), exact=TOLD)
     stops = [item.safety or 0.0 for item in rating.items.values() if item.key.startswith("peak_")] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
     return {
@@ -465,6 +521,14 @@ def _figures(trial: TorqueTrial) -> Figures:
         "stiffness_nm_per_arcmin": _stiffness(reducer),
         "backlash_arcmin": figure("backlash_arcmin").value(reducer),
     }
+
+
+def _first_stiffness(reducer: Reducer) -> float:
+    """Compute the stiffness between half the torque and all of it, one way, at few crank angles [N m/rad]."""
+    still, torque = reducer.but(drive={"speed": 0.0}), reducer.design.rated_torque
+    springs = springs_of(still, turn_evenly(reducer, FEW), friction=False)
+    half, whole = (loads(still, springs, share * torque).output_turn for share in (0.5, 1.0))
+    return 0.5 * torque / float((whole - half).mean())
 
 
 def _stiffness(reducer: Reducer) -> float:

@@ -17,6 +17,9 @@ MOST_DISCS = 4
 PIN_SIZE = 0.06
 """Diameter of a ring pin over that of a drive, about: where one clearance stands for those of a fit."""
 
+LARGEST_PAIR = 0.6
+"""Diameter of the largest pair, that of the cam, over that of a drive, at most: a fit is to be known there."""
+
 MOST_RATIOS = 7
 """Of a range of ratios: so many are tried, evenly spaced."""
 
@@ -141,7 +144,7 @@ class Requirement:
                 f"a fit, {self.fit}, and a clearance of {1e6 * self.clearance:g} um: leave one of them out"
             )
         try:
-            tightest, _ = clearances(self.fit, self.diameter)
+            tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
         except ValueError as error:
             raise UsageError(f"the fit is {self.fit!r}: {error}") from None
         if tightest < 0.0:

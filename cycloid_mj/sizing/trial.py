@@ -8,14 +8,15 @@ from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.lasting import decides
+from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.reducer import Reducer
 
-FEW, ENOUGH = 19, 61
-"""Crank angles of a first look, and of the last; a data sheet has thrice as many."""
+FEW = 19
+"""Crank angles of a first look; the last has as many as a data sheet."""
 
 RESERVE = 1.02
-"""Torque for which a drive is to be good enough: the worst of all crank angles may lie between those looked at."""
+"""Torque for which a first look is to be good enough: the worst of all crank angles may lie between those of it."""
 
 NOT_HELD = 0.3
 """Of a torque at which statics found no balance: where a smaller one is looked for."""
@@ -88,6 +89,6 @@ def settled(reducer: Reducer, torque: float) -> TorqueTrial:
 
 
 def holds(reducer: Reducer, torque: float) -> TorqueTrial | None:
-    """Rate a drive closely at a torque [N m]; nothing where it does not hold it."""
-    trial = tried(reducer, torque, ENOUGH)
-    return trial if trial.rating and trial.bears >= RESERVE * torque else None
+    """Rate a drive at a torque [N m], at the crank angles of its data sheet; nothing where it does not hold it."""
+    trial = tried(reducer, torque, POSES)
+    return trial if trial.rating and trial.bears >= torque else None

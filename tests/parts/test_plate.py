@@ -44,7 +44,7 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
 from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, doubts, faces_in_mid_air, thinnest_wall
-from cycloid_mj.parts.export.printing import printed_parts
+from cycloid_mj.parts.export.printing import made_parts, printed_parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
 
@@ -233,8 +233,17 @@ def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) 
     assert {part: one.count for part, one in seated.items()} == {part: one.count for part, one in drawn.items()}
 
 
+def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
+    design = DESIGNS["printed"]
+    (bearing,) = [item for item in bill(Reducer(design)) if item.item == "cam_bearing"]
+    seat = design.gear.eccentricity + design.shaft.radius
+    assert f"bore {2e3 * seat:g} x" in bearing.size
+    shaft = fused(made_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
+    assert trimesh.Trimesh(shaft.vertices, shaft.faces, process=False).body_count == 1
+
+
 def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("3_discs", 9e-3)):
+    for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("printed", 7e-3), ("3_discs", 9e-3)):
         with pytest.raises(DesignError, match=rf"bore of {2e3 * seat:g} mm does not fit"):
             printed_parts(Reducer(DESIGNS[name]), CHORD_ERROR, seat)
     with pytest.raises(DesignError, match="it has no bearing"):

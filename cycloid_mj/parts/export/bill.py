@@ -197,8 +197,12 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     """Choose the bearing in stock for each cam, and how many stand side by side; none if none fits gear and cam."""
     design = reducer.design
     gear = design.gear
-    least = gear.eccentricity + (design.shaft.radius if gear.discs > 1 else 0.0)
-    wide_enough = [one for one in stock.bearings_outside(2.0 * gear.bore_radius) if one.bore > 2.0 * least]
+    flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
+    wide_enough = [
+        one
+        for one in stock.bearings_outside(2.0 * gear.bore_radius)
+        if one.bore > flush or (gear.discs == 1 and one.bore == flush)
+    ]
     return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
 
 

@@ -13,6 +13,9 @@ from cycloid_mj.reducer import Reducer
 SECOND_OUTPUT = "output_2"
 """The output disc on the motor's side, where both ends of the output pins are held."""
 
+STANDS_OUT = 1e-5
+"""By how much the cam of one disc stands out where it would be flush with the shaft [m]: outlines may not touch."""
+
 OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
 """Round parts that the solids of the mechanism have within output and housing."""
 
@@ -162,15 +165,16 @@ def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat
     """Build the parts of the crank that have cams, with cams of the radius `seat` [m]."""
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
-    least = gear.eccentricity + (design.shaft.radius if discs > 1 else 0.0)
+    flush = gear.eccentricity + design.shaft.radius
     if gear.bearing != "rolling":
         raise DesignError("the cam slides in the gear (gear.bearing = 'plain'): it has no bearing with a bore")
-    if not least < seat < gear.bore_radius:
+    if not (flush < seat or (discs == 1 and seat == round(flush, 9))) or not seat < gear.bore_radius:
         raise DesignError(
-            f"a cam's bearing with a bore of {2e3 * seat:g} mm does not fit: it must be more than {2e3 * least:g} mm, "
-            f"for the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside (gear.bore_radius_mm)"
+            f"a cam's bearing with a bore of {2e3 * seat:g} mm does not fit: it must be more than {2e3 * flush:g} mm, "
+            f"for the shaft in the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside "
+            "(gear.bore_radius_mm)"
         )
-    cam = circle(seat, chord_error, (0.0, gear.eccentricity))
+    cam = circle(max(seat, flush + STANDS_OUT), chord_error, (0.0, gear.eccentricity))
     if discs == 1:
         stretches = zip(crank_stretches(reducer), solids[names.SHAFT].prisms, strict=True)
         prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
