@@ -148,7 +148,7 @@ def fit(
     """
     search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
     starts = search.starts() if start is None else [start]
-    best, *others = sorted((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))
+    best, *others = sorted((search.run(one, SHORT, "trf") for one in starts), key=itemgetter(0))
     place = best[1]
     for _ in range(RENEWED):
         cost, place = search.run(place, LONG, "trf")
