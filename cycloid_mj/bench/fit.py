@@ -109,7 +109,7 @@ class Fitted:
         return tuple(len(residual) / memory(residual) for residual in self.residuals)
 
     def criterion(self, independent: Sequence[float]) -> float:
-        """Compute Bayes's information criterion over so many independent residuals of each loop.
+        """Compute Bayes's information criterion, with a number of independent residuals of each loop.
 
         Criteria of models compare where they count the same: a model that leaves something out has residuals that
         follow each other, and by its own count would have less to explain.

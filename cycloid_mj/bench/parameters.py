@@ -71,7 +71,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One value that is fitted, in the unit in which it is told.
+    """One fitted value, in the unit in which it is printed.
 
     Attributes
     ----------

@@ -134,7 +134,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
 
 
 def structure_text(reducer: Reducer) -> str:
-    """Tell what the structure is taken as."""
+    """Describe the assumed structure."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid: only contacts give"
     given = [part for part in TWISTING if getattr(reducer.design.springs, part)]
