@@ -40,6 +40,7 @@ napoleon_use_ivar = True
 
 html_theme = "furo"
 html_title = f"cycloid_mj {version}"
+html_favicon = "../cycloid_mj/app/assets/gear.svg"
 html_static_path = ["_static"]
 html_css_files = ["pages.css"]
 html_show_sphinx = False

@@ -26,7 +26,7 @@ MARK = "<!-- printed by scripts/tutorial.py -->"
 WIDTH = 110
 """Columns of the terminal."""
 
-TIMED = "s of wall time"
+TIMED = re.compile(r", \d+ steps in \S+ s of wall time$")
 """End of a line that differs from run to run."""
 
 BLOCK = re.compile(
@@ -60,7 +60,7 @@ def printed(command: str, folder: Path) -> str:
     ended = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     error = ended.stderr[ended.stderr.rfind("error: ") :] if ended.returncode else ""
     lines = (ended.stdout + error).rstrip().splitlines()
-    return "\n".join(line.rstrip() for line in lines if not line.endswith(TIMED))
+    return "\n".join(TIMED.sub("", line.rstrip()) for line in lines)
 
 
 def with_printed(page: str, folder: Path) -> str:

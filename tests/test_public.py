@@ -171,6 +171,41 @@ def test_a_measured_loop_is_drawn_and_says_what_it_is_in_a_line() -> None:
     assert loop._repr_html_().count("<tr>") <= 61
 
 
+def test_a_design_and_its_checks_say_what_they_are_have_a_frame_and_are_drawn() -> None:
+    design = cm.load("pin", {"clearance.cam_um": 98.0})
+    checks = cm.check(design)
+    failed = [one.name for one in checks if not one.passed]
+    assert repr(checks) == f"<Checks: {len(failed)} of {len(checks)} do not hold: {', '.join(failed)}>"
+    assert dict(zip(*(checks.frame.columns[key] for key in ("name", "passed")), strict=True))["play"] is np.False_
+    yields = next(one for one in checks if one.name == "tooth_yield")
+    assert checks.margins["tooth_yield"] == pytest.approx(yields.bound / yields.value)
+    assert checks.plot().axes[0].patches
+    rows = dict(zip(*(design.frame.columns[key] for key in ("key", "value")), strict=True))
+    assert float(rows["clearance.cam_um"]) == pytest.approx(98.0)
+    assert rows["ring.teeth"] == "36"
+    assert design.plot().axes
+
+
+def test_files_of_parts_say_what_they_are_have_a_frame_and_their_clearances_are_drawn() -> None:
+    files = cm.export(cm.load("pin"), "stl")
+    assert repr(files).startswith("<Export: ")
+    assert files.frame.columns["bytes"].tolist() == [len(content) for content in files.files.values()]
+    assert files.plot().axes[0].patches
+
+
+def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
+    loop = cm.read_loop(Path(__file__).parent / "data" / "bench" / "play_loop.csv")
+    found = cm.predict_loops(cm.Reducer(cm.load("pin")), [loop])
+    assert repr(found) == f"<Prediction: rms difference over the height of the loop: {loop.name} {found.shares[0]:.2%}>"
+    assert found.frame.columns["modelled"][0] == pytest.approx(found.modelled.in_units()["play_deg"].value)
+    assert len(found.plot().axes[0].lines) == 2
+    angle = np.linspace(0.0, 8.0 * np.pi, 4000)
+    orders = cm.tapered_orders(angle, 2.0 * np.cos(3.0 * angle))
+    assert repr(orders).endswith(" at 3>")
+    assert orders.frame.rows == len(orders.order)
+    assert orders.plot().axes[0].get_ylabel() == "amplitude"
+
+
 def test_every_public_function_describes_its_parameters() -> None:
     for name in cm.__all__:
         value = getattr(cm, name)

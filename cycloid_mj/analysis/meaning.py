@@ -13,8 +13,8 @@ RETURNED = (
 
 
 def meaning(findings: Findings) -> list[str]:
-    """Write what a run shows, a sentence each, ten at most: motion first, then torque, losses and contacts."""
-    return [*_motion(findings), *_torques(findings), *_losses(findings), *_contacts(findings)]
+    """Write what a run shows, a sentence each, eight at most: motion first, then torque, losses and contacts."""
+    return [*_motion(findings), *_torques(findings), *_losses(findings), _contacts(findings)]
 
 
 def _motion(findings: Findings) -> Iterator[str]:
@@ -25,11 +25,11 @@ def _motion(findings: Findings) -> Iterator[str]:
             f"1/{abs(crank.speed_rad_s / speed.theory_rad_s):.4g} of the crank's is {abs(speed.theory_rad_s):.4f}; it "
             f"wavers by {1e3 * speed.rms_error_rad_s:.3g} mrad/s rms"
         )
-    yield f"transmission error: the output's angle wavers by {error.peak_to_peak_arcsec:.3g} arcsec; ideal is 0"
+    chance = "" if findings.condition.load else "; both differ from start to start, as an idle gear rattles in its play"
+    wavers = f"transmission error: the output's angle wavers by {error.peak_to_peak_arcsec:.3g} arcsec; ideal is 0"
+    yield f"{wavers}{chance}"
     if findings.condition.load:
         yield f"wind-up: it lags {abs(error.mean_arcsec) / 60.0:.3g} arcmin behind, by play and by what the load bends"
-    else:
-        yield "without a load the gear rattles in its play: these two differ from start to start"
     path = findings.q_path
     yield f"path: the point q of the gear keeps within {path.max_error_um:.3g} um of the ideal curve (Eq. 16)"
 
@@ -54,15 +54,12 @@ def _losses(findings: Findings) -> Iterator[str]:
     if whole > 0.0:
         pair, most = max(losses.items(), key=lambda item: item[1])
         yield f"losses: {whole:.3g} W, most of it at {pair} ({min(1.0, most / whole):.0%})"
-    if any(one.normal_w < 0.0 for one in findings.losses):
-        yield RETURNED
 
 
-def _contacts(findings: Findings) -> Iterator[str]:
-    contact = findings.contact_summary
-    yield (
+def _contacts(findings: Findings) -> str:
+    contact, pin = findings.contact_summary, findings.pin1
+    strays = f"; pin 1 strays {pin.max_radial_um:.2g} um at most, with play and load" if pin else ""
+    return (
         f"contacts: {contact.mean_active:.3g} touch at a time, the hardest with {contact.peak_force_n:.4g} N; parts "
-        f"approach by {contact.max_penetration_um:.2g} um at most"
+        f"approach by {contact.max_penetration_um:.2g} um at most{strays}"
     )
-    if findings.pin1:
-        yield f"pin 1: its centre strays {findings.pin1.max_radial_um:.2g} um at most, with play and load"

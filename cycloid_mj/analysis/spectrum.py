@@ -14,6 +14,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.presented import Presented
 
 BAND = 0.4
 """Highest frequency that is given, as a share of the sampling rate."""
@@ -41,8 +43,8 @@ SHORT = 0.02
 """Share of a cycle by which a window may fall short of whole ones."""
 
 
-@dataclass(frozen=True, eq=False)
-class Orders:
+@dataclass(frozen=True, eq=False, repr=False)
+class Orders(Presented):
     """A spectrum by order.
 
     Attributes
@@ -67,6 +69,17 @@ class Orders:
     band: tuple[float, float]
     cycles: int
     spread: float = 1.0
+
+    @property
+    def frame(self) -> Frame:
+        """Its orders, a row each."""
+        return Frame({"order": self.order, "amplitude": self.amplitude})
+
+    @property
+    def line(self) -> str:
+        """How many there are, and the largest."""
+        largest = int(np.argmax(self.amplitude))
+        return f"{len(self.order)} orders; largest {self.amplitude[largest]:.4g} at {self.order[largest]:.4g}"
 
     def rms(self, kept: Mask) -> float:
         """Compute the rms value of some orders together."""

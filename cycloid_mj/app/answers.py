@@ -4,7 +4,8 @@ Each function takes a reducer and gives what JSON has; numbers come with their u
 """
 
 import math
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -73,7 +74,7 @@ def ways(reducer: Reducer) -> dict[str, Any]:
     """List, for each check of life, heat and strength that does not hold at the load, the changes that mend it."""
     loaded = at_load(reducer)
     return {
-        _spoken(name): [_change(loaded, key, value) for key, value in changes]
+        _spoken(name): [_change(loaded, dict([change])) for change in changes]
         for name, changes in lasting_ways(loaded).items()
     }
 
@@ -150,10 +151,10 @@ def _broken(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
             "name": _spoken(one.name),
             "severity": one.severity,
             "place": PLACES.get(one.name, ""),
-            "what": f"{_plain(one.key)} is {one.got}, must be {one.limit}",
-            "why": one.why,
-            "remedy": "" if one.name in KINDS else one.remedy,  # of those the page asks for ways, with buttons
-            "changes": [_change(reducer, key, value) for key, value in one.changes],
+            "what": _in_words(f"{_plain(one.key)} is {one.got}, must be {one.limit}"),
+            "why": _in_words(one.why),
+            "remedy": "" if one.name in KINDS else _in_words(one.remedy),  # of those the page asks for ways
+            "changes": [_change(reducer, change) for change in one.changes],
         }
         for one in failed
         if not one.passed
@@ -165,15 +166,31 @@ def _spoken(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _change(reducer: Reducer, key: str, value: float) -> dict[str, Any]:
-    """Return one change of a remedy as a button has it: the drive's torque as that of its output."""
-    if key == "drive.torque_nm":
-        key, value = "load.torque_nm", float(f"{value * reducer.design.reduction:.10g}")
+def _change(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
+    """Return a way of a remedy as a button has it: the drive's torque as that of its output."""
+    values = dict(change)
+    if "drive.torque_nm" in values:
+        values["load.torque_nm"] = float(f"{values.pop('drive.torque_nm') * reducer.design.reduction:.10g}")
+    return {"changes": values, "words": ", ".join(_turned(reducer, key, value) for key, value in values.items())}
+
+
+def _turned(reducer: Reducer, key: str, value: float) -> str:
+    """Tell to which value a key of the file goes, in the page's words."""
     unit = unit_of(declared(key)).suffix
-    before = value_of(reducer.design, key)
-    sense = "raise" if value > before else "lower"
-    symbol = SYMBOLS.get(unit, unit)
-    return {"key": key, "value": value, "words": f"{sense} {_plain(key)} to {value:.6g} {symbol}".rstrip()}
+    sense = "raise" if value > value_of(reducer.design, key) else "lower"
+    return f"{sense} {_plain(key)} to {value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()
+
+
+def _in_words(text: str) -> str:
+    """Put the page's words and symbols for the keys of the file and the units in a sentence."""
+    text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: _plain(key[0]), text)
+    text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)
+    return re.sub(r"(?<=[0-9] )um\b", "µm", text)
+
+
+def _pairs(listed: re.Match[str]) -> str:
+    """Name kinds of pairs that are added up."""
+    return " + ".join(_plain(f"clearance.{kind}_um").removeprefix("clearance: ") for kind in listed[0].split(" + "))
 
 
 def _plain(key: str) -> str:

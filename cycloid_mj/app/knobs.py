@@ -1,4 +1,4 @@
-"""The design values that the page changes by sliders and lists, each with unit, range and meaning."""
+"""The values of a design that the page moves by sliders and lists, each with unit, range and what it is."""
 
 import math
 from collections.abc import Iterator, Mapping

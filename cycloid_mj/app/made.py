@@ -91,7 +91,7 @@ FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
 
 def make(told: Told, values: Any, kind: str) -> Made:
     """Make one of `FILES` of the page's design."""
-    told({"doing": f"making: {FILES[kind][0]}"})
+    told({"doing": "being made"})
     return Made(files=FILES[kind][1](design_of(values)))
 
 

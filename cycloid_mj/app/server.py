@@ -90,7 +90,7 @@ class Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.NOT_FOUND, f"{error}\n".encode(), "text/plain")
 
     def do_POST(self) -> None:
-        """Answer a question in JSON with JSON; a mistake gets the status 400 and its message."""
+        """Answer a question, told in JSON, in JSON; a mistake has the status 400 and says what it is."""
         if not self._allowed():
             return
         length = self.headers.get("Content-Length", "")
@@ -127,7 +127,7 @@ class Handler(BaseHTTPRequestHandler):
             self.server.asked.release()
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Suppress the log of requests that succeed."""
+        """Say nothing of what goes well."""
 
     def _allowed(self) -> bool:
         """Refuse whoever did not open the page by a name of this machine."""

@@ -32,7 +32,7 @@ class Worker:
         self._start()
 
     def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
-        """Run a job in the worker; with `told`, the job gets a callback for its progress as first argument.
+        """Have a work done; where `told` is given, the work gets a function first that passes things on to it.
 
         Raises
         ------
@@ -58,7 +58,7 @@ class Worker:
                 raise Died("the work was stopped, or its process ended, as for want of memory") from error
 
     def stop(self) -> None:
-        """Abort the current job: `do` raises then."""
+        """End what it is at: `do` raises then."""
         self._process.terminate()
 
     def _start(self) -> None:
@@ -76,7 +76,7 @@ class Workers:
         self.quick, self.slower, self.long = Worker(quick), Worker(slower), Worker()
 
     def close(self) -> None:
-        """Terminate the workers at once; what they do is needed no more."""
+        """End them at once: nothing is lost with what they are at."""
         for worker in (self.quick, self.slower, self.long):
             worker.stop()
 

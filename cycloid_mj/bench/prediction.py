@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
 from cycloid_mj.bench.parameters import Model
@@ -14,12 +16,14 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Losses
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(Presented):
     """Loops of a reducer at the torques of measured ones.
 
     Attributes
     ----------
+    loops
+        The measured ones.
     turns
         Deflection at each point of each loop [rad], in the middle of the measured ones.
     shares
@@ -28,10 +32,27 @@ class Prediction:
         The figures of both, by the same definitions.
     """
 
+    loops: tuple[MeasuredLoop, ...]
     turns: tuple[Array, ...]
     shares: tuple[float, ...]
     measured: LoopReading
     modelled: LoopReading
+
+    @property
+    def frame(self) -> Frame:
+        """The figures of both, a row each."""
+        modelled = self.modelled.in_units()
+        rows: list[dict[str, Cell]] = [
+            {"key": key, "measured": one.value, "modelled": modelled[key].value}
+            for key, one in self.measured.in_units().items()
+        ]
+        return framed(rows, ("key", "measured", "modelled"), {})
+
+    @property
+    def line(self) -> str:
+        """How far each loop is off."""
+        off = (f"{loop.name} {share:.2%}" for loop, share in zip(self.loops, self.shares, strict=True))
+        return f"rms difference over the height of the loop: {', '.join(off)}"
 
 
 def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float = 0.0) -> Prediction:
@@ -62,4 +83,4 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
         for turn, loop in zip(turns, loops, strict=True)
     )
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(loops, turns, strict=True)]
-    return Prediction(tuple(turns), shares, read_figures(loops), read_figures(modelled))
+    return Prediction(tuple(loops), tuple(turns), shares, read_figures(loops), read_figures(modelled))

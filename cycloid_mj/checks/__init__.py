@@ -9,7 +9,7 @@ and those of `margin` and `strength`. An error is what cannot be made, put toget
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import balance, bearings, body_rules
-from cycloid_mj.checks.limit import Check, Limit, judged
+from cycloid_mj.checks.limit import Check, Checks, Limit, judged
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_rules
 from cycloid_mj.checks.several import disc_checks
@@ -27,6 +27,7 @@ __all__ = [
     "WALLS",
     "WALL_SHARE",
     "Check",
+    "Checks",
     "Limit",
     "Summary",
     "check",
@@ -36,7 +37,7 @@ __all__ = [
 ]
 
 
-def check(design: Design) -> tuple[Check, ...]:
+def check(design: Design) -> Checks:
     """List every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
 
     The latter need a design without errors, and are all warnings.
@@ -49,14 +50,10 @@ def check(design: Design) -> tuple[Check, ...]:
     reducer = Reducer(design)
     sound = soundness(reducer)
     if any(item.severity == "error" and not item.passed for item in sound):
-        return sound
-    return (
-        *sound,
-        *disc_checks(reducer),
-        *judged(reducer, margin_rules(reducer)),
-        *tolerance_checks(reducer),
-        *strength_checks(reducer),
-    )
+        return Checks(sound)
+    margins = judged(reducer, margin_rules(reducer))
+    good = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
+    return Checks((*sound, *good))
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cycloid_mj.checks.limit import Check, value_and_limit
+from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.reducer import Reducer
@@ -31,15 +31,16 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
     play = reducer.design.clearance.pin_socket
     passed = bool(radius_errors[thickest] < play)
     got, limit = value_and_limit(float(radius_errors[thickest]), "less than", play, MICROMETRE)
-    enough = f"{MICROMETRE.from_si(float(radius_errors[thickest])):.4g}"
+    enough = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest]))
     return Check(
         name="pin_in_socket",
         passed=passed,
         got=f"{got} (pin {thickest + 1})",
         limit=f"{limit} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
-        remedy="" if passed else f"raise clearance.pin_socket_um to more than {enough}, or lower the pins' errors",
+        remedy="" if passed else f"{enough.remedy(reducer)}, or lower the pins' errors",
         key="errors.pin_dr_um",
+        changes=() if passed else single_changes(reducer, [enough]),
     )
 
 
@@ -48,17 +49,16 @@ def _room(reducer: Reducer) -> Check:
     poses = min(MOST_POSES, reducer.design.ring.teeth)
     room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
     got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)
-    missing = f"{MICROMETRE.from_si(-room):.4g}"
-    tooth = "tooth" if reducer.design.ring.kind == "nonpin" else "pin_gear"
+    pairs = (reducer.design.tooth_pair, "cam", "output")
+    wider = [Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) - room) for pair in pairs]
     return Check(
         name="assembly",
         passed=room >= 0.0,
         got=f"{got} (smallest gap with the gear at its best, worst crank angle)",
         limit=limit,
         why="the errors and the modification are larger than the clearances: parts go together only under force",
-        remedy=""
-        if room >= 0.0
-        else f"raise clearance.{tooth}_um, clearance.cam_um and clearance.output_um by {missing}, or lower the errors",
+        remedy="" if room >= 0.0 else f"{' and '.join(limit.remedy(reducer) for limit in wider)}, or lower the errors",
         severity="warning",
         key="errors and modification",
+        changes=() if room >= 0.0 else joint_change(reducer, wider),
     )

@@ -134,7 +134,7 @@ def _hole_size(reducer: Reducer) -> Check:
         " a larger one adds play, which belongs to clearance.output_um",
         remedy="" if passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
         key=key,
-        changes=() if passed else ((key, float(number)),),
+        changes=() if passed else ({key: float(number)},),
     )
 
 

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -10,6 +10,8 @@ import numpy as np
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, unit_of
 from cycloid_mj.reducer import Reducer
@@ -25,7 +27,13 @@ STRICT_MARGIN = 1e-9
 SMALLEST = 1e-30
 """SI; smaller bounds, and 0, are no remedy."""
 
+COLUMNS = ("name", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit")
+"""Of the frame of some checks."""
+
 Severity = Literal["error", "warning"]
+
+Change = Mapping[str, float]
+"""Keys of the design file -> the values that they get together."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,7 @@ class Check:
     limit is there for; `remedy` names the keys to change, in which direction and to which number (empty if passed). A
     failed check of severity "error" means that the design cannot be built; a "warning" is told and stops nothing.
     `value` and `bound` are what `got` and `limit` tell, in the file's `unit`, where each is one number. `changes` are
-    those single ones of the remedy that help alone, each as a key of the file and the value to give it.
+    the ways of the remedy, any of which helps alone: each names keys of the file and the values to give them together.
     """
 
     name: str
@@ -50,12 +58,35 @@ class Check:
     value: float | None = None
     bound: float | None = None
     unit: str = ""
-    changes: tuple[tuple[str, float], ...] = ()
+    changes: tuple[Change, ...] = ()
 
     def __str__(self) -> str:
         """Tell the check in one line."""
         text = f"{self.name}: {self.key} is {self.got}, must be {self.limit}: {self.why}"
         return f"{text}; {self.remedy}" if self.remedy else text
+
+
+class Checks(Presented, tuple[Check, ...]):
+    """The checks of a design, in their order."""
+
+    @property
+    def frame(self) -> Frame:
+        """The checks, a row each."""
+        rows = [{name: value for name in COLUMNS if (value := getattr(one, name)) is not None} for one in self]
+        return framed(rows, COLUMNS, {})
+
+    @property
+    def line(self) -> str:
+        """How many do not hold, and which."""
+        failed = [one.name for one in self if not one.passed]
+        return f"{len(failed)} of {len(self)} do not hold: {', '.join(failed)}" if failed else f"all {len(self)} hold"
+
+    @property
+    def margins(self) -> dict[str, float]:
+        """Of each check of a number against a bound, how many times the number may grow, or shrink, until it fails."""
+        sides = {one.name: (one.value, one.bound, one.limit.startswith(UPPER)) for one in self}
+        numbers = {name: (value, bound, upper) for name, (value, bound, upper) in sides.items() if value and bound}
+        return {name: bound / value if upper else value / bound for name, (value, bound, upper) in numbers.items()}
 
 
 @dataclass(frozen=True)
@@ -186,9 +217,15 @@ def _judged(reducer: Reducer, rule: Rule) -> Check:
     return replace(_judged(reducer, rule.first), remedy=remedy, changes=changes)
 
 
-def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[tuple[str, float], ...]:
+def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
     """List the changes, each of which keeps one of some limits alone."""
-    return tuple(change for limit in limits if (change := limit.change(reducer)))
+    return tuple(dict([change]) for limit in limits if (change := limit.change(reducer)))
+
+
+def joint_change(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
+    """List the one change that keeps all of some limits: none where one of them allows none, or there is no limit."""
+    changes = [limit.change(reducer) for limit in limits]
+    return (dict(filter(None, changes)),) if changes and all(changes) else ()
 
 
 def _remedy(reducer: Reducer, limits: list[Limit]) -> str:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, Rule, millimetres, value_and_limit
+from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, Rule, joint_change, millimetres, value_and_limit
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
@@ -138,16 +138,17 @@ def _play_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
     allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
     got, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
-    remedies = [] if total <= allowed else [share.remedy(reducer) for share in shares if not share.holds(reducer)]
+    tighter = [] if total <= allowed else [share for share in shares if not share.holds(reducer)]
     yield Check(
         name="play",
         passed=total <= allowed,
         got=f"{got} ({' + '.join(names)})",
         limit=f"{limit} ({PLAY_SHARE:.0%} of the smaller of c and rho, assumed)",
         why="with more play the teeth leave their conjugate contact: statics and closed forms are estimates",
-        remedy=" and ".join(remedies),
+        remedy=" and ".join(share.remedy(reducer) for share in tighter),
         severity="warning",
         key="clearance",
+        changes=joint_change(reducer, tighter),
     )
     if total > allowed and whole:
         yield _jump(reducer)
@@ -175,6 +176,7 @@ def _jump(reducer: Reducer) -> Check:
         value=DEGREE.from_si(play),
         bound=DEGREE.from_si(allowed),
         unit=DEGREE.suffix,
+        changes=() if play <= allowed else joint_change(reducer, lower),
     )
 
 

@@ -27,4 +27,5 @@ def disc_checks(reducer: Reducer) -> Iterator[Check]:
         remedy="" if passed or not more else f"raise output.pins to {more}",
         severity="warning",
         key="output.pins",
+        changes=() if passed or not more else ({"output.pins": more},),
     )

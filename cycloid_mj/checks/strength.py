@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.checks.limit import Check, Limit, single_changes, value_and_limit
+from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
@@ -170,6 +170,7 @@ def _concentration(state: Rated) -> Check:
         " (gear.face_width_mm, contact.cam_rollers)",
         severity="warning",
         key="the largest tooth force over that of ideal sharing",
+        changes=() if passed or not share else joint_change(reducer, limits),
         **_numbers(ratio, CONCENTRATION, NONE),
     )
 
@@ -214,6 +215,7 @@ def _pressure_angle(state: Rated) -> Check:
         else "no larger eccentricity is enough: lower the clearances",
         severity="warning",
         key="the mean pressure angle at the rated torque",
+        changes=() if passed or not share else joint_change(Reducer(design), limits),
         **_numbers(angle, PRESSURE_ANGLE, DEGREE),
     )
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.checks.limit import Check, Limit, value_and_limit
+from cycloid_mj.checks.limit import Check, Limit, single_changes, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.reducer import Reducer
 
@@ -52,4 +52,5 @@ def _tolerance(reducer: Reducer, name: str, what: str, size: float, pair: str, r
         remedy="" if passed else ", or ".join(filter(None, (enough.remedy(reducer), lower))),
         severity="warning",
         key=f"the error of {what}",
+        changes=() if passed else single_changes(reducer, [enough]),
     )

@@ -70,7 +70,7 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
 
     design = chosen.resolved()
     place = claimed(delivery, f"{design.name}-check")
-    results = checks(design)
+    results: Sequence[Check] = checks(design)
     sound = not any(_word(item) == "FAIL" for item in results)
     summed = _summed(design) if sound else None
     rating = _rated(design) if summed else None

@@ -124,6 +124,8 @@ def simulate(
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
     outcome = _with_meaning(outcome_of(findings), findings, ran.log, page, chosen)
+    if not delivery.all:
+        outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
 
 
@@ -139,11 +141,12 @@ def _with_meaning(
     from cycloid_mj.analysis import meaning
     from cycloid_mj.report import review_page
 
-    summary = [*meaning(findings), *outcome.summary, *([f"to look at in a browser: {page}"] if page else [])]
+    written = f"log: {log}{f'; to look at in a browser: {page}' if page else ''}"
     return replace(
         outcome,
+        condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
-        summary=[*summary, "next:", *(f"  {words}" for words in _next(findings, log, chosen))],
+        summary=[*meaning(findings), written, *(f"next: {words}" for words in _next(findings, log, chosen))],
         page=lambda: review_page(log),
     )
 

@@ -1,16 +1,18 @@
 """The frozen ``Design``: every input of the project, in SI units; the defaults are the paper's pin reducer."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from html import escape
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.design.mistakes import refusal
-from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch
+from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch, unit_of
 
 Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
 """A deviation [m] of each of some parts; empty: drawn at random."""
@@ -694,7 +696,21 @@ class Settings(Section):
     )
 
 
-class Design(Section):
+def _rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
+    """Yield the values of a section in the units of the design file, with those of its tables."""
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, Section):
+            yield from _rows(value, f"{name}.")
+        elif value is not None:
+            unit = unit_of(field)
+            of_file = unit.from_si(value) if isinstance(value, float) else value
+            of_file = [unit.from_si(one) for one in value] if isinstance(value, tuple) else of_file
+            key = f"{prefix}{file_key(name, field)}"
+            yield {"key": key, "value": str(of_file), "unit": unit.suffix, "meaning": field.description or ""}
+
+
+class Design(Section, Presented):
     """One cycloidal reducer with its drive and load; all values in SI.
 
     The defaults are the paper's pin reducer (Hsieh 2014, section 3.1 and Table 1); what the paper leaves open
@@ -748,6 +764,11 @@ class Design(Section):
         """Tell the design as a table of a notebook."""
         rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
         return f"<table>{rows}</table>"
+
+    @property
+    def frame(self) -> Frame:
+        """Its values as the design file has them, a row each."""
+        return framed([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _facts(self) -> tuple[tuple[str, str], ...]:
         ring = self.ring

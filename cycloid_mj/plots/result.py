@@ -9,27 +9,34 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import Findings
+from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench.calibration import Calibration
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.prediction import Prediction
+from cycloid_mj.checks import Checks
+from cycloid_mj.design import Design
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.life.item import Rating
 from cycloid_mj.measure import Measurement
+from cycloid_mj.parts.export import Export
 from cycloid_mj.plots import figures
 from cycloid_mj.plots.bench import calibration_figure
 from cycloid_mj.plots.datasheet import datasheet_pictures
 from cycloid_mj.plots.explored import sweep_figure
 from cycloid_mj.plots.measure import measurement_figure
+from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
 from cycloid_mj.plots.style import BLUE, GREY, VERMILION, sheet, state, styled
 from cycloid_mj.plots.tolerance import tolerance_figures
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.sizing.answer import Answer
 from cycloid_mj.statics.sheet import Sheet
@@ -42,6 +49,9 @@ ROW, HEAD = 0.26, 1.1
 
 POINTS = 201
 """Of a curve over the torque."""
+
+TIGHTEST = 20
+"""Checks that are drawn."""
 
 ANSWERED = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
 """Figures of drives that are laid side by side."""
@@ -70,6 +80,7 @@ def figures_of(result: object) -> Figures:
 figures_of.register(Run, figures)
 figures_of.register(Datasheet, datasheet_pictures)
 figures_of.register(Tolerances, tolerance_figures)
+figures_of.register(Design, lambda design: {"mechanism": mechanism(Reducer(design))})
 
 
 @figures_of.register
@@ -85,6 +96,42 @@ def _of_calibration(calibration: Calibration) -> Figures:
 @figures_of.register
 def _of_loop(loop: MeasuredLoop) -> Figures:
     return {"loop": _curve(loop.torque, loop.deflection / DEGREE, "deflection [deg]", loop.line)}
+
+
+@figures_of.register
+@styled
+def _of_prediction(prediction: Prediction) -> Figures:
+    figure = sheet(2.8)
+    panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
+    for axes, loop, turn in zip(panels, prediction.loops, prediction.turns, strict=True):
+        axes.plot(loop.torque, loop.deflection / DEGREE, ".", color=GREY, markersize=2.0, label="measured")
+        axes.plot(loop.torque, turn / DEGREE, color=BLUE, label="the reducer's")
+        axes.set_title(loop.name)
+        axes.set_xlabel("torque at the output [N m]")
+    panels[0].set_ylabel("deflection [deg]")
+    panels[0].legend()
+    state(figure, prediction.line)
+    return {"loops": figure}
+
+
+@figures_of.register
+def _of_checks(checks: Checks) -> Figures:
+    tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[:TIGHTEST])
+    label = "how many times it may grow, or shrink, until it fails"
+    return {"margins": _bars(tightest, label, f"{checks.line[:120]}; what is below 1 fails", fails_below_1=True)}
+
+
+@figures_of.register
+def _of_export(exported: Export) -> Figures:
+    drawn = {one.pair: 0.5 * (one.least + one.most) / one.asked for one in exported.clearances if one.asked}
+    if not drawn:
+        raise UsageError("these files have no clearances to draw; .to_frame() lists them")
+    return {"clearances": _bars(drawn, "clearance as drawn over that asked for", exported.line)}
+
+
+@figures_of.register
+def _of_orders(orders: Orders) -> Figures:
+    return {"orders": _stems(orders.order, orders.amplitude, orders.line)}
 
 
 @figures_of.register
@@ -155,6 +202,18 @@ def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
     axes.plot(torque, turn, color=BLUE)
     axes.set_xlabel("torque at the output [N m]")
     axes.set_ylabel(label)
+    state(figure, condition)
+    return figure
+
+
+@styled
+def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
+    """Draw a line for each order."""
+    figure = sheet(2.4)
+    axes = figure.subplots()
+    axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
+    axes.set_xlabel("order [per crank turn]")
+    axes.set_ylabel("amplitude")
     state(figure, condition)
     return figure
 

@@ -110,8 +110,7 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
     for least in (1.0, -1.0):
         goal = np.zeros(unknowns(reducer))
         goal[-1] = least
-        # to look for limits that say nothing takes longer than to solve with them
-        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None), options={"presolve": False})
+        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
         if ends.x is None:
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
         turns.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)

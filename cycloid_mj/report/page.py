@@ -2,14 +2,19 @@
 
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.figures import figure
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import tables
 from cycloid_mj.report.data import MOST_TURNS, figures, page_data
 from cycloid_mj.report.reviewed import Reviewed
+from cycloid_mj.statics.sheet import load_of
 
 SCRIPTS = ("scale.js", "chart.js", "plane.js", "mechanism.js", "page.js")
 
@@ -65,6 +70,16 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
         yield f"{part}: speed, rms error", f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s"
     yield "largest contact force", f"{findings.contact_summary.peak_force_n:.4g} N"
     yield "contacts, mean", f"{findings.contact_summary.mean_active:.3g}"
+    with suppress(CycloidError):  # statics find no balance: the checks among the warnings say so
+        yield from _statics(Reducer(item.motion.design))
+
+
+def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:
+    """Yield what no run tells."""
+    load, _ = load_of(reducer)
+    for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
+        one = figure(key)
+        yield f"{name}, by statics", f"{one.value(reducer):.3g} {one.unit}"
 
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:

@@ -56,7 +56,7 @@ SOLID_STEP = 1.25
 
 @dataclass(frozen=True)
 class StudySettings:
-    """Settings of a study: angles, grids and maps.
+    """How much is computed.
 
     Attributes
     ----------

@@ -89,5 +89,6 @@ def test_nothing_sticks_out_of_any_screen(page: Tab, width: int, scheme: str) ->
     page.screen(width, SIZES[width], scheme)
     for word in ("Figures", "Loads", "Life", "A | B", "Make"):
         page.click("[role=tab]", word)
+        assert page.run("document.querySelector('[aria-selected=true]').innerText") == word, "something covers the tab"
         assert not page.run(OVERHANG), word
     assert page.run("document.documentElement.scrollWidth") == width

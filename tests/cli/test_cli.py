@@ -207,8 +207,8 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert bool(lines) == progress
     assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
     assert Path("runs/pin-review.html").read_text().startswith("<!doctype html>")
-    assert "to look at in a browser: runs/pin-review.html" in out
-    commands = [line.split("    #")[0].split() for line in out.splitlines() if line.startswith("  cycloid-mj ")]
+    assert "log: runs/pin.mcap; to look at in a browser: runs/pin-review.html" in out
+    commands = [line.split("    #")[0].split()[1:] for line in out.splitlines() if line.startswith("next: cycloid-mj ")]
     assert [words[1] for words in commands] == ["simulate", "statics", "animate"]
     for words in commands:
         application(words[1:2]).parse_args(words[1:])

@@ -16,6 +16,7 @@ from made_run import STEP, made_run
 from cycloid_mj.analysis import FIGURES, SIGNALS, judge, series, table
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.figures import FIGURES as FIGURES_OF_DESIGNS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import MOST_RUNS, report
 from cycloid_mj.report.data import MOST_VALUES, curves
@@ -32,7 +33,7 @@ FLAGS = (
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
     *("--enable-logging=stderr", "--v=0", "--virtual-time-budget=4000"),
 )
-VOID = {"meta", "input", "br"}
+VOID = {"meta", "link", "input", "br"}
 
 
 class Page(HTMLParser):
@@ -95,7 +96,9 @@ def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
         found = Page(page)
         assert found.open == []
         for tag, attributes in found.elements:
-            assert tag not in ("link", "img", "iframe", "object", "base")
+            assert tag not in ("img", "iframe", "object", "base")
+            if tag == "link":  # an icon of nothing: else a browser asks the server of the page for one
+                assert (attributes["rel"], attributes.pop("href")) == ("icon", "data:,")
             assert not {"src", "href", "srcset", "action"} & attributes.keys()
         assert not re.search(r"https?://(?!www\.w3\.org/)|@import|url\(\s*['\"]?(?!#)", page)
         assert "viewport" in [attributes.get("name") for _, attributes in found.elements]
@@ -126,6 +129,14 @@ def test_a_loss_that_comes_back_is_explained_below_its_table(pin):
         losses = (replace(first, normal_w=power), *(replace(one, normal_w=0.0) for one in others))
         text = page_of([replace(item, findings=replace(item.findings, losses=losses))])
         assert ("is elastic energy that comes back" in text) == explained
+
+
+def test_backlash_and_stiffness_by_statics_stand_beside_what_the_run_tells(pin, text):
+    told = [words for tag, words in Page(text).texts if tag in ("dt", "dd")]
+    for name, key in (("backlash", "backlash_arcmin"), ("stiffness at 36 N m", "stiffness_nm_per_arcmin")):
+        one = FIGURES_OF_DESIGNS[key]
+        value = one.value(Reducer(series(pin).design))
+        assert told[told.index(f"{name}, by statics") + 1] == f"{value:.3g} {one.unit}"
 
 
 def test_table_is_that_of_the_analysis(pin, nonpin, both):

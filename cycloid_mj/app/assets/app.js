@@ -124,7 +124,7 @@ function showWrong(errors) {
 
 function remedies(check) {
   return el("div", { class: "remedies" }, check.changes.map(change => el("button",
-    { class: "remedy", title: `Sets ${change.key} = ${change.value}`, onclick: () => apply({ [change.key]: change.value }) }, change.words)));
+    { class: "remedy", title: `Sets ${Object.entries(change.changes).map(([key, value]) => `${key} = ${value}`).join(", ")}`, onclick: () => apply(change.changes) }, change.words)));
 }
 
 // The checks with the ways that were tried for those that tell none; either may come first.

@@ -2,22 +2,24 @@
 
 import { el, svg, number, fill } from "./dom.js";
 
-const W = 560, H = 230, LEFT = 56, RIGHT = 12, TOP = 12, BOTTOM = 38;
+const QUARTERS = [0, 90, 180, 270, 360];
+const W = 560, H = 230, LEFT = 56, RIGHT = 20, TOP = 12, BOTTOM = 38;
 
 function ticks(low, high, count = 5) {
   const span = high - low || 1, rough = span / count, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map(one => one * power).find(one => one >= rough);
+  const step = [1, 2, 2.5, 5, 10].map(one => one * power).find(one => one >= rough);
   const found = [];
   for (let at = Math.ceil(low / step - 1e-9) * step; at <= high + 1e-9 * span; at += step) found.push(Number(at.toPrecision(10)));
   return found;
 }
 
-function frame(x, y, labels) {
+// `steps` are the marks along x, else round numbers.
+function frame(x, y, labels, steps = ticks(...x, 6)) {
   const across = value => LEFT + (value - x[0]) / (x[1] - x[0] || 1) * (W - LEFT - RIGHT);
   const up = value => H - BOTTOM - (value - y[0]) / (y[1] - y[0] || 1) * (H - TOP - BOTTOM);
   const axes = svg("g", { class: "axes" },
-    ticks(...y, 4).map(at => [svg("line", { x1: LEFT, x2: W - RIGHT, y1: up(at), y2: up(at) }), svg("text", { x: LEFT - 7, y: up(at) + 4, "text-anchor": "end" }, number(at))]),
-    ticks(...x, 6).map(at => svg("text", { x: across(at), y: H - BOTTOM + 17, "text-anchor": "middle" }, number(at))),
+    ticks(...y).map(at => [svg("line", { x1: LEFT, x2: W - RIGHT, y1: up(at), y2: up(at) }), svg("text", { x: LEFT - 7, y: up(at) + 4, "text-anchor": "end" }, number(at))]),
+    steps.map(at => svg("text", { x: across(at), y: H - BOTTOM + 17, "text-anchor": "middle" }, number(at))),
     svg("text", { x: (W + LEFT - RIGHT) / 2, y: H - 4, "text-anchor": "middle", class: "label" }, labels[0]),
     svg("text", { x: -(H - BOTTOM + TOP) / 2, y: 13, "text-anchor": "middle", class: "label", transform: "rotate(-90)" }, labels[1]));
   return { across, up, axes };
@@ -25,11 +27,11 @@ function frame(x, y, labels) {
 
 const chart = (title, ...inside) => svg("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": title, class: "chart" }, ...inside);
 
-// Lines: series of {name, y, look}; `x` is shared. What stands under the cursor is told below.
+// Lines over the crank angle: series of {name, y, look}; `x` is shared. What stands under the cursor is told below.
 export function lines(title, x, series, labels) {
   const all = series.flatMap(one => one.y);
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)], room = 0.06 * (high - low || 1);
-  const { across, up, axes } = frame([x[0], x[x.length - 1]], [low < 0 ? low - room : low, high + room], labels);
+  const { across, up, axes } = frame([x[0], x[x.length - 1]], [low < 0 ? low - room : low, high + room], labels, QUARTERS);
   const cursor = svg("line", { class: "cursor", y1: TOP, y2: H - BOTTOM, x1: -9, x2: -9 });
   const told = el("figcaption", {});
   const key = () => fill(told, ...series.filter(one => one.name).map(one => el("span", { class: `key ${one.look}` }, one.name)));
@@ -61,7 +63,7 @@ export function histogram(title, edges, counts, unit, marks) {
   const { across, up, axes } = frame([edges[0], edges[edges.length - 1]], [0, 1.12 * Math.max(...counts)], [unit, "drives"]);
   return el("figure", {}, el("h3", {}, title), chart(title, axes,
     counts.map((count, at) => svg("rect", { class: "spike", x: across(edges[at]) + 0.5, width: Math.max(0.5, across(edges[at + 1]) - across(edges[at]) - 1), y: up(count), height: up(0) - up(count) })),
-    marks.map(([value, word]) => svg("g", {}, svg("line", { class: "quantile", x1: across(value), x2: across(value), y1: TOP, y2: H - BOTTOM }), svg("text", { class: "label", x: across(value), y: TOP + 2, "text-anchor": "middle" }, word)))),
+    marks.map(([value, word]) => svg("g", {}, svg("line", { class: "quantile", x1: across(value), x2: across(value), y1: TOP + 5, y2: H - BOTTOM }), svg("text", { class: "label", x: across(value), y: TOP, "text-anchor": "middle" }, word)))),
     el("figcaption", {}, marks.map(([value, word]) => el("span", {}, `${word}: ${number(value, 3)} ${unit}`))));
 }
 

@@ -5,13 +5,36 @@ import { el } from "./dom.js";
 const VERTEX = `attribute vec3 corner, normal; uniform mat4 place, view; uniform vec2 aspect; varying vec3 n;
 void main() { vec4 at = view * place * vec4(corner, 1.0); n = mat3(view) * mat3(place) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
 const FRAGMENT = `precision mediump float; uniform vec4 colour; varying vec3 n;
-void main() { vec3 m = normalize(n); float light = 0.42 + 0.5 * max(0.0, dot(m, normalize(vec3(0.35, 0.5, 0.8)))) + 0.14 * max(0.0, dot(m, normalize(vec3(-0.7, -0.2, 0.4)))); gl_FragColor = vec4(colour.rgb * light, colour.a); }`;
+void main() { vec3 m = normalize(n); if (m.z > 0.0) m = -m; float light = 0.5 + 0.45 * max(0.0, dot(m, normalize(vec3(0.35, 0.6, -0.7)))) + 0.16 * max(0.0, dot(m, normalize(vec3(-0.7, 0.1, -0.5)))); gl_FragColor = vec4(colour.rgb * min(light, 1.1), colour.a); }`;
+const CREASE = 0.8; // cosine of the angle between faces from which on their edge is drawn sharp
+
+// Normals at the corners of triangles: those of the faces that meet there, as far as they do not meet in an edge.
+function normalsOf(corners) {
+  const faces = [], meeting = new Map(), normals = new Float32Array(corners.length);
+  const spot = at => `${corners[at].toFixed(3)} ${corners[at + 1].toFixed(3)} ${corners[at + 2].toFixed(3)}`;
+  for (let at = 0; at < corners.length; at += 9) {
+    const [ax, ay, az] = [0, 1, 2].map(k => corners[at + 3 + k] - corners[at + k]), [bx, by, bz] = [0, 1, 2].map(k => corners[at + 6 + k] - corners[at + k]);
+    const n = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], size = Math.hypot(...n) || 1;
+    const face = { size, n: n.map(one => one / size) };
+    faces.push(face);
+    for (const corner of [at, at + 3, at + 6]) meeting.set(spot(corner), [...(meeting.get(spot(corner)) || []), face]);
+  }
+  faces.forEach(({ n }, place) => {
+    for (let corner = 9 * place; corner < 9 * place + 9; corner += 3) {
+      for (const other of meeting.get(spot(corner))) {
+        if (n[0] * other.n[0] + n[1] * other.n[1] + n[2] * other.n[2] < CREASE) continue;
+        for (let k = 0; k < 3; k += 1) normals[corner + k] += other.size * other.n[k];
+      }
+    }
+  });
+  return normals;
+}
 
 const columns = (angle, x, y) => { const [c, s] = [Math.cos(angle), Math.sin(angle)]; return [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, x, y, 0, 1]; };
 
 export class Solid {
   constructor(told) {
-    Object.assign(this, { told, yaw: -0.6, pitch: 1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+    Object.assign(this, { told, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
     this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The assembly in 3-D; drag or arrow keys turn it, + and − zoom" });
     this.gl = this.canvas.getContext("webgl", { antialias: true, alpha: true, preserveDrawingBuffer: true });
     const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this[key], onchange: event => { this[key] = event.target.checked; this.#draw(); } }), words);
@@ -46,25 +69,21 @@ export class Solid {
     this.at = Object.fromEntries(["place", "view", "aspect", "colour"].map(name => [name, gl.getUniformLocation(program, name)]));
     let reach = 0, low = Infinity, high = -Infinity;
     this.bodies = this.told.bodies.map(body => {
-      const bytes = Uint8Array.from(atob(body.corners), one => one.charCodeAt(0)), corners = new Float32Array(bytes.buffer), normals = new Float32Array(corners.length);
-      for (let at = 0; at < corners.length; at += 9) {
-        const [ax, ay, az] = [0, 1, 2].map(k => corners[at + 3 + k] - corners[at + k]), [bx, by, bz] = [0, 1, 2].map(k => corners[at + 6 + k] - corners[at + k]);
-        const n = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], size = Math.hypot(...n) || 1;
-        for (let k = 0; k < 9; k += 1) normals[at + k] = n[k % 3] / size;
-      }
+      const bytes = Uint8Array.from(atob(body.corners), one => one.charCodeAt(0)), corners = new Float32Array(bytes.buffer);
       for (let at = 0; at < corners.length; at += 3) {
         reach = Math.max(reach, Math.hypot(corners[at], corners[at + 1]));
         low = Math.min(low, corners[at + 2]);
         high = Math.max(high, corners[at + 2]);
       }
-      const buffers = [corners, normals].map(data => { const buffer = gl.createBuffer(); gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW); return buffer; });
+      const buffers = [corners, normalsOf(corners)].map(data => { const buffer = gl.createBuffer(); gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW); return buffer; });
       return { ...body, corners: null, buffers, count: corners.length / 3 };
     });
     this.names = ["corner", "normal"].map(name => gl.getAttribLocation(program, name));
     this.scale = 0.88 / Math.hypot(reach, (high - low) / 2);
     this.middle = (low + high) / 2;
     gl.enable(gl.DEPTH_TEST);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA); // for a page behind the canvas
+    gl.polygonOffset(2, 4); // what is seen through lies behind what touches it
   }
 
   #hands() {
@@ -102,7 +121,7 @@ export class Solid {
     for (const clear of [false, true]) {
       for (const body of this.bodies) {
         if (glass(body) !== clear) continue;
-        (clear ? gl.enable : gl.disable).call(gl, gl.BLEND);
+        for (const what of [gl.BLEND, gl.POLYGON_OFFSET_FILL]) (clear ? gl.enable : gl.disable).call(gl, what);
         gl.depthMask(!clear);
         const [r, g, b, a] = body.colour;
         gl.uniform4f(this.at.colour, r, g, b, this.cut && body.name === "housing" ? 0.28 : a);

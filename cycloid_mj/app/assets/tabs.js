@@ -194,7 +194,7 @@ export class Tabs {
     const before = el("label", {}, "Each size ± ", typed, " µm ");
     return [el("p", { class: "soft" }, "Drives drawn within that of each clearance, pin place and eccentricity (uniform, seed 0), each balanced all round. More and more of them, while you look."),
       ...this.#study("scatter", "Make thousands", () => ({ spread_um: Number(typed.value) }), told => [
-        el("p", {}, el("b", {}, `${told.samples} drives`), `: ${told.jam ? `${number(100 * told.jam, 3)} % jam` : "none jams"}. ${told.condition}.`),
+        el("p", {}, el("b", {}, `${told.samples} drives`), `: ${told.jam ? `${number(100 * told.jam, 3)} % jam` : "none jams"}.`, el("span", { class: "sentence soft" }, `${told.condition}.`)),
         told.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "half"], [one.p95, "95 %"]])),
         told.budget?.length ? [el("h3", {}, `What to tighten first: share in the spread of the ${told.budget_of}`), bars(told.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
   }

@@ -10,6 +10,8 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Design
 from cycloid_mj.parts import Solid, fused, mass_properties, parts
 from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
@@ -80,12 +82,23 @@ VOLUME_TOLERANCE = 1e-3
 _POINTS_PER_CURVE = 200
 
 
-@dataclass(frozen=True)
-class Export:
+@dataclass(frozen=True, repr=False)
+class Export(Presented):
     """Files by name, and the clearances measured on what is in them."""
 
     files: dict[str, bytes]
     clearances: tuple[OutlineClearance, ...]
+
+    @property
+    def frame(self) -> Frame:
+        """The files, a row each."""
+        rows: list[dict[str, Cell]] = [{"file": name, "bytes": len(content)} for name, content in self.files.items()]
+        return framed(rows, ("file", "bytes"), {"bytes": "B"})
+
+    @property
+    def line(self) -> str:
+        """The files with their size."""
+        return f"{', '.join(self.files)}; {sum(map(len, self.files.values())) / 1000.0:.4g} kB"
 
 
 def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
@@ -127,7 +140,7 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
 def drive_files(
     reducer: Reducer, file_format: Format, sizes: Casing, chord_error: float = CHORD_ERROR, cam_seat: float = 0.0
 ) -> dict[str, bytes]:
-    """Export every manufactured part of an assembled drive, one file a part, by name.
+    """Export every part that is made of a whole drive, as it is put together, one file a part, by name.
 
     Covers and flange, and ring, output and shaft with the holes and seats that they need. Meshes have cams of the
     radius `cam_seat` [m], as ``printing.made_parts``; outlines and solids those of the assembly.

@@ -1,4 +1,4 @@
-"""Meshes as binary STL and Wavefront OBJ; equal meshes give equal bytes."""
+"""Meshes as files, binary STL and Wavefront OBJ: the same mesh always gives the same bytes."""
 
 import numpy as np
 
