@@ -125,13 +125,13 @@ def require_balance(left: Left, contacts: KernelSprings, load: Array) -> None:
     if not contacts.rubbing.size:
         raise RunError(f"{lost}; {ways}")
     borne = friction_borne(contacts, left.angle, load[left.angle])
-    if borne < 1.0:
+    if borne < BORNE:
+        near = ", and next to that limit forces are many times the load: play and give take the rest" * (borne >= 1.0)
         raise RunError(
             "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
-            f"on the crank (even without play, a balance is found under at most {borne:.0%} of the friction)"
+            f"on the crank (even without play, a balance is found under at most {borne:.0%} of the friction{near})"
         )
-    bears = f"{borne:.0%}" if borne < BORNE else f"{borne:.0%} or more"
-    raise RunError(f"{lost}; it is not known to jam, as without play {bears} of the friction is borne; {ways}")
+    raise RunError(f"{lost}; it is not known to jam, as without play {BORNE:.0%} of the friction is borne; {ways}")
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:

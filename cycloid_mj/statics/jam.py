@@ -9,7 +9,10 @@ STEP = 0.01
 """Share of the friction by which it is brought on."""
 
 BORNE = 1.1
-"""Multiple of the friction up to which it is brought on."""
+"""Multiple of the friction up to which it is brought on; parts that bear less of it jam where no balance is found.
+
+Forces grow as 1/(1 - friction/limit), tenfold here: play and give move the contacts, and the limit, by the rest.
+"""
 
 _LEFT, _GROWN = 1e-6, 1000.0
 """What may be left of the load, as a share of it, and the way of a disc, as a multiple of a cam's give under the load,

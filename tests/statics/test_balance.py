@@ -11,6 +11,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import share
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.balance import require_balance
+from cycloid_mj.statics.jam import friction_borne
 from cycloid_mj.statics.kernel import Left, state
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
 
@@ -86,11 +87,22 @@ def test_a_search_that_is_lost_is_no_jam_where_parts_without_play_bear_the_frict
     rubbing, smooth = (springs_of(Reducer(PRESETS["pin"]), [0.3], friction=one) for one in (True, False))
     lost = Left(0.25, 0, 1)
     for springs, told in (
-        (rubbing, "25.0% of the load is left over; it is not known to jam, as without play 110% or more"),
+        (rubbing, "25.0% of the load is left over; it is not known to jam, as without play 110% of"),
         (smooth, "25.0% of the load is left over; try a torque"),
     ):
         with pytest.raises(RunError, match=told):
             require_balance(lost, springs.contacts, springs.load(36.0))
+
+
+def test_a_lost_balance_next_to_the_limit_of_friction_is_a_jam() -> None:
+    """Parts without play bear 104 % of this friction, where forces are many times the load."""
+    fixed = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=1.2"])
+    whole = springs_of(Reducer(fixed), [0.7])
+    load = whole.load(fixed.rated_torque)
+    share = friction_borne(whole.contacts, 0, load[0]) / 1.045
+    less = Reducer(fixed.but(friction={pair: share * fixed.friction_of(pair) for pair in ("pin_gear", "output")}))
+    with pytest.raises(RunError, match=r"too large .* at most 10[3-5]% of the friction, and next to that limit"):
+        require_balance(Left(2.18, 0, 1), springs_of(less, [0.7]).contacts, load)
 
 
 def test_a_jam_is_told_with_the_friction_that_is_borne() -> None:
