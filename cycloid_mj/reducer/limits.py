@@ -112,6 +112,11 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
         goal[-1] = least
         ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
         if ends.x is None:
+            if reducer.design.ring.preload:
+                raise RunError(
+                    f"the halves of the ring press the gear at crank angle {crank:.4f} rad: rigid parts have no stops "
+                    "there; loads of statics tell how far they give, or lower ring.preload_arcmin"
+                )
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
         turns.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
     low, high = sorted(member.sense(design) * reducer.share * turn for turn in turns)

@@ -400,6 +400,13 @@ def test_figures_of_a_loop_are_those_of_its_making(noise: float) -> None:
         assert figure.low - 0.03 * value < value < figure.high + 0.03 * value
 
 
+def test_a_preloaded_ring_has_no_rigid_stops() -> None:
+    """Halves that press the gear are no error of its making: the message names the preload."""
+    preloaded = resolve("printed").but(ring={"kind": "nonpin", "halves": 2, "preload": math.radians(0.5)})
+    with pytest.raises(RunError, match=r"lower ring\.preload_arcmin"):
+        stops(Reducer(preloaded), 0.0)
+
+
 def test_the_measured_loops_show_their_figures() -> None:
     """Slopes read by hand off the loading branches from 12.5 to 24.5 N m are 374 and 384 N m/rad."""
     read = read_figures([read_loop(path) for path in BENCH])
