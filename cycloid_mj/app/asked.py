@@ -68,7 +68,7 @@ def form_of(asked: Requirement) -> dict[str, Any]:
 
 
 def size(told: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for what is asked for; a refusal is told as it grows.
+    """Find drives for a requirement; pass on a refusal as its ways out are found.
 
     Raises
     ------

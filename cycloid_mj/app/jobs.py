@@ -16,7 +16,7 @@ MOST_KEPT = 40
 
 @dataclass
 class Job:
-    """One piece of long work: `told` is the last that it told, `files` and `page` what is fetched of it by name."""
+    """One long-running job: `told` is its last progress report, `files` and `page` are its downloads."""
 
     number: int
     state: str = "waits"

@@ -1,4 +1,4 @@
-"""The values of a design that the page moves by sliders and lists, each with unit, range and what it is."""
+"""The design values that the page changes by sliders and lists, each with unit, range and meaning."""
 
 import math
 from collections.abc import Iterator, Mapping

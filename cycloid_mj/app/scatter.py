@@ -1,4 +1,4 @@
-"""Many drives made within tolerances, drawn and balanced block after block: what they show is told on the way."""
+"""Many drives made within tolerances, drawn and balanced block by block, with results on the way."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -90,7 +90,7 @@ class Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.NOT_FOUND, f"{error}\n".encode(), "text/plain")
 
     def do_POST(self) -> None:
-        """Answer a question, told in JSON, in JSON; a mistake has the status 400 and says what it is."""
+        """Answer a question in JSON with JSON; a mistake gets the status 400 and its message."""
         if not self._allowed():
             return
         length = self.headers.get("Content-Length", "")
@@ -127,7 +127,7 @@ class Handler(BaseHTTPRequestHandler):
             self.server.asked.release()
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Say nothing of what goes well."""
+        """Suppress the log of requests that succeed."""
 
     def _allowed(self) -> bool:
         """Refuse whoever did not open the page by a name of this machine."""

@@ -32,7 +32,7 @@ class Worker:
         self._start()
 
     def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
-        """Have a work done; where `told` is given, the work gets a function first that passes things on to it.
+        """Run a job in the worker; with `told`, the job gets a callback for its progress as first argument.
 
         Raises
         ------
@@ -58,7 +58,7 @@ class Worker:
                 raise Died("the work was stopped, or its process ended, as for want of memory") from error
 
     def stop(self) -> None:
-        """End what it is at: `do` raises then."""
+        """Abort the current job: `do` raises then."""
         self._process.terminate()
 
     def _start(self) -> None:
@@ -76,7 +76,7 @@ class Workers:
         self.quick, self.slower, self.long = Worker(quick), Worker(slower), Worker()
 
     def close(self) -> None:
-        """End them at once: nothing is lost with what they are at."""
+        """Terminate the workers at once; what they do is needed no more."""
         for worker in (self.quick, self.slower, self.long):
             worker.stop()
 

@@ -469,7 +469,7 @@ def _written(value: float) -> str:
 
 
 def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[str, str, float]]) -> tuple[str, ...]:
-    """Tell which loop to measure next, by which values are open."""
+    """Suggest which loop to measure next, by which values are undetermined."""
     open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
     most, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))

@@ -109,7 +109,7 @@ class Fitted:
         return tuple(len(residual) / memory(residual) for residual in self.residuals)
 
     def criterion(self, independent: Sequence[float]) -> float:
-        """Compute Bayes's information criterion over so many independent residuals of each loop.
+        """Compute Bayes's information criterion, with a number of independent residuals of each loop.
 
         Criteria of models compare where they count the same: a model that leaves something out has residuals that
         follow each other, and by its own count would have less to explain.
@@ -148,7 +148,7 @@ def fit(
     """
     search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
     starts = search.starts() if start is None else [start]
-    best, *others = sorted((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))
+    best, *others = sorted((search.run(one, SHORT, "trf") for one in starts), key=itemgetter(0))
     place = best[1]
     for _ in range(RENEWED):
         cost, place = search.run(place, LONG, "trf")

@@ -24,6 +24,13 @@ from cycloid_mj.statics.working import at_rated_load
 MOST_PLAY = 900.0
 """Largest clearance that is looked for [um]."""
 
+MOST_DRAG = 0.9
+"""Constant friction that is looked for at most, over the largest torque of the loops."""
+
+SOONEST = 0.01
+"""Turn over which friction comes on at least, over the height of the lowest loop: what is sooner no loop shows, and in
+MuJoCo a spring as stiff would need an armature that makes the joint slow."""
+
 STIFFEST = 0.95
 """Stiffness of the structure that is looked for at most, over that of carrier and shaft alone."""
 
@@ -64,7 +71,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One value that is fitted, in the unit in which it is told.
+    """One fitted value, in the unit in which it is printed.
 
     Attributes
     ----------
@@ -161,7 +168,7 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
     loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     most, widest = loaded.most, loaded.height / DEGREE
     turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
-    drag = coulomb if 0.0 < coulomb < 0.5 * most else 0.02 * most
+    drag = coulomb if 0.0 < coulomb < MOST_DRAG * most else 0.02 * most
     tooth, clearance = design.tooth_pair, design.clearance
     mesh = getattr(clearance, tooth) + design.pin_play
     um = MICROMETRE.from_si
@@ -219,14 +226,14 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             1.5,
             _friction,
         ),
-        Parameter("drag", "N m", "constant friction, at the output", drag, 0.02 * most, 0.0, 0.9 * most, _drag),
+        Parameter("drag", "N m", "constant friction, at the output", drag, 0.02 * most, 0.0, MOST_DRAG * most, _drag),
         Parameter(
             "drag_travel",
             "deg",
             "turn of the output over which the constant friction comes on",
             0.05 * turn,
             0.05 * turn,
-            1e-4 * turn,
+            SOONEST * turn,
             turn,
             _drag_travel,
         ),

@@ -44,6 +44,7 @@ STARTS: tuple[dict[str, float], ...] = (
     {},
     {"friction": 2.5, "drag": 0.5},
     {"hysteresis": 3.0, "hysteresis_travel": 3.0},
+    {"hysteresis": 3.0, "drag": 0.5},
 )
 """Where searches start, in factors on what a loop suggests: friction of contacts, or one that comes on little by
 little, and constant friction, which make a loop wide, are told apart by little, so that there is a valley between them

@@ -67,7 +67,7 @@ class FitUncertainty:
         return np.array([self.reach_along(row, covered) for row in np.eye(len(self.inverse))])
 
     def reach_along(self, direction: Array, covered: float) -> float:
-        """Compute the same for a sum of the values with factors (v,): Student's t.
+        """Compute the interval of a sum of the values with factors (v,): Student's t.
 
         A few points may decide a value, such as those of a leap: of 181 some six. The error is then an estimate from as
         few residuals, and its degrees of freedom are Satterthwaite's, (sum a)^2 / sum a^2 with the share a that each
@@ -86,7 +86,7 @@ class FitUncertainty:
 def spread(
     slopes: Sequence[Array], residuals: Sequence[Array], free: Mask, known: Array | None = None
 ) -> FitUncertainty:
-    """Tell how sure fitted values are.
+    """Compute the standard errors and intervals of fitted values.
 
     `slopes` (n, v) and `residuals` (n,) are those of each loop, weighted as in the sum of squares. Noise of a turn is
     none along a branch that is steep, so that each point brings its own: the sandwich estimate HC3 of MacKinnon and

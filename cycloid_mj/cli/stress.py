@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
+from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
@@ -41,7 +42,8 @@ EXAMPLES = """Examples:
   cycloid-mj stress --design pin nonpin
   cycloid-mj stress --design pin --part gear pin_1 --quick --figure map
   cycloid-mj stress --log runs/pin.mcap --angle-deg 74 --out pin-stress
-  cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json"""
+  cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json
+  cycloid-mj stress --design printed --springs --out parts"""
 
 RUNS = "runs/stress"
 GIGABYTE = 1e9
@@ -99,6 +101,15 @@ FiguresFlag = Annotated[
         "or all. Default: with --html map and turn, else none.",
     ),
 ]
+SpringsFlag = Annotated[
+    bool,
+    Parameter(
+        name="--springs",
+        negative="",
+        help="In place of stresses, compute by how much each part turns the output per torque, and write each design "
+        "with that as its springs (DESIGN-springs.toml): for statics, protocol and calibrate of printed parts.",
+    ),
+]
 SolidFlag = Annotated[
     bool,
     Parameter(
@@ -141,6 +152,7 @@ def stress(
     angle_deg: AngleFlag = None,
     quick: StressQuickFlag = False,
     solid: SolidFlag = False,
+    springs: SpringsFlag = False,
     figure: FiguresFlag = (),
     delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
 ) -> int:
@@ -181,6 +193,12 @@ def stress(
     for name in ("gmsh", "skfem"):
         package(name)
     keep_freed()
+    if springs:
+        if log or part or figure or solid or angle_deg is not None:
+            raise UsageError(
+                "--springs takes all parts of designs: leave out --log, --part, --figure, --solid, --angle-deg"
+            )
+        return _springs([designed(name, set_, ()) for name in asked], load_nm, delivery)
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,
@@ -201,6 +219,30 @@ def stress(
         runs = _run(loaded, into, delivery)
     studies = _studied(runs, planned, settings, delivery.quiet)
     return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
+
+
+def _springs(designs: Sequence[Design], load: float | None, delivery: StressDelivery) -> int:
+    """Write designs with the springs that their parts are, under a load [N m]."""
+    from cycloid_mj.design import dump
+    from cycloid_mj.stress.springs import part_springs
+
+    _require_apart(designs)
+    names = [f"{design.name}-springs.toml" for design in designs]
+    place = _place(folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
+    found = []
+    for design in designs:
+        if not delivery.quiet:
+            tell(f"{design.name}: a run without friction, and finite elements of its parts at 12 crank angles")
+        torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
+        found.append(part_springs(Reducer(design.but(load={"torque": torque}))))
+    outcome = Outcome(
+        title="springs by finite elements",
+        headline={one.design.name: f"{one.stiffness:.4g} N m/rad" for one in found[:MOST_FIGURES]},
+        tables=[one.table() for one in found],
+        files={name: dump(one.design).encode() for name, one in zip(names, found, strict=True)},
+        result={"designs": [one.as_json() for one in found]},
+    )
+    return deliver(outcome, place, delivery)
 
 
 def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:

@@ -382,7 +382,7 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
 
 
 def _materials(reducer: Reducer) -> str:
-    """Tell materials and clearances."""
+    """Describe materials and clearances."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
     clearances = ", ".join(

@@ -77,7 +77,7 @@ def continuous_speed(reducer: Reducer) -> float:
 
 
 def intermittent_speed(reducer: Reducer) -> float:
-    """Compute the same for the rated torque during `INTERMITTENT` of the time (S3)."""
+    """Compute the highest speed at the rated torque during `INTERMITTENT` of the time (S3)."""
     return _speed_by_heat(reducer, INTERMITTENT)
 
 

@@ -1,4 +1,4 @@
-"""How finely the parts are drawn: the largest distance of a chord from its curve."""
+"""Chord errors of the parts: the largest distance of a chord from its curve."""
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.reducer import Reducer

@@ -22,7 +22,7 @@ class MassProperties:
 
 @lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mass_properties(solid: Solid) -> MassProperties:
-    """Compute the mass properties of a solid, rounded to the digits that they mean (``digits``).
+    """Compute the mass properties of a solid, rounded to their significant digits (``digits``).
 
     With V, s and S the integrals of 1, r and r r^T over the volume, the centroid is s/V, and the inertia about it is
     density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).

@@ -1,4 +1,4 @@
-"""What moves how heavily: the masses of the bodies of a simulation, and the inertia of what turns with the output."""
+"""Masses of the bodies of a simulation, and the inertia of what turns with the output."""
 
 from dataclasses import replace
 

@@ -110,7 +110,8 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
     for least in (1.0, -1.0):
         goal = np.zeros(unknowns(reducer))
         goal[-1] = least
-        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
+        # to look for limits that say nothing takes longer than to solve with them
+        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None), options={"presolve": False})
         if ends.x is None:
             if reducer.design.ring.preload:
                 raise RunError(

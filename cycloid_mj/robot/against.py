@@ -302,7 +302,7 @@ def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) 
 
 
 def _followed(on: TrialScene, count: int) -> tuple[Array, Array]:
-    """Compute crank angle and L over so many steps, shape (count,)."""
+    """Compute crank angle and L over `count` steps, shape (count,)."""
     followed = np.empty((count, 2))
     for i in range(count):
         on.step()

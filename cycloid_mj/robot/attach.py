@@ -9,12 +9,11 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.robot.mjcf import (
     NEXT_TO_NOTHING,
     ROTOR_SIZE,
-    SLIP_TIME,
     STICKING_IMPEDANCE,
     STICKING_TIME,
     reducer_name,
     rotor_name,
-    slip_armature,
+    slip_inertias,
     slip_name,
 )
 from cycloid_mj.robot.reducer import ReducedJoint
@@ -125,6 +124,7 @@ def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> st
 def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: int) -> None:
     """Add what slips, a body where that of the joint is, and the spring between it and the wind-up."""
     slip, name = reduced.slips[number], slip_name(joint.name, number)
+    armature, damping = slip_inertias(reduced)[number]
     carried = model.body(int(model.joint(joint.name).bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
@@ -133,7 +133,7 @@ def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: 
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=model.joint(joint.name).axis,
-        armature=slip_armature(slip.stiffness),
+        armature=armature,
         frictionloss=slip.limit,
         solref_friction=[STICKING_TIME, 1.0],
         solimp_friction=STICKING_IMPEDANCE,
@@ -144,7 +144,7 @@ def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: 
     for wrapped, share in ((rotor_name(joint.name), reduced.coefficient), (joint.name, 1.0), (name, -1.0)):
         tendon.wrap_joint(wrapped, share)
     tendon.springlength = [0.0, 0.0]
-    tendon.stiffness, tendon.damping = first(slip.stiffness), first(slip.stiffness * SLIP_TIME)
+    tendon.stiffness, tendon.damping = first(slip.stiffness), first(damping)
     tendon.frictionloss = tendon.armature = 0.0
 
 

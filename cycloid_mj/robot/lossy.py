@@ -1,15 +1,18 @@
 """Losses that grow with the load in stock MJCF: the springs press a shoe on the crank, on which it rubs.
 
-The shoe slides along the crank's axis between two plates of the crank. Each spring of the joint has a share of the
-shoe's place in its length, so that it presses it on one of the plates with that share of its torque, however the joint
-is wound up; contact with friction about the axis alone brakes the crank. Where driving and back-driving lose different
-torques, their mean is taken.
+The shoe sits on the crank's axis between two plates of the crank, on a lever. Each spring of the joint has a share of
+the lever's angle in its length, so that it presses the shoe on one of the plates with that share of its torque, however
+the joint is wound up; contact with friction about the axis alone brakes the crank. The lever's hinge is tilted, so that
+friction turns it a little, and presses the shoe on or lifts it, as with the leading and the trailing shoe of a drum
+brake: which of both, goes by the plate and by the way of the crank, that is by whether crank or output drives. So one
+shoe has the losses of driving and of back-driving.
 
 Two things make it serve. The reference damping of friction is next to nothing: of a pair that slides fast, MuJoCo's
 soft cone turns that into a force that lifts the shoe off. And the shoe has an armature, no mass: it bears the springs,
 gives way by `GIVE` of the wind-up, and neither weighs nor hammers.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -30,12 +33,18 @@ SHARES = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0)
 COMPARED = (0.1, 0.5, 1.0)
 """Of the rated torque, at which the lossy joint is held against the full model."""
 
-GIVE = 0.002
-"""What the shoe gives way under the rated torque, as a share of the wind-up."""
+GIVE = 0.01
+"""What the shoe gives way under the rated torque, as a share of the wind-up: with less it is shaken off its plate."""
 
 REFERENCE, IMPEDANCE, CREEP = 1e4, 0.9999, 1e-5
 """Of the contact: reference stiffness [1/s2], which a step of 5 ms bears, impedance, and reference damping of friction
 [1/s]."""
+
+STEEPEST = 0.9
+"""Largest share by which friction presses the shoe on: at 1 it would lock."""
+
+LEVER = 0.02
+"""Of the shoe [m]."""
 
 RADIUS, HALF = 0.005, 0.001
 """Of the shoe, and half the thickness of the plates [m]."""
@@ -43,8 +52,8 @@ RADIUS, HALF = 0.005, 0.001
 HEIGHT = 0.03
 """Of the shoe above the crank's middle [m]."""
 
-TIME, TIMESTEP = 0.05, 1e-4
-"""How long a trial runs, the second half of which is read, and its step [s]."""
+TIME, TIMESTEP = 0.4, 1e-4
+"""How long a trial runs, the second half of which is read: by then the shoe has come to rest; and its step [s]."""
 
 
 @dataclass(frozen=True)
@@ -54,36 +63,51 @@ class Shoe:
     Attributes
     ----------
     shares
-        Of its place in the length of each spring [rad/m], shape (springs,).
+        Of its place along the axis in the length of each spring [rad/m], shape (springs,).
     friction
         Torque about the axis over the force on the plate [m].
+    leading
+        Share t of its force by which friction presses it on, or lifts it: the force is S/(1 - t) or S/(1 + t).
     armature
-        [kg].
+        Along the axis [kg].
     """
 
     shares: Array
     friction: float
+    leading: float
     armature: float
 
 
 def shoe_of(reduced: ReducedJoint) -> Shoe:
-    """Fit the shoe to the losses of a joint: the mean of both ways over the rated torque, beside those of no load."""
+    """Fit the shoe to the losses of a joint over the rated torque, driving and back-driven, beside those of no load.
+
+    Both are as S/(1 -+ t), so that their harmonic mean is as S, which the springs make.
+    """
     from scipy.optimize import nnls
 
     loads = np.array(SHARES) * reduced.rated_torque
     pulls = np.array([_pulls(reduced, load) for load in loads.tolist()])
-    lost = [
-        0.5 * sum(reduced.friction.torque(load, reduced.rated_speed, way) for way in (True, False))
-        for load in loads.tolist()
-    ]
-    grown = np.maximum(np.array(lost) - reduced.no_load_torque, 0.0)
-    by_spring, _ = nnls(pulls / loads[:, np.newaxis], grown / loads)
+    driving, driven = (
+        np.maximum(
+            [
+                reduced.friction.torque(load, reduced.rated_speed, way) - reduced.no_load_torque
+                for load in loads.tolist()
+            ],
+            np.finfo(float).tiny,
+        )
+        for way in (True, False)
+    )
+    # between errors of the torque and of the efficiency: large loads count more
+    weights, both = 1.0 / np.sqrt(loads), driving + driven
+    sums, differences = weights * both, weights * (driving - driven)
+    leading = float(np.clip(differences @ sums / (sums @ sums), -STEEPEST, STEEPEST))
+    by_spring, _ = nnls(weights[:, np.newaxis] * pulls, weights * 2.0 * driving * driven / both)
     friction = max(float(by_spring.max()), np.finfo(float).tiny)
     shares = by_spring / friction
     given = GIVE * reduced.wind_up(reduced.rated_torque)
     # a contact gives way by (1 - d) F/(m k d) under a force F, and the springs' lengths by as many shares of that
     pressed = float(pulls[-1] @ shares)
-    return Shoe(shares, friction, (1.0 - IMPEDANCE) * pressed / (REFERENCE * IMPEDANCE * given))
+    return Shoe(shares, friction, leading, (1.0 - IMPEDANCE) * pressed / (REFERENCE * IMPEDANCE * given))
 
 
 def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
@@ -96,6 +120,9 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     if reduced.level == "rigid":
         return text
     shoe, crank, name = shoe_of(reduced), rotor_name(joint), f"{joint}_shoe"
+    # tan(angle) of the hinge; its turn q moves the shoe by LEVER cos(angle) q along the axis
+    tilt = reduced.way * shoe.leading * LEVER / shoe.friction
+    lever = LEVER / math.hypot(1.0, tilt)
     plates, pairs = [], []
     for number, side in enumerate((-1, 1)):
         plates.append(
@@ -110,7 +137,8 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     # a centre of mass beside the axis, or MuJoCo takes the mass alone for all that moves
     body = f"""    <body name="{name}" pos="0 0 {HEIGHT}">
       <inertial pos="0.001 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
-      <joint name="{name}" type="slide" axis="0 0 1" armature="{_number(shoe.armature)}" limited="false"/>
+      <joint name="{name}" type="hinge" pos="{LEVER} 0 0" axis="0 1 {_number(tilt)}" \
+armature="{_number(shoe.armature * lever**2)}" limited="false"/>
       <geom name="{name}" type="sphere" size="{RADIUS}" contype="0" conaffinity="0" mass="1e-9"/>
     </body>
 """
@@ -118,7 +146,7 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     head = f"{before}{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
     for number, share in enumerate(shoe.shares.tolist()):
         tendon, rest = after.split(f'<fixed name="{reducer_name(joint, number)}"')
-        crossed = f'<joint joint="{name}" coef="{_number(share)}"/></fixed>'
+        crossed = f'<joint joint="{name}" coef="{_number(lever * share)}"/></fixed>'
         after = f'{tendon}<fixed name="{reducer_name(joint, number)}"{rest.replace("</fixed>", crossed, 1)}'
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
     return (head + after).replace("<!-- ", f"<!-- {comment}\n       ", 1)

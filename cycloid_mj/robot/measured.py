@@ -175,7 +175,7 @@ class Play:
 
 
 def play_of(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a design at so many crank angles; errors as `loads`."""
+    """Solve play and wind-up of a design at evenly spread crank angles; errors as `loads`."""
     rated = reducer.design.rated_torque
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, turn_evenly(reducer, poses), friction=False)
@@ -325,7 +325,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
 
 
 def _by_assumed_inputs(reducer: Reducer) -> str:
-    """Tell how far the efficiency moves with the inputs that are assumed, as `measure efficiency` does by runs."""
+    """Compute how far assumed inputs move the efficiency, as `measure efficiency` does by runs."""
 
     def rate(varied: Reducer) -> float:
         try:
@@ -340,7 +340,7 @@ def _by_assumed_inputs(reducer: Reducer) -> str:
 
 
 def _angles_leave_out(reducer: Reducer, share: float) -> float:
-    """Find by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
+    """Compute the change of the efficiency at a share of the rated torque with more crank angles; negative drives."""
     torque = share * reducer.design.rated_torque
     return abs(
         powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(reducer, FINER * POSES)).efficiency

@@ -1,5 +1,7 @@
 """The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
 
+import math
+
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.reducer import ReducedJoint
@@ -18,7 +20,12 @@ STICKING_TIME, STICKING_IMPEDANCE = 0.004, (0.9999, 0.9999, 0.001, 0.5, 2.0)
 some rad/s, and a reducer that locks itself would let its load down."""
 
 SLIP_TIME = 2e-3
-"""Time of a swing of what slips, over 2 pi [s]: long enough for steps of 2 ms. It is damped by half of critical."""
+"""Least time of a swing of what slips, over 2 pi [s]: long enough for steps of 2 ms. It is damped by half of critical.
+"""
+
+NOSLIP = 5
+"""Iterations of MuJoCo's noslip solver in the scene of a joint with what slips: without, friction that sticks creeps,
+and a slow loop is narrower than a fast one."""
 
 PEAK = 3.0
 """Largest torque of the motor in the scene, in rated input torques."""
@@ -39,9 +46,16 @@ def slip_name(joint: str, number: int) -> str:
     return f"{joint}_slip_{number + 1}"
 
 
-def slip_armature(stiffness: float) -> float:
-    """Compute the armature of what slips on a spring of this stiffness [N m/rad]: as little as its steps bear."""
-    return stiffness * SLIP_TIME**2
+def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
+    """Compute armature [kg m2] and damping [N m s/rad] of each that slips: as little as its steps bear, and in all.
+
+    Without the noslip solver friction of f creeps by f over the armature: in all they have what springs as stiff bear,
+    shared as the limits are, so that none of them creeps faster than another.
+    """
+    least = [slip.stiffness * SLIP_TIME**2 for slip in reduced.slips]
+    limit = sum(slip.limit for slip in reduced.slips)
+    armatures = [max(one, sum(least) * slip.limit / limit) for one, slip in zip(least, reduced.slips, strict=True)]
+    return [(one, math.sqrt(slip.stiffness * one)) for one, slip in zip(armatures, reduced.slips, strict=True)]
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
@@ -62,9 +76,10 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
     """
     inertia = _number(load_inertia)
     turned = "against" if reduced.way < 0 else "with"
+    still = f' noslip_iterations="{NOSLIP}"' if reduced.slips and reduced.level != "rigid" else ""
     return f"""<mujoco model="reducer {reduced.name}">
   <!-- ctrl is the motor's torque on the crank [N m]; the output turns {turned} it. -->
-  <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"/>
+  <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"{still}/>
   <statistic extent="0.4" center="0 0 0.05"/>
   <include file="joint.xml"/>
   <worldbody>
@@ -97,17 +112,17 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
         )
         elements.append(f'<element objtype="tendon" objname="{name}"/>')
     slipping = []
-    for number, slip in enumerate(reduced.slips):
+    for number, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
         name = slip_name(joint, number)
         slipping.append(
             f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" '
             f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '
-            f'armature="{_number(slip_armature(slip.stiffness))}" frictionloss="{_number(slip.limit)}" {_sticking()} '
+            f'armature="{_number(armature)}" frictionloss="{_number(slip.limit)}" {_sticking()} '
             'damping="0" limited="false"/>\n    </body>\n'
         )
         tendons.append(
             f'    <fixed name="{name}" springlength="0" stiffness="{_number(slip.stiffness)}" '
-            f'damping="{_number(slip.stiffness * SLIP_TIME)}">'
+            f'damping="{_number(damping)}">'
             f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/>'
             f'<joint joint="{name}" coef="-1"/></fixed>\n'
         )

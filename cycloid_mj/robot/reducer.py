@@ -235,7 +235,7 @@ class ReducedJoint(Presented):
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
 
     def at(self, level: Level) -> Self:
-        """Return the same reducer at another level."""
+        """Return the reducer at another level of detail."""
         if level not in LEVELS:
             raise UsageError(f"there is no level {level!r}: choose {', '.join(LEVELS)}")
         return replace(self, level=level)

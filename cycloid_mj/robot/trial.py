@@ -96,7 +96,7 @@ class TrialScene:
         return float(brentq(pull, reduced.stops[0] - reach, reduced.stops[1] + reach, xtol=1e-15, rtol=1e-14))
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
-        """Compute L after each of so many steps under a torque on the output by time; None where it runs away."""
+        """Compute L after each step under a torque on the output by time; None where it runs away."""
         reduced, lengths = self.reduced, np.empty(steps)
         most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):

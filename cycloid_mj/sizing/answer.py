@@ -4,8 +4,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame, framed
@@ -443,14 +441,19 @@ def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
 
 
 def _lightest_first(asked: Requirement, steps: list[Step]) -> list[Step]:
-    """Put the lightest that holds the torque at all crank angles first, as the first of the steps is known to."""
-    masses = [figure("mass_kg").value(trial.reducer) for _, trial in steps]
-    lighter = [number for number in np.argsort(masses) if masses[number] < masses[0]]
-    for number in lighter:
-        of = steps[number][0]
-        if sure := _holding(asked, of, asked.torque):
-            return [(of, sure), *(step for step in steps if step[0] != of)]
-    return steps
+    """Put the lightest first that holds the torque at all crank angles, as the first of the steps is known to.
+
+    What is lighter and not as stiff is left out: a light drive is not bought by a soft one.
+    """
+    first, *others = steps
+    masses = {step[0]: figure("mass_kg").value(step[1].reducer) for step in steps}
+    lighter = sorted((step for step in others if masses[step[0]] < masses[first[0]]), key=lambda step: masses[step[0]])
+    heavier = [step for step in others if masses[step[0]] >= masses[first[0]]]
+    stiffness = _first_stiffness(first[1].reducer) if lighter else 0.0
+    for of, trial in lighter:
+        if _first_stiffness(trial.reducer) >= stiffness and (sure := _holding(asked, of, asked.torque)):
+            return [(of, sure), first, *heavier]
+    return [first, *heavier]
 
 
 def _others(asked: Requirement, lightest: Step) -> Iterator[Step]:

@@ -68,11 +68,11 @@ class Budget:
     left: float = CLIMB
 
     def spend(self, trial: TorqueTrial) -> None:
-        """Pay for a trial."""
+        """Take one trial from the budget."""
         self.left -= 1.0 + trial.work / USUAL_WORK
 
     def look(self, asked: Requirement) -> None:
-        """Pay for proportions that are drawn and checked where a length is asked for: most are too long then."""
+        """Take one look from the budget: proportions drawn and checked where a length is asked for, most too long."""
         self.left -= LOOK if asked.length < math.inf else 0.0
 
 

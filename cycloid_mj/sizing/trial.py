@@ -54,7 +54,7 @@ class TorqueTrial:
 
 
 def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
-    """Rate a drive that is made for a torque [N m], at so many crank angles, for the life that its design asks for."""
+    """Rate a drive made for a torque [N m], at a number of crank angles, for the life that its design asks for."""
     drive = reducer.design.drive
     needed = torque / reducer.design.reduction
     at = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})

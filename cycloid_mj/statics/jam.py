@@ -1,4 +1,4 @@
-"""Whether friction jams a reducer, told apart from the search for its balance."""
+"""Whether friction jams a reducer, decided without the search for its balance."""
 
 import numpy as np
 

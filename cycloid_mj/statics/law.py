@@ -110,7 +110,7 @@ class CurvatureLaw:
         return float(self.factors(np.array(relative_curvature)))
 
     def factors(self, relative_curvature: Array) -> Array:
-        """Compute the same at many, in their shape."""
+        """Compute `factor` at many relative curvatures, in their shape."""
         if self.reference == 0.0:
             return np.ones(relative_curvature.shape)
         least = math.exp(0.5 * self.reference - self.constant)

@@ -209,7 +209,7 @@ def _kept(part: str) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Tell the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
+    """Choose the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
     design = reducer.design
     if load is not None:
         return load, "given"

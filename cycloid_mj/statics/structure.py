@@ -134,14 +134,19 @@ def crank_flexibility(reducer: Reducer) -> Array:
 
 
 def structure_text(reducer: Reducer) -> str:
-    """Tell what the structure is taken as."""
+    """Describe the assumed structure."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid: only contacts give"
-    twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(reducer).items())
+    given = [part for part in TWISTING if getattr(reducer.design.springs, part)]
+    twisting = ", ".join(
+        f"{part} {ARCMINUTE * one:.3g}{' (given)' if part in given else ''}"
+        for part, one in twisting_stiffness(reducer).items()
+    )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
         f"output pins bend as beams held {support}, {twisting} N m/arcmin twist, each about its own axis, which adds "
-        "to the output's turn and not to the gear's; left out are the discs' own give, that of all bearings but the "
+        f"to the output's turn and not to the gear's; left out{', unless what is given holds it,' if given else ''} "
+        "are the discs' own give, that of all bearings but the "
         f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
         "which a softer stiffness.cam_n_m can stand for"
     )

@@ -116,7 +116,7 @@ def for_slices(reducer: Reducer) -> Reducer:
 
 
 def working_forces_text(reducer: Reducer, kinds: Iterable[str]) -> str:
-    """Tell the working forces of kinds of pairs and where each comes from."""
+    """Describe the working forces of kinds of pairs and the source of each."""
     forces = [f"{kind} {working_force(reducer, kind):.3g} N ({_source_text(reducer, kind)})" for kind in kinds]
     return ", ".join(forces)
 

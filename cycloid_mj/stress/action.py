@@ -37,7 +37,7 @@ class Action:
         return arm[..., np.newaxis] * turned_right(self.force)
 
     def reaction(self) -> "Action":
-        """Compute the same on the other body."""
+        """Compute the reaction: the same action on the other body."""
         return Action(-self.force, -self.moment)
 
     def seen_from(self, origin: Array, angle: Array) -> "Action":

@@ -69,7 +69,7 @@ class Distances:
 
 
 def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
-    """Compute the distances of a part's nodes from the patches of its case, at so many angles, and from its corners."""
+    """Compute the distances of a part's nodes from the patches of its case, at its first angles, and its corners."""
     points = grid.points
     outside = np.zeros(len(points))
     if grid.section is not None:

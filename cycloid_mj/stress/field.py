@@ -1,4 +1,4 @@
-"""Stress of a part: its maxima at every crank angle (``PartStress``), and whole fields at one (``StressMap``)."""
+"""Stress of a part: maxima at every crank angle (``PartStress``) and whole fields at one (``StressMap``)."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -166,7 +166,7 @@ Seen = Callable[[int, Array], None]
 
 
 def unseen(index: int, stress: Array) -> None:
-    """Look away."""
+    """Ignore a state: the observer where there is none."""
 
 
 def maxima(part: Loaded, distance: float | None = None, seen: Seen = unseen) -> PartStress:

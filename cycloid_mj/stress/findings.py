@@ -1,4 +1,4 @@
-"""What a study of stress finds: for each part the maximum along a crank turn, where it sits, and its error."""
+"""Findings of a stress study: for each part the maximum along a crank turn, its place and its error."""
 
 import math
 from collections.abc import Mapping

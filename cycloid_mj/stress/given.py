@@ -1,4 +1,4 @@
-"""How much each part gives under a torque on the output, at a crank that is held: by finite elements, in the plane.
+"""Compliance of each part under a torque on the output at a held crank, by plane finite elements.
 
 The forces on a part do work along its own displacements; half of it is stored in the part. In a drive that is in
 balance and whose forces are in proportion to the torque T, the output turns by C T, and the work of all parts is C T^2

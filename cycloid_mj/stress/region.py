@@ -1,4 +1,4 @@
-"""What of each planar part is meshed: its outlines, which of them other parts touch, and where it is held."""
+"""Regions of planar parts for meshing: outlines, which of them other parts touch, and where each is held."""
 
 from dataclasses import dataclass
 from typing import Literal

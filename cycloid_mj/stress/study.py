@@ -56,7 +56,7 @@ SOLID_STEP = 1.25
 
 @dataclass(frozen=True)
 class StudySettings:
-    """How much is computed.
+    """Settings of a study: angles, grids and maps.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ class Swing:
 
 
 def sampled(angles: int) -> Integers:
-    """Choose the indices of the crank angles that count, of so many of a turn."""
+    """Choose the indices of the crank angles that are evaluated, of all in a turn."""
     return np.arange(0, angles, max(1, min(EVERY, angles // FEWEST)))
 
 

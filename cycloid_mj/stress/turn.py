@@ -111,7 +111,7 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 
 def differences(reducer: Reducer, ran: Reducer) -> list[str]:
-    """Tell where a design differs from one that ran in what it is, not in under what it runs."""
+    """List where a design differs from one that ran, load and settings aside."""
     asked, logged = _values(reducer), _values(ran)
     return [
         f"{key} ({asked.get(key)} in the design, {logged.get(key)} in the log)"

@@ -3,6 +3,7 @@
 import json
 import math
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
@@ -298,22 +299,61 @@ def test_a_tolerance_of_the_drawing_narrows_a_play() -> None:
     assert found.as_json()["parameters"]["drag"]["prior"] is None
 
 
+def measured(kind: str, *names: str) -> list[MeasuredLoop]:
+    return [read_loop(DATA / f"{'' if kind == 'pin' else 'nonpin_'}{name}_loop.csv") for name in names]
+
+
+def thinned(loop: MeasuredLoop, count: int) -> MeasuredLoop:
+    chosen = np.linspace(0.0, len(loop.torque) - 1.0, count).round().astype(int)
+    return measured_loop(loop.name, loop.torque[chosen], loop.deflection[chosen] / DEGREE)
+
+
+def noisy(loop: MeasuredLoop) -> MeasuredLoop:
+    """Add noise of 2 % of the height, and of 0.6 % of the range of torque."""
+    draw = np.random.default_rng(0).standard_normal
+    torque = loop.torque + 0.006 * np.ptp(loop.torque) * draw(len(loop.torque))
+    return measured_loop(loop.name, torque, (loop.deflection + 0.02 * loop.height * draw(len(torque))) / DEGREE)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-def test_a_measured_loop_closes_in_stock_mujoco(kind: str) -> None:
-    """Bench, design, joint, scene: the design passes check, statics and reduce, the scene repeats it within 8 %."""
-    start = "" if kind == "pin" else "nonpin_"
-    loops = [read_loop(DATA / f"{start}{name}_loop.csv") for name in ("play", "stiffness")]
+@pytest.mark.parametrize(
+    ("names", "changed"),
+    [
+        pytest.param(("play", "stiffness"), None, id="both"),
+        pytest.param(("play",), None, id="play"),
+        pytest.param(("play", "stiffness"), lambda loop: thinned(loop, 30), id="30 points"),
+        pytest.param(("play",), noisy, id="noise"),
+        pytest.param(
+            ("play",),
+            lambda loop: measured_loop(loop.name, 0.5 * loop.torque, loop.deflection / DEGREE),
+            id="half the torque",
+        ),
+    ],
+)
+def test_a_measured_loop_closes_in_stock_mujoco(
+    kind: str, names: tuple[str, ...], changed: Callable[[MeasuredLoop], MeasuredLoop] | None
+) -> None:
+    """Bench, design, joint, scene: the design passes check, statics and reduce, the scene repeats it within 8 %.
+
+    That is the rms difference of the deflections at the same torque, over the loop's height, with the bench's zeros of
+    torque and deflection as they were fitted.
+    """
+    loops = [changed(loop) if changed else loop for loop in measured(kind, *names)]
     found = calibrate(resolve("printed").but(ring={"kind": kind}), loops)
     reducer = Reducer(found.design)
     require_sound(reducer)
-    sheet(reducer, 25.0)
+    sheet(reducer, max(loop.most for loop in loops))
     reduced = reduce(found.design, "backlash")
-    for held in ("crank", "output"):
+    for held in ("crank",) if changed else ("crank", "output"):
         for loop, offset in zip(loops, found.fitted.offsets[:, 0], strict=True):
             turn = scene_loop(reduced, loop, float(offset), held)
             left = turn - loop.deflection
             assert np.std(left) < 0.08 * loop.height, (held, loop.name)
+
+
+SLOWLY = 0.005
+"""Torque by which a scene is taken round a loop in 30 steps of a millisecond, as a share of the loop's largest."""
 
 
 def scene_loop(reduced: ReducedJoint, loop: MeasuredLoop, offset: float, held: str) -> Array:
@@ -325,24 +365,20 @@ def scene_loop(reduced: ReducedJoint, loop: MeasuredLoop, offset: float, held: s
     on.model.dof_armature[free], on.model.dof_damping[free] = 1e-3 * gain**2, 0.05 * gain**2
     mujoco.mj_setConst(on.model, on.data)
 
-    def ramp(begin: float, end: float, parts: int) -> None:
-        for torque in np.linspace(begin, end, parts):
-            on.data.qfrc_applied[free] = gain * (torque - offset)
-            for _ in range(30):
-                on.step()
-
-    first, second, *_ = loop.turns
-    ramp(0.0, second, 30)
-    ramp(second, first, 60)
-    turns, before, branch = [], first, 0
-    for torque, way in zip(loop.torque.tolist(), loop.branch.tolist(), strict=True):
-        if way != branch:
-            ramp(before, loop.turns[way], 4)
-            before, branch = loop.turns[way], way
-        ramp(before, torque, 3)
-        before = torque
+    turns, (first, second, *_) = [], loop.turns
+    before, branch = 0.0, 0
+    for torque, way in [(second, 0), (first, 0), *zip(loop.torque.tolist(), loop.branch.tolist(), strict=True)]:
+        stretches = [torque] if way == branch else [loop.turns[way], torque]
+        branch = way
+        for end in stretches:
+            parts = max(2, math.ceil(abs(end - before) / (SLOWLY * loop.most)))
+            for pull in np.linspace(before, end, parts):
+                on.data.qfrc_applied[free] = gain * (pull - offset)
+                for _ in range(30):
+                    on.step()
+            before = end
         turns.append(on.length)
-    return np.array(turns)
+    return np.array(turns[2:])
 
 
 @pytest.mark.slow

@@ -473,6 +473,18 @@ def test_the_lossy_joint_loses_as_much_in_mujoco_alone(few: ReducedJoint, drivin
         assert one.full_model_percent < 98.0
 
 
+def test_the_lossy_joint_tells_driving_from_being_driven(few: ReducedJoint) -> None:
+    """Where a drive loses half as much again driving as driven, one shoe loses both, within 2 points."""
+    driven = tuple(tuple(one / 6.0 for one in row) for row in few.friction.driven)
+    other = replace(few.friction, driven=driven, driving=tuple(tuple(1.5 * one for one in row) for row in driven))
+    found = lossy_efficiencies(replace(few, ratio=6.0 * few.ratio, friction=other))
+    for one in found:
+        if one.share > 0.1:
+            assert one.percent == pytest.approx(one.full_model_percent, abs=2.0)
+    driving, driven = (next(one for one in found if one.share == 1.0 and one.driving == way) for way in (True, False))
+    assert driving.percent < driven.percent - 3.0
+
+
 @pytest.mark.parametrize(("share", "moves"), [(0.5, False), (2.0, True)])
 def test_the_shoe_holds_up_to_its_friction(few: ReducedJoint, share: float, moves: bool) -> None:
     """The rated load is balanced but for a share of what the shoe can hold: at rest, or off within a second."""

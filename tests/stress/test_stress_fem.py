@@ -20,16 +20,17 @@ from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts import circle, mass_properties, parts
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.windup import windups
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.figures import wind_up_by_part
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.recover import principal, recovery, stresses, stresses_at_points, von_mises
 from cycloid_mj.stress.region import Boundary, Region
 from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.stress.springs import part_springs
 from cycloid_mj.stress.study import StudySettings
 from cycloid_mj.stress.surface import surface
 from cycloid_mj.stress.vtu import NAMES
@@ -663,7 +664,15 @@ def test_the_map_has_the_bulk_stress_of_the_table() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "measured"), [("pin", 366.0), ("nonpin", 331.0)])
 def test_a_printed_drive_is_as_stiff_as_its_parts(kind: str, measured: float) -> None:
-    """Nothing fitted: within 1.5 times of what its loops show (docs/bench.md), where statics alone is 12 times off."""
-    given = wind_up_by_part(Reducer(resolve("printed").but(ring={"kind": kind})))
-    assert measured / 1.5 < 1.0 / sum(given.values()) < 1.5 * measured
+    """Nothing fitted: statics with the parts' springs is within 1.5 times of the loops (docs/bench.md), else 12 off."""
+    drawn = resolve("printed").but(ring={"kind": kind})
+    found = part_springs(Reducer(drawn))
+    given = found.given
     assert min(given["gear"], given["shaft"], given["bearing_seats"]) > 3.0 * given["ring"]
+    bare, sprung = (
+        1.0 / np.mean([sum(one.series(Reducer(design)).values()) for one in windups(Reducer(design), [0.3, 2.0], 10.0)])
+        for design in (drawn, found.design)
+    )
+    assert sprung == pytest.approx(found.stiffness, rel=0.03)
+    assert measured / 1.5 < sprung < 1.5 * measured
+    assert bare > 8.0 * measured

@@ -140,7 +140,7 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
 def drive_files(
     reducer: Reducer, file_format: Format, sizes: Casing, chord_error: float = CHORD_ERROR, cam_seat: float = 0.0
 ) -> dict[str, bytes]:
-    """Export every part that is made of a whole drive, as it is put together, one file a part, by name.
+    """Export every manufactured part of an assembled drive, one file a part, by name.
 
     Covers and flange, and ring, output and shaft with the holes and seats that they need. Meshes have cams of the
     radius `cam_seat` [m], as ``printing.made_parts``; outlines and solids those of the assembly.

@@ -1,4 +1,4 @@
-"""What makes of a mechanism a drive to bolt together: covers, bearings, screws, dowels and flanges.
+"""The casing that turns a mechanism into a drive: covers, bearings, screws, dowels and flanges.
 
 The mechanism's own sizes stay; what is chosen here are those of the usual design (assumed), and of stock. Along z: the
 motor, the cover on its side with its flange and the shaft's bearing, the ring, the cover on the output's side with the

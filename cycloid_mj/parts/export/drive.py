@@ -117,7 +117,7 @@ def _bought(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _hollow_cams(reducer: Reducer) -> float:
-    """Compute by how much the cams with their bearings are lighter than they are drawn [kg]."""
+    """Compute the mass that hollow cams with their bearings save against cams as drawn [kg]."""
     bought = cam_bearing(reducer)
     if not bought:
         return 0.0

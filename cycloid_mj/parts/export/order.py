@@ -43,7 +43,7 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Tell how a drive is put together, in ten steps, with what each of them takes."""
+    """Describe the assembly of a drive in ten steps, with parts and tools of each."""
     design, screws, hub = reducer.design, sizes.screws, sizes.hub.designation
     printed, free = is_printed(reducer, names.HOUSING), design.ring.has_sockets
     dowels = ", its dowels in their holes," if sizes.dowel else ""

@@ -25,7 +25,7 @@ _PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
 
 
 def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int = 1) -> bytes:
-    """Encode the sections of a part as one solid in STEP, or as so many; equal sections give equal bytes.
+    """Encode the sections of a part as STEP solids, one or several; equal sections give equal bytes.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Meshes as files, binary STL and Wavefront OBJ: the same mesh always gives the same bytes."""
+"""Meshes as binary STL and Wavefront OBJ; equal meshes give equal bytes."""
 
 import numpy as np
 
