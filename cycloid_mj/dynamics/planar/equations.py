@@ -30,6 +30,7 @@ from cycloid_mj.dynamics.planar.contacts import (
 )
 from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
+from cycloid_mj.statics.kernel.newton import solve as gauss
 
 COUPLED_ROUNDS = 25
 """Rounds in which sliding friction follows its normal force; from then on it is that of the force of the round before.
@@ -119,7 +120,7 @@ def solve(
         at_once, coupled = rounds <= AT_ONCE_ROUNDS, rounds <= COUPLED_ROUNDS
         _assemble(system, contacts, count, equations, q0, v0, near, command, step, pin_span, coupled)
         _eliminate(system, equations)
-        _gauss(equations.matrix, equations.right)
+        gauss(equations.matrix, equations.right, equations.right, 0.0)
         size = len(equations.right)
         for i in range(size):
             v[i] = equations.right[i]
@@ -356,33 +357,6 @@ def _inverted(m: Array, row: int) -> Nine:
         (b * g - a * h) * share,
         (a * e - b * d) * share,
     )
-
-
-@njit
-def _gauss(matrix: Array, right: Array) -> None:
-    """Solve linear equations by elimination with pivots; the right side becomes the solution."""
-    size = len(right)
-    for i in range(size):
-        best = i
-        for k in range(i + 1, size):
-            if abs(matrix[k, i]) > abs(matrix[best, i]):
-                best = k
-        if best != i:
-            for j in range(i, size):
-                matrix[i, j], matrix[best, j] = matrix[best, j], matrix[i, j]
-            right[i], right[best] = right[best], right[i]
-        pivot = 1.0 / matrix[i, i]
-        for k in range(i + 1, size):
-            share = matrix[k, i] * pivot
-            if share != 0.0:
-                for j in range(i + 1, size):
-                    matrix[k, j] -= share * matrix[i, j]
-                right[k] -= share * right[i]
-    for i in range(size - 1, -1, -1):
-        value = right[i]
-        for j in range(i + 1, size):
-            value -= matrix[i, j] * right[j]
-        right[i] = value / matrix[i, i]
 
 
 @njit

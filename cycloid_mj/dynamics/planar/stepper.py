@@ -24,6 +24,7 @@ from cycloid_mj.dynamics.planar.contacts import MOST_TOUCHES, OPEN, Contacts, fi
 from cycloid_mj.dynamics.planar.equations import Equations, room_for_equations, solve
 from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.statics import impact
+from cycloid_mj.statics.kernel import newton
 
 MOST_LOOKS = 4
 """Times that contacts are looked for in a step."""
@@ -130,7 +131,7 @@ class Stepper:
 @cache
 def _compiled() -> Any:
     """Compile the steps up to the last of some samples, or load them; for lobes and for pins each apart."""
-    sources = digest(gap, impact, memory, near, ring, teeth, touch, touching, solving, describing)
+    sources = digest(gap, impact, memory, near, ring, teeth, touch, touching, solving, describing, newton)
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(

@@ -102,7 +102,7 @@ def newton(
 def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
     """Solve a system by Gauss's elimination with pivots, in place; give the sign of its determinant, 0 if unsolvable.
 
-    What only floats is held by a stiffness beside.
+    What only floats is held by a stiffness beside. `out` may be `right`.
     """
     number, sign = right.size, 1.0
     for j in range(number):
