@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, Rule, millimetres, wall_rule
+from cycloid_mj.checks.limit import Check, Demand, Limit, millimetres, wall_rule
 from cycloid_mj.checks.teeth import WALL_SHARE, pitches
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.geometry import profile
@@ -13,7 +13,7 @@ HOLE_TOLERANCE = 1e-9
 """Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
 
 
-def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
+def body_rules(reducer: Reducer) -> Iterator[Demand | Check]:
     """State the rules of bore and holes of the gear."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
@@ -48,7 +48,7 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
     yield _hole_size(reducer)
 
 
-def balance(reducer: Reducer) -> Rule:
+def balance(reducer: Reducer) -> Demand:
     """State that a half disc, at most as thick as the shaft is long, balances gear and cam.
 
     Needs a sound gear and a counterweight that stands out from the shaft.
@@ -58,7 +58,7 @@ def balance(reducer: Reducer) -> Rule:
     """
     shaft = reducer.design.shaft
     moment, moment_per_length = _static_moments(reducer)
-    return Rule(
+    return Demand(
         "balance",
         Limit("shaft.counterweight_radius", "more than", math.cbrt(shaft.radius**3 + 1.5 * moment / shaft.length)),
         "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
@@ -66,7 +66,7 @@ def balance(reducer: Reducer) -> Rule:
     )
 
 
-def bearings(reducer: Reducer) -> Rule:
+def bearings(reducer: Reducer) -> Demand:
     """State that the bearings of the shaft find room on its journal, before the counterweight that balances it.
 
     Bearings whose width or spacing follows a rule take the room that there is.
@@ -75,7 +75,7 @@ def bearings(reducer: Reducer) -> Rule:
     shaft = design.shaft
     moment, moment_per_length = _static_moments(reducer) if design.gear.discs == 1 else (0.0, 1.0)
     beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
-    return Rule(
+    return Demand(
         "bearings",
         Limit(
             "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
@@ -101,7 +101,7 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
-def _neighbouring_holes(reducer: Reducer) -> Rule:
+def _neighbouring_holes(reducer: Reducer) -> Demand:
     """State the wall between holes as a rule; their radius follows from pin and eccentricity: others are remedies."""
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius

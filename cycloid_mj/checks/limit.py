@@ -152,7 +152,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Rule:
+class Demand:
     """A limit that a design is to keep; `judged` makes a check of it.
 
     Attributes
@@ -173,18 +173,18 @@ class Rule:
     instead: tuple[Limit, ...] = ()
     severity: Severity = "error"
     tied: bool = False
-    first: "Rule | None" = None
+    first: "Demand | None" = None
 
 
 def wall_rule(
     name: str, limits: Callable[[float], tuple[Limit, ...]], share: float, radius: float, where: str, tied: bool = False
-) -> Rule:
+) -> Demand:
     """State the rule of a wall: thinner than is assumed is a warning, cut-outs that run into each other are an error.
 
     Parameters
     ----------
     name, tied
-        As in `Rule`.
+        As in `Demand`.
     limits
         Gives the limits that leave a wall of a share of E, that of the checked value first.
     share, radius
@@ -194,16 +194,16 @@ def wall_rule(
     """
     limit, *instead = limits(share)
     why = f"{where} a wall of at least {millimetres(share * radius)} is wanted ({share:.0%} of E, assumed)"
-    none_left = Rule(name, limits(0.0)[0], f"{where} no wall is left")
-    return Rule(name, limit, why, tuple(instead), severity="warning", tied=tied, first=none_left)
+    none_left = Demand(name, limits(0.0)[0], f"{where} no wall is left")
+    return Demand(name, limit, why, tuple(instead), severity="warning", tied=tied, first=none_left)
 
 
-def judged(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]:
+def judged(reducer: Reducer, rules: Iterable[Demand | Check]) -> Iterator[Check]:
     """Judge a design by rules, in their order; what is a check already is handed through."""
     return (rule if isinstance(rule, Check) else _judged(reducer, rule) for rule in rules)
 
 
-def _judged(reducer: Reducer, rule: Rule) -> Check:
+def _judged(reducer: Reducer, rule: Demand) -> Check:
     limit = rule.limit
     passed = limit.holds(reducer)
     got, allowed = limit.formatted(reducer)

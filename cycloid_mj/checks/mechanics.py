@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Limit, Rule, joint_change, millimetres, value_and_limit
+from cycloid_mj.checks.limit import STRICT_MARGIN, Check, Demand, Limit, joint_change, millimetres, value_and_limit
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
@@ -26,10 +26,10 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 """Assumed [SI]: from polymers to tungsten carbide. Beyond, it is mostly a slip of units."""
 
 
-def mechanical_rules(reducer: Reducer, whole: bool) -> Iterator[Rule | Check]:
+def mechanical_rules(reducer: Reducer, whole: bool) -> Iterator[Demand | Check]:
     """State the rules of what is not the shape of gear and ring; what stands on that only where it is `whole`."""
     design = reducer.design
-    yield Rule(
+    yield Demand(
         "output_pins",
         Limit("output.pins", "at least", 3),
         "two output pins carry no torque when they stand in line with the eccentricity",
@@ -46,10 +46,10 @@ def mechanical_rules(reducer: Reducer, whole: bool) -> Iterator[Rule | Check]:
     yield from _drive_rules(reducer)
 
 
-def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterator[Rule]:
+def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterator[Demand]:
     """State the rules of one table of material; the names of a part's own begin with the part's."""
     part = table.removesuffix("material")
-    yield Rule(
+    yield Demand(
         f"{part}yield_strength",
         Limit(f"{table}.yield_strength", "at most", material.tensile_strength),
         "no material yields above its tensile strength",
@@ -59,39 +59,39 @@ def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterato
         at_least = Limit(f"{table}.{name}", "at least", low)
         limit = Limit(at_least.key, "at most", high) if at_least.holds(reducer) else at_least
         why = "no material between polymers and tungsten carbide lies beyond (a slip of units?)"
-        yield Rule(f"{part}{name}", limit, why, severity="warning")
+        yield Demand(f"{part}{name}", limit, why, severity="warning")
 
 
-def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
+def _output_root_rules(reducer: Reducer) -> Iterator[Demand]:
     output = reducer.design.output
     if output.rollers:
-        yield Rule(
+        yield Demand(
             "output_core",
             Limit("output.core_radius", "less than", output.pin_radius),
             "the core pin carries the roller round it",
             (Limit("output.pin_radius", "more than", output.core_radius),),
         )
-    yield Rule(
+    yield Demand(
         "output_fillet",
         Limit("output.fillet_radius", "less than", output.root_radius),
         "a fillet is to be smaller than the radius of the pin it rounds off",
     )
 
 
-def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
+def _bolt_rules(reducer: Reducer) -> Iterator[Demand]:
     """State that the bolts' clamped circles lie within the wall behind the teeth, and apart from each other."""
     design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
     limit = Limit(above.key, "less than", outer) if circle > root else above
     why = f"the bolts stand in the wall between the teeth (out to {millimetres(root)}) and the rim"
-    yield Rule("bolt_circle", limit, why)
+    yield Demand("bolt_circle", limit, why)
     room = min(outer - circle, circle - max(root, 0.0))
     if not room > 0.0:
         return
-    yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
+    yield Demand("bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
     if design.bolt_radius < room:
-        yield Rule(
+        yield Demand(
             "bolts",
             Limit("housing.bolts", "less than", pitches(design.bolt_radius / circle)),
             "neighbouring bolts would clamp the same place",
@@ -99,16 +99,16 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
         )
 
 
-def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
+def _shaft_rules(reducer: Reducer) -> Iterator[Demand]:
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
-    yield Rule(
+    yield Demand(
         "shaft",
         Limit("shaft.radius", "less than", design.gear.bore_radius - c),
         "the cam must enclose the shaft, or the gear cannot be slid on",
         (Limit("gear.bore_radius", "more than", shaft.radius + c),),
     )
-    yield Rule(
+    yield Demand(
         "shaft_fillet",
         Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),
         "the cam's shoulder, which is lowest opposite the eccentricity, leaves no more room for a fillet",
@@ -116,13 +116,13 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
     )
     if design.gear.discs > 1:  # they balance each other
         return
-    yield Rule(
+    yield Demand(
         "counterweight",
         Limit("shaft.counterweight_radius", "more than", shaft.radius),
         "the counterweight must stand out from the shaft",
         (Limit("shaft.radius", "less than", shaft.counterweight_radius),),
     )
-    yield Rule(
+    yield Demand(
         "counterweight_room",
         Limit("shaft.counterweight_radius", "less than", design.ring.pin_circle_radius - design.ring.pin_radius),
         "the counterweight turns inside the ring's teeth, which reach in to E - rho",
@@ -180,11 +180,11 @@ def _jump(reducer: Reducer) -> Check:
     )
 
 
-def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
+def _drive_rules(reducer: Reducer) -> Iterator[Demand]:
     design = reducer.design
     drive, load = design.drive, design.load.torque
     speed = abs(drive.speed)
-    yield Rule(
+    yield Demand(
         "power",
         Limit("drive.power", "at least", drive.torque * speed / OVERLOAD),
         f"drive torque times speed is to be at most {OVERLOAD:g} times the rated power (assumed)",
@@ -192,7 +192,7 @@ def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
         severity="warning",
     )
     capacity = design.rated_torque * (1.0 + STRICT_MARGIN)  # a load may be that torque, as it is rounded
-    yield Rule(
+    yield Demand(
         "load",
         Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),
         f"the rated drive torque times the ratio, {design.reduction}, is all that a drive without losses can move",

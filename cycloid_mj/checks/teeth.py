@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 
-from cycloid_mj.checks.limit import Limit, Rule, millimetres, wall_rule
+from cycloid_mj.checks.limit import Demand, Limit, millimetres, wall_rule
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer import Reducer
@@ -24,12 +24,12 @@ LEAST_CORE = 1 / 3
 BISECTIONS = 60
 
 
-def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
+def tooth_rules(reducer: Reducer) -> Iterator[Demand]:
     """State the rules of the teeth of gear and ring."""
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
     smaller = min(design.modification.pin_circle, 0.0)  # the gear may be generated with a smaller pin circle
-    loops = Rule(
+    loops = Demand(
         "loops",
         Limit("gear.eccentricity", "less than", (E + smaller) / N * (1 - LOOP_MARGIN)),
         "from E / N on the path of a pin in the gear has loops, which no gear can follow",
@@ -46,7 +46,7 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
         yield _neighbouring_pins(reducer)
         if design.ring.has_sleeves:
             yield _sleeve(reducer)
-        yield Rule(
+        yield Demand(
             "socket",
             Limit("ring.pin_radius", "more than", c),
             "the gear's tips sweep out to E - rho + 2 c, which must not reach the bottoms of the sockets at E + rho",
@@ -57,7 +57,7 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     yield _housing(reducer)
 
 
-def _undercut(reducer: Reducer) -> Rule:
+def _undercut(reducer: Reducer) -> Demand:
     """State that the profile has no cusps.
 
     It is also all that the internal gear needs to exist (see `envelope`), and it keeps the outline simple: for N >= 4
@@ -73,7 +73,7 @@ def _undercut(reducer: Reducer) -> Rule:
         return profile.undercut_radius(gear) - offset
 
     flatter = () if spare(c) > 0 else (Limit("gear.eccentricity", "less than", _falling_root(spare, c)),)
-    return Rule(
+    return Demand(
         "undercut",
         Limit("ring.pin_radius", "less than", ring.pin_radius + spare(c)),
         "a pin that is larger, with its clearance, than the sharpest convex bend of its path cuts the lobes away",
@@ -81,7 +81,7 @@ def _undercut(reducer: Reducer) -> Rule:
     )
 
 
-def _neighbouring_pins(reducer: Reducer) -> Rule:
+def _neighbouring_pins(reducer: Reducer) -> Demand:
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
@@ -97,13 +97,13 @@ def _neighbouring_pins(reducer: Reducer) -> Rule:
     return wall_rule("neighbouring_pins", limits, WALL_SHARE, E, "between the sockets of neighbouring pins")
 
 
-def _sleeve(reducer: Reducer) -> Rule:
+def _sleeve(reducer: Reducer) -> Demand:
     """State that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
-    none_left = Rule(
+    none_left = Demand(
         "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
     )
-    return Rule(
+    return Demand(
         "sleeve",
         Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
         f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
@@ -113,7 +113,7 @@ def _sleeve(reducer: Reducer) -> Rule:
     )
 
 
-def _sockets_hold(reducer: Reducer) -> Rule:
+def _sockets_hold(reducer: Reducer) -> Demand:
     """State that sockets reach round their pins as far as the gear presses on these.
 
     It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin
@@ -131,7 +131,7 @@ def _sockets_hold(reducer: Reducer) -> Rule:
         )
         return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
-    return Rule(
+    return Demand(
         "pin_held",
         Limit("ring.pin_radius", "more than", _falling_root(lambda radius: -spare(radius, c), E)),
         f"the gear presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg aside, and a half-open socket that "
@@ -140,7 +140,7 @@ def _sockets_hold(reducer: Reducer) -> Rule:
     )
 
 
-def _housing(reducer: Reducer) -> Rule:
+def _housing(reducer: Reducer) -> Demand:
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
