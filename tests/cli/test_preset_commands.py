@@ -105,7 +105,7 @@ def test_two_logs_of_several_discs_are_compared(log: str, call: Callable[..., st
         "10",
     )
     call(("simulate", "--design", "twodisc", *wide, "--out", "runs"))
-    found = call(("compare", "{log}", "runs/wide.mcap", "--out", "side"), log=log)
+    found = call(("compare", "{log}", "runs/wide.mcap", "--all", "--out", "side"), log=log)
     assert "gear and q of gear 1" in " ".join(found.split())
 
 

@@ -30,6 +30,8 @@ from cycloid_mj.statics.kernel import (
     state,
     state_after,
 )
+from cycloid_mj.statics.kernel.continuation import along, by_continuation, new_path
+from cycloid_mj.statics.kernel.system import new_system
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sliding import Held, Losses, rubbing_of
 from cycloid_mj.validate.displaced import exact_gaps, held_back
@@ -159,6 +161,45 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
         stiffness = differences(at, z, "residual", 3e-10)
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=1e-7 * np.abs(stiffness).max())
         assert stiffness[-1, -1] > 0.0, "output pins press"
+
+
+@pytest.mark.parametrize("lag", [0.0, 1.0, -1.0])
+@pytest.mark.parametrize(("name", "most"), [("few", 115), ("2", 140)])
+def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str, lag: float, most: int) -> None:
+    contacts = springs(name, friction=True)
+    u = contacts.slope.shape[2]
+    load, other, force = np.zeros((1, u)), np.zeros((1, u)), np.zeros(contacts.distance.shape)
+    load[:, -1] = design_of(name).rated_torque / contacts.radius
+    assert balance(contacts, load, other, force, False).force <= BALANCED
+    here, system = np.zeros(u), new_system(contacts)
+    for disc, place in enumerate(contacts.cam_place[0]):
+        here[3 * disc : 3 * disc + 2] = place
+    allowed = BALANCED * load.max()
+    assert by_continuation(contacts, 0, load[0], here, lag, allowed, system) <= allowed
+    np.testing.assert_allclose(here, other[0], rtol=0.0, atol=1e-6 * np.abs(other).max())
+    assert system.assembled[0] <= most
+
+
+@pytest.mark.parametrize(("lag", "way"), [(0.0, 0.6), (0.5, 0.6), (0.5, 1.3), (-0.5, 0.6), (-0.5, 1.3)])
+@pytest.mark.parametrize("name", ["pin", "3"])
+def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way: float) -> None:
+    contacts = springs(name, friction=True)
+    u = contacts.slope.shape[2]
+    path, system, load = new_path(contacts, u, lag), new_system(contacts), np.zeros(u)
+
+    def left(point: np.ndarray) -> np.ndarray:
+        along(contacts, 0, load, point, path, system)
+        return path.left[:u].copy()
+
+    # pressed well beyond the play, so that what is closed stays so within a step of the differences
+    point = np.append(4.0 * pose(contacts, 1.0), way)
+    left(point)
+    falls = path.matrix[:u].copy()
+    falls[np.diag_indices(u)] -= FLOATING * contacts.cam_stiffness * path.unit
+    ways = 1e-6 * np.eye(u + 1)
+    exact = np.transpose([left(point - step) - left(point + step) for step in ways]) / 2e-6
+    assert np.abs(exact[:, u]).max() > 1.0
+    assert (np.abs(falls - exact).max(axis=0) / np.abs(exact).max(axis=0)).max() < 1e-6
 
 
 @pytest.mark.parametrize("name", ["pin", "light"])
@@ -460,9 +501,9 @@ def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str,
     """Of curves far apart, too: the exact foot of a normal in a valley is found there, the rate where it has one."""
     contacts, step = springs(name), 1e-9
     rest = np.zeros(contacts.slope.shape[2])
-    for along in np.array([-3.5e-4, -1e-4, 8e-5, 3e-4]) * contacts.trochoid[0]:
+    for ahead in np.array([-3.5e-4, -1e-4, 8e-5, 3e-4]) * contacts.trochoid[0]:
         moved = contacts._replace(
-            distance=np.full(contacts.distance.shape, across), shift=np.full(contacts.shift.shape, along)
+            distance=np.full(contacts.distance.shape, across), shift=np.full(contacts.shift.shape, ahead)
         )
         gradient, rate = [], []
         for i in np.flatnonzero(contacts.turning):

@@ -60,13 +60,13 @@ def by_continuation(
     -------
     What is left over of the load [N]; infinity where the path was lost, or wedges the parts.
     """
-    number, last, path = here.size, 1.0 + abs(lag), _path(springs, here.size, lag)
+    number, last, path = here.size, 1.0 + abs(lag), new_path(springs, here.size, lag)
     point, beyond, allowed = path.point, path.beyond, FOLLOWED / BALANCED * most
     newton(opened_by(springs, 0.0, path.room), k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
     for j in range(number):
         point[j] = here[j] / path.unit
     path.ahead[number] = path.end[number] = 1.0
-    left, length = _along(springs, k, load, point, path, system), 0.5
+    left, length = along(springs, k, load, point, path, system), 0.5
     sign = _direct(springs, k, load, point, 1.0, path, system)
     for j in range(number + 1):
         path.ahead[j] *= sign
@@ -106,7 +106,8 @@ def _shares(lag: float, way: float) -> tuple[float, float]:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _path(springs: KernelSprings, number: int, lag: float) -> _Path:
+def new_path(springs: KernelSprings, number: int, lag: float) -> _Path:
+    """Make room for a path of so many departures."""
     return _Path(
         lag,
         largest_play(springs),
@@ -124,7 +125,7 @@ def _path(springs: KernelSprings, number: int, lag: float) -> _Path:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: Linearised) -> float:
+def along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: Linearised) -> float:
     """Put together what is left of the load at a point of the path, and how it falls with the point; [N]."""
     number, matrix, residual, here = load.size, path.matrix, system.residual, system.back
     for j in range(number):
@@ -180,7 +181,7 @@ def _direct(
 ) -> float:
     """Turn the path's direction to that at a `point`, whose determinant has a `sign`; give the sign it had before."""
     last = load.size
-    _along(springs, k, load, point, path, system)
+    along(springs, k, load, point, path, system)
     copy(path.ahead, path.matrix[last])
     found = solve(path.matrix, path.end, path.step, 0.0)
     size = 0.0
@@ -227,7 +228,7 @@ def _across(
     for j in range(last + 1):
         beyond[j] = point[j] + length * ahead[j]
     for _ in range(_CORRECTIONS):
-        found = _along(springs, k, load, beyond, path, system)
+        found = along(springs, k, load, beyond, path, system)
         if found <= allowed:
             return True
         copy(ahead, path.matrix[last])
