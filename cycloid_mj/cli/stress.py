@@ -198,7 +198,7 @@ def stress(
             raise UsageError(
                 "--springs takes all parts of designs: leave out --log, --part, --figure, --solid, --angle-deg"
             )
-        return _springs([designed(name, set_, ()) for name in asked], load_nm, delivery)
+        return _springs([Reducer(designed(name, set_, ())) for name in asked], load_nm, delivery)
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,
@@ -221,26 +221,27 @@ def stress(
     return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
 
 
-def _springs(designs: Sequence[Design], load: float | None, delivery: StressDelivery) -> int:
+def _springs(reducers: Sequence[Reducer], load: float | None, delivery: StressDelivery) -> int:
     """Write designs with the springs that their parts are, under a load [N m]."""
     from cycloid_mj.design import dump
     from cycloid_mj.stress.springs import part_springs
 
+    designs = [one.design for one in reducers]
     _require_apart(designs)
     names = [f"{design.name}-springs.toml" for design in designs]
     place = _place(folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
-    found = []
+    sprung = []
     for design in designs:
         if not delivery.quiet:
             tell(f"{design.name}: a run without friction, and finite elements of its parts at 12 crank angles")
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
-        found.append(part_springs(Reducer(design.but(load={"torque": torque}))))
+        sprung.append(part_springs(Reducer(design.but(load={"torque": torque}))))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={one.design.name: f"{one.stiffness:.4g} N m/rad" for one in found[:MOST_FIGURES]},
-        tables=[one.table() for one in found],
-        files={name: dump(one.design).encode() for name, one in zip(names, found, strict=True)},
-        result={"designs": [one.as_json() for one in found]},
+        headline={one.design.name: f"{one.stiffness:.4g} N m/rad" for one in sprung[:MOST_FIGURES]},
+        tables=[one.table() for one in sprung],
+        files={name: dump(one.design).encode() for name, one in zip(names, sprung, strict=True)},
+        result={"designs": [one.as_json() for one in sprung]},
     )
     return deliver(outcome, place, delivery)
 

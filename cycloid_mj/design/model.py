@@ -3,16 +3,18 @@
 import math
 from collections.abc import Iterator, Mapping
 from html import escape
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch, unit_of
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.frame import Frame
 
 Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
 """A deviation [m] of each of some parts; empty: drawn at random."""
@@ -766,8 +768,10 @@ class Design(Section, Presented):
         return f"<table>{rows}</table>"
 
     @property
-    def frame(self) -> Frame:
+    def frame(self) -> "Frame":
         """Its values as the design file has them, a row each."""
+        from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+
         return framed([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _facts(self) -> tuple[tuple[str, str], ...]:

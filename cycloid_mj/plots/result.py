@@ -213,7 +213,7 @@ def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
     axes.set_xlabel("order [per crank turn]")
-    axes.set_ylabel("amplitude")
+    axes.set_ylabel("amplitude [as the values]")
     state(figure, condition)
     return figure
 
