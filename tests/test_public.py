@@ -203,7 +203,7 @@ def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
     orders = cm.tapered_orders(angle, 2.0 * np.cos(3.0 * angle))
     assert repr(orders).endswith(" at 3>")
     assert orders.frame.rows == len(orders.order)
-    assert orders.plot().axes[0].get_ylabel() == "amplitude"
+    assert orders.plot().axes[0].get_ylabel() == "amplitude [as the values]"
 
 
 def test_every_public_function_describes_its_parameters() -> None:
