@@ -318,6 +318,23 @@ def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
     assert 0.8 * most < left.work <= most
 
 
+@pytest.mark.parametrize("name", ["printed", "light"])
+def test_a_cam_far_harder_than_teeth_takes_hardly_more_steps(name: str) -> None:
+    """With 100 um of play: springs softened by the cam alone would let teeth go deeper than their curves reach."""
+    contacts = springs(name, friction=True)
+    steps = []
+    for factor in (1.0, 100.0):
+        hard = contacts._replace(room=np.full(contacts.disc.size, 1e-4), cam_stiffness=factor * contacts.cam_stiffness)
+        load, z = np.zeros((1, contacts.slope.shape[2])), np.zeros((1, contacts.slope.shape[2]))
+        load[:, -1] = design_of(name).rated_torque / contacts.radius
+        for disc, place in enumerate(contacts.cam_place[0]):
+            z[0, 3 * disc : 3 * disc + 2] = place
+        left = balance(hard, load, z, np.zeros(contacts.distance.shape), False)
+        assert left.force <= BALANCED
+        steps.append(left.work)
+    assert steps[1] < 1.5 * steps[0]
+
+
 @pytest.mark.parametrize("reach", [0.0, 1e-8, 0.9e-6, 1.1e-6, 3e-6])
 def test_a_tight_cam_presses_on_both_sides_until_the_far_one_is_free(reach: float) -> None:
     tight, way = 1e-6, np.array([0.6, -0.8])

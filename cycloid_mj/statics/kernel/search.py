@@ -35,6 +35,10 @@ _LAGS = (1.0, -1.0, 0.0)
 balance, as a share of the way of each. Where two branches nearly meet a step may change over from one to the other."""
 
 
+_REACH = 0.1
+"""How deep contacts may be pressed for their curves to be those of the flanks, as a share of the eccentricity."""
+
+
 _OPENINGS = 32
 """Steps in which play opens where a path without friction is lost: downhill, from one least energy to the next."""
 
@@ -135,7 +139,7 @@ def _search(
             copy(start, here)
             copy(start, system.back)
             further, stride, way = 0.0, 0.0, 0.0
-            softest = min(1.0, scale / (_hardest(springs, k) * _depth(springs, _TRIES[attempt][0])))
+            softest = min(1.0, scale / _soft_force(springs, k, _TRIES[attempt][0]))
         else:
             further = min(way + stride, 1.0 if way < 1.0 else 2.0)
         _, boldest, hardens_first = _TRIES[attempt]
@@ -159,18 +163,15 @@ def _search(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _depth(springs: KernelSprings, plays: float) -> float:
-    """Compute how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
-    return min(plays * largest_play(springs), 0.1 * springs.trochoid[1])
+def _soft_force(springs: KernelSprings, k: int, plays: float) -> float:
+    """Compute the force [N] by which springs are softened to the load: the hardest is pressed several plays deep by it.
 
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _hardest(springs: KernelSprings, k: int) -> float:
-    """Compute the largest stiffness of all contacts and cams [N/m]."""
-    hardest = springs.cam_stiffness
+    No contact is pressed beyond the reach of the curves by it, however much harder a cam is.
+    """
+    reach, contact = _REACH * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):
-        hardest = max(hardest, springs.stiffness[k, i])
-    return hardest
+        contact = max(contact, springs.stiffness[k, i])
+    return min(max(contact, springs.cam_stiffness) * min(plays * largest_play(springs), reach), contact * reach)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
