@@ -120,7 +120,7 @@ def cam_force(
     `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
     """
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
-    radial = ring.eccentric_radial + np.sum(output_forces, axis=-1)
+    radial = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
     outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
     resultant = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
     return resultant - np.asarray(body_force, float)

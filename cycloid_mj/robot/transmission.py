@@ -113,7 +113,8 @@ def waves(values: Array) -> tuple[Waves, Waves]:
 
 def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
     """Compute the places of the fewest strongest harmonics that leave `LEFT` of every error, `MOST` at the most."""
-    shares = np.max([np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each], axis=0)
+    each_share = [np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each]
+    shares: Array = np.stack(each_share).max(axis=0)
     order = np.argsort(-shares, kind="stable")
     for count in range(1, MOST):
         chosen = order[:count]

@@ -79,8 +79,8 @@ def gear_figure(gear: CycloidGear) -> Figure:
     figure = sheet(3.3)
     near, bend = figure.subplots(1, 2, width_ratios=[1.25, 1])
     lobe = 2 * np.pi / gear.lobes
-    for t in np.linspace(-lobe, lobe, 2 * PIN_STEPS - 1):
-        near.add_patch(Circle(tuple(1e3 * profile.trochoid(gear, t)), 1e3 * gear.pin_radius, fill=False, **PIN))
+    for turn in np.linspace(-lobe, lobe, 2 * PIN_STEPS - 1):
+        near.add_patch(Circle(tuple(1e3 * profile.trochoid(gear, turn)), 1e3 * gear.pin_radius, fill=False, **PIN))
     t = np.linspace(-1.4 * lobe, 1.4 * lobe, 1200)
     near.plot(*_mm(profile.trochoid(gear, t)), **TROCHOID)
     near.plot(*_mm(profile.outline(gear, t)), **GEAR)
