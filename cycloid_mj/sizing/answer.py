@@ -426,7 +426,10 @@ def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
     narrowed = _narrowed(asked, step)
     others = _others(asked, narrowed) if narrowed[1].work * max(asked.discs, 1) < EASY else ()
-    lightest, *rest = _lightest_first(asked, [narrowed, *others])
+    drives: dict[Design, Step] = {}
+    for of, trial in (narrowed, *others):
+        drives.setdefault(trial.reducer.design, (of, trial))  # some round to the same parts in stock
+    lightest, *rest = _lightest_first(asked, list(drives.values()))
     yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
     for title, why, merit in (
         ("stiffest", "the stiffest of those tried", lambda one: _first_stiffness(one[1].reducer)),

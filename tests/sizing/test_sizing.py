@@ -146,12 +146,16 @@ def test_what_no_single_change_mends_is_told_together() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("discs", [2, 3])
 def test_several_discs_share_the_load(discs: int) -> None:
-    found = answered(Requirement(29, 0.08, 15.0, discs=discs)).drives[0].design
+    """Alike from both ends of the output pins, which bend between them and leave less to a disc in the middle."""
+    drives = answered(Requirement(29, 0.08, 15.0, discs=discs)).drives
+    assert len({one.design for one in drives}) == len(drives)
+    found = drives[0].design
     assert found.gear.discs == discs
     assert found.output.support == "both_ends"
     value = sheet(Reducer(found)).quantities
-    for disc in range(1, discs + 1):
-        assert value[f"disc_{disc}_share"].value == pytest.approx(1.0 / discs, rel=0.2)
+    shares = [value[f"disc_{disc}_share"].value for disc in range(1, discs + 1)]
+    assert shares == pytest.approx(shares[::-1], rel=0.02)
+    assert min(shares) > 0.5 / discs
 
 
 def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
