@@ -7,8 +7,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, whole, within
-from cycloid_mj.cli.terminal import say
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, whole, within
+from cycloid_mj.cli.terminal import say_files
 
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif
@@ -17,7 +17,7 @@ EXAMPLES = """Examples:
 FRAMES, RATE, WIDTH = 90, 25, 640
 MOST_FRAMES, MOST_TURNS = 20_000, 10_000.0
 
-MovieName = Annotated[str, Parameter(metavar="FILE", help="Film to write, .gif or .mp4.")]
+MovieName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Film to write, .gif or .mp4.")]
 MagnifyFlag = Annotated[
     float,
     Parameter(
@@ -56,8 +56,8 @@ WidthFlag = Annotated[
 
 def animate(
     log: LogName,
-    out: MovieName,
     /,
+    out: MovieName,
     *,
     magnify: MagnifyFlag = 1.0,
     frames: FramesFlag = FRAMES,
@@ -65,7 +65,9 @@ def animate(
     fps: RateFlag = RATE,
     width: WidthFlag = WIDTH,
     disc: DiscFlag = 1,
+    json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Draw a logged run in motion, with forces and loads.
 
@@ -80,5 +82,5 @@ def animate(
     run = read(log)
     claim(Path(out), force=force)
     write_movie(film(take(run, magnify, frames, turns, disc - 1), width), out, fps)
-    say(out)
+    say_files([out], json)
     return 0

@@ -8,9 +8,9 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.replacing import claim
-from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonFlag, whole, within
+from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonFlag, QuietFlag, whole, within
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.cli.terminal import note, say, say_json, say_table
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def build(
     plain_coacd: PlainFlag = False,
     force: ForceFlag = False,
     json: JsonFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Make a model folder that any MuJoCo opens: DIR/scene.xml.
 
@@ -77,7 +78,7 @@ def build(
     claim(Path(out) / SCENE, Path(out) / MANIFEST, force=force)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
-    tell("cutting the parts into convex pieces")
+    note("cutting the parts into convex pieces")
     files = model_files(Reducer(design), settings)
     into = folder(out, "the model", files, force)
     write_folder(files, into)
@@ -120,7 +121,7 @@ def _plain_figures(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     figures: dict[str, dict[str, Any]] = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
-        tell(f"plain CoACD at threshold {threshold:g}")
+        note(f"plain CoACD at threshold {threshold:g}")
         cut: list[Plain] = [plain_gear(reducer, settings)]
         if design.ring.kind == "nonpin":
             cut.append(plain_ring(reducer, settings))

@@ -10,7 +10,7 @@ from cyclopts import App
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions, QuietFlag
 from cycloid_mj.cli.new import new
 from cycloid_mj.cli.terminal import say
 from cycloid_mj.design import Design, dump, reasons
@@ -41,7 +41,7 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
+def show(chosen: Annotated[DesignOptions, FLAT], *, _quiet: QuietFlag = False) -> int:
     """Print the complete, commented design file of a preset or of a file, with the changes of --set.
 
     Each value that the paper (Hsieh 2014) does not give is marked as

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from cycloid_mj import __version__
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.flags import JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import say, say_json
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
@@ -43,7 +43,7 @@ class Finding(NamedTuple):
     found: str
 
 
-def doctor(*, json: JsonFlag = False) -> int:
+def doctor(*, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
     """Look at this installation, and test it.
 
     The self-test simulates a millisecond of a reducer and holds it against the

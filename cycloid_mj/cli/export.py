@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, UsageError, warn
-from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, within
+from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.reducer import Reducer
@@ -108,6 +108,7 @@ def export(
     cam_bearing_bore_mm: CamFlag = None,
     force: ForceFlag = False,
     json: JsonFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write every part of a design for CAD or printing.
 

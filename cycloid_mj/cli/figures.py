@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.flags import JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import say_json, say_table
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ EXAMPLES = """Examples:
   cycloid-mj figures --json"""
 
 
-def figures(*, need: NeedFlag = None, json: JsonFlag = False) -> int:
+def figures(*, need: NeedFlag = None, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
     """List the figures that commands print, limit and vary, by key.
 
     A key ends in its unit, and means the same number in `statics`, `sweep

@@ -74,7 +74,8 @@ ForceFlag = Annotated[
     ),
 ]
 AllFlag = Annotated[bool, Parameter(name="--all", help="Show all tables and notes, not the headline alone.")]
-QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
+QuietFlag = Annotated[bool, Parameter(name="--quiet", help="No progress and no messages but errors on stderr.")]
+"""Of every command; `cycloid_mj.cli.app.main` keeps back what `note` writes, and warnings."""
 HtmlFlag = Annotated[
     tuple[str, ...] | None,
     Parameter(

@@ -6,9 +6,20 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import FLAT, MOST_ROWS, RAMP, SPEED, DesignOptions, ForceFlag, PointFlag, point, within
+from cycloid_mj.cli.flags import (
+    FLAT,
+    MOST_ROWS,
+    RAMP,
+    SPEED,
+    DesignOptions,
+    ForceFlag,
+    PointFlag,
+    QuietFlag,
+    point,
+    within,
+)
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
-from cycloid_mj.cli.terminal import tell
+from cycloid_mj.cli.terminal import note
 from cycloid_mj.design import Design
 
 EXAMPLES = """Examples:
@@ -50,6 +61,7 @@ def kinematics(
     step_s: StepFlag = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write the ideal motion of a point q of the gear as CSV.
 
@@ -66,7 +78,7 @@ def kinematics(
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     write_csv(csv, columns)
     if csv != STDOUT:
-        tell(f"wrote {len(columns['t_s'])} samples to {csv}")
+        note(f"wrote {len(columns['t_s'])} samples to {csv}")
     return 0
 
 

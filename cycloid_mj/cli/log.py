@@ -10,9 +10,9 @@ from cyclopts import App, Parameter
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, within
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv, write_csv
-from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.cli.terminal import note, say, say_files, say_json, say_table
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def info(log: LogName, /, *, json: JsonFlag = False) -> int:
+def info(log: LogName, /, *, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
     """Print what a log holds: its run, topics, attachments and provenance.
 
     A cut log tells how far it could be read.
@@ -79,7 +79,7 @@ def info(log: LogName, /, *, json: JsonFlag = False) -> int:
     return 0
 
 
-def columns(log: LogName, /, *, json: JsonFlag = False) -> int:
+def columns(log: LogName, /, *, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
     """List the columns of a log: topic, name and unit."""
     from cycloid_mj.log import load
 
@@ -95,11 +95,12 @@ def columns(log: LogName, /, *, json: JsonFlag = False) -> int:
 
 def csv(
     log: LogName,
-    out: Annotated[str, Parameter(metavar="FILE", help="CSV file. Default: stdout.")] = STDOUT,
     /,
+    out: Annotated[str, Parameter(name="--out", metavar="FILE", help="CSV file. Default: stdout.")] = STDOUT,
     *,
     columns: ColumnsFlag = None,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write the time [s] and columns of a log as CSV, every digit of every number."""
     run = _read(log)
@@ -107,17 +108,21 @@ def csv(
     names = _names(columns) or list(run.columns)
     write_csv(out, {"time": run.time, **{name: run[name] for name in names}})
     if out != STDOUT:
-        tell(f"wrote {len(run)} rows of {len(names) + 1} columns to {out}")
+        note(f"wrote {len(run)} rows of {len(names) + 1} columns to {out}")
     return 0
 
 
 def parquet(
     log: LogName,
-    out: Annotated[str | None, Parameter(metavar="FILE", help="Parquet file. Default: RUN.parquet.")] = None,
     /,
+    out: Annotated[
+        str | None, Parameter(name="--out", metavar="FILE", help="Parquet file. Default: RUN.parquet.")
+    ] = None,
     *,
     columns: ColumnsFlag = None,
+    json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write the time [s] and columns of a log as Parquet; units and provenance are its metadata.
 
@@ -127,17 +132,21 @@ def parquet(
 
     run, path = _read(log), _named(log, out, ".parquet", force)
     write_parquet(run, path, _names(columns))
-    say(str(path))
+    say_files([path], json)
     return 0
 
 
 def repair(
     log: LogName,
-    out: Annotated[str | None, Parameter(metavar="FILE", help="Log to write. Default: RUN-repaired.mcap.")] = None,
     /,
+    out: Annotated[
+        str | None, Parameter(name="--out", metavar="FILE", help="Log to write. Default: RUN-repaired.mcap.")
+    ] = None,
     *,
     scene_hz: SceneFlag = None,
+    json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write a cut log anew and whole, up to its last whole chunk, with every topic and attachment.
 
@@ -148,23 +157,28 @@ def repair(
 
     contents = load(log)
     if contents.whole and scene_hz is None:
-        tell(f"{log} is whole: there is nothing to repair")
+        note(f"{log} is whole: there is nothing to repair")
+        say_files([], json)
         return 0
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
     claim(path, force=force)
     write(contents.run, path, _scene(contents, scene_hz), force=force)
-    tell(contents.run.note or f"wrote all {len(contents.run)} samples")
-    say(str(path))
+    note(contents.run.note or f"wrote all {len(contents.run)} samples")
+    say_files([path], json)
     return 0
 
 
 def rerun(
     log: LogName,
-    out: Annotated[str | None, Parameter(metavar="FILE", help="Recording to write. Default: RUN.rrd.")] = None,
     /,
+    out: Annotated[
+        str | None, Parameter(name="--out", metavar="FILE", help="Recording to write. Default: RUN.rrd.")
+    ] = None,
     *,
+    json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write a recording for Rerun (.rrd): the moving parts, the forces and every column.
 
@@ -177,11 +191,11 @@ def rerun(
 
     run, path = read(log), _named(log, out, ".rrd", force)
     write_rerun(run, Reducer(design_of(run)), path)
-    say(str(path))
+    say_files([path], json)
     return 0
 
 
-def layout(log: LogName, /) -> int:
+def layout(log: LogName, /, *, _quiet: QuietFlag = False) -> int:
     """Print a layout for Foxglove and Lichtblick, with the mechanism and three plots.
 
     Import it there once: their own 3-D view starts 20 m away and cuts off what
@@ -207,7 +221,7 @@ def _read(log: str) -> "Run":
 
     run = read(log)
     if not run.complete:
-        tell(f"note: the run did not reach its end: {run.note}")
+        note(f"note: the run did not reach its end: {run.note}")
     return run
 
 
@@ -226,7 +240,7 @@ def _scene(log: "Log", rate: float | None) -> "Scene | None":
     except CycloidError as problem:
         if rate is not None:
             raise
-        tell(f"note: the new log has no 3-D scene: {problem}")
+        note(f"note: the new log has no 3-D scene: {problem}")
         return None
 
 

@@ -32,8 +32,10 @@ def _what(error: CycloptsError) -> str:
         return _missing(argument.name, error.unused_tokens or [], place)
     if isinstance(error, UnknownOptionError):
         word = error.token.keyword or error.token.value
-        known = [name for each in error.argument_collection for name in each.names]
-        return _unknown_option(word, get_close_matches(word, known, n=1))
+        known = [name for each in error.argument_collection for name in each.names if name.startswith("--")]
+        # without the dashes, which all of them share
+        near = get_close_matches(word.lstrip("-"), [name[2:] for name in known], n=1)
+        return _unknown_option(word, [f"--{name}" for name in near])
     if isinstance(error, UnusedCliTokensError):
         return f"unexpected argument {(error.unused_tokens or [''])[0]!r}"
     if isinstance(error, ValidationError) and argument is not None:

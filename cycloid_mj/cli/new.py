@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, whole, whole_number
+from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, QuietFlag, SetFlag, designed, whole, whole_number
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.design import PRESETS, dump, override, reasons
 
@@ -94,6 +94,7 @@ def new(
     set_: SetFlag = (),
     json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write NAME.toml, a complete, commented design file to edit.
 

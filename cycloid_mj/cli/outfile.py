@@ -22,7 +22,7 @@ STDOUT = "-"
 CsvFlag = Annotated[
     str,
     Parameter(
-        name="--csv",
+        name=("--csv", "--out"),
         metavar="FILE",
         allow_leading_hyphen=True,
         help="CSV file to write; - is stdout.",

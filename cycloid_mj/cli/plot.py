@@ -7,9 +7,9 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import warn
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, PointFlag, QuietFlag, point
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say
+from cycloid_mj.cli.terminal import say_files
 
 EXAMPLES = """Examples:
   cycloid-mj plot runs/pin.mcap
@@ -27,7 +27,15 @@ OutFlag = Annotated[
 
 
 def plot(
-    log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png", force: ForceFlag = False
+    log: LogName,
+    /,
+    *,
+    q: PointFlag = None,
+    out: OutFlag = None,
+    format_: FormatFlag = "png",
+    json: JsonFlag = False,
+    force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Draw the motion of a logged run: crank, gear, point q, pin 1.
 
@@ -46,6 +54,5 @@ def plot(
     drawn = figures(motion)
     names = [f"{name}.{format_}" for name in drawn]
     into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, force)
-    for path in save(drawn, into, (format_,)):
-        say(str(path))
+    say_files(save(drawn, into, (format_,)), json)
     return 0

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, whole, within
+from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, QuietFlag, whole, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
-from cycloid_mj.cli.terminal import tell
+from cycloid_mj.cli.terminal import note
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -50,6 +50,7 @@ def profile(
     points: PointsFlag = None,
     part: PartFlag = "gear",
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Write the outline of the gear as CSV, for CAD or for a check.
 
@@ -79,7 +80,7 @@ def profile(
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen.resolved(), points)
     write_csv(csv, columns)
     if csv != STDOUT:
-        tell(f"wrote {len(columns['x_mm'])} points to {csv}")
+        note(f"wrote {len(columns['x_mm'])} points to {csv}")
     return 0
 
 

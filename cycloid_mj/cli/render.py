@@ -8,8 +8,8 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, whole, within
-from cycloid_mj.cli.terminal import say
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, whole, within
+from cycloid_mj.cli.terminal import say_files
 from cycloid_mj.reducer import Reducer
 
 EXAMPLES = """Examples:
@@ -20,7 +20,7 @@ WIDTH, HEIGHT = 1280, 960
 AZIMUTH, ELEVATION = 90.0, -62.0
 FORMATS = (".png", ".jpg", ".webp")
 
-PictureName = Annotated[str, Parameter(metavar="FILE", help="Picture to write, .png, .jpg or .webp.")]
+PictureName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Picture to write, .png, .jpg or .webp.")]
 TimeFlag = Annotated[float | None, Parameter(metavar="T", help="Time of the picture [s]. Default: the end of the run.")]
 WidthFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Width [pixels]. Default: {WIDTH}.")]
 HeightFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Height [pixels]. Default: {HEIGHT}.")]
@@ -41,15 +41,17 @@ ElevationFlag = Annotated[
 
 def render(
     log: LogName,
-    out: PictureName,
     /,
+    out: PictureName,
     *,
     time_s: TimeFlag = None,
     width: WidthFlag = WIDTH,
     height: HeightFlag = HEIGHT,
     azimuth: AzimuthFlag = AZIMUTH,
     elevation: ElevationFlag = ELEVATION,
+    json: JsonFlag = False,
     force: ForceFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Render a moment of a logged run with MuJoCo.
 
@@ -78,5 +80,5 @@ def render(
 
     with whole_file(out) as beside:
         Image.fromarray(picture).save(beside)
-    say(out)
+    say_files([out], json)
     return 0

@@ -7,8 +7,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import claim, require_ending
-from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
-from cycloid_mj.cli.terminal import printable, say
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, PointFlag, QuietFlag, point
+from cycloid_mj.cli.terminal import printable, say_files
 
 EXAMPLES = """Examples:
   cycloid-mj report runs/pin.mcap
@@ -21,7 +21,14 @@ OutFlag = Annotated[
 ]
 
 
-def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None, force: ForceFlag = False) -> int:
+def report(
+    *logs: LogNames,
+    out: OutFlag = None,
+    q: PointFlag = None,
+    json: JsonFlag = False,
+    force: ForceFlag = False,
+    _quiet: QuietFlag = False,
+) -> int:
     """Write the review of one or more logged runs as one HTML page.
 
     What was run, the table of findings, the paper's figures to zoom, the moving
@@ -44,5 +51,5 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None, force: For
     claim(path, force=force)
     page = reviewed(runs, place)
     write_whole({path: page.encode()})
-    say(str(path))
+    say_files([path], json)
     return 0

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, whole
+from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import tell
 
 EXAMPLES = """Examples:
@@ -20,7 +20,11 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 
 
 def app(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET, *, port: PortFlag = PORT, no_browser: BrowserFlag = False
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
+    port: PortFlag = PORT,
+    no_browser: BrowserFlag = False,
+    _quiet: QuietFlag = False,
 ) -> int:
     """Design a drive on a page in the browser.
 

@@ -5,9 +5,10 @@ import logging
 import math
 import sys
 import warnings
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import CycloidWarning
@@ -46,6 +47,21 @@ def tell(text: str) -> None:
         text = f"{text[:LONGEST_MESSAGE]}... ({len(text):,} characters in all)"
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
+
+
+def note(text: str) -> None:
+    """Write a message as `tell` does, unless the command was asked to be quiet."""
+    logging.getLogger(__name__).info("%s", text)
+
+
+def say_files(files: Iterable[str | Path], json: bool) -> None:
+    """Write the paths of the files that a command has made, one in a line or as a JSON object."""
+    paths = list(map(str, files))
+    if json:
+        say_json({"files": paths})
+        return
+    for path in paths:
+        say(path)
 
 
 def show(table: "Table") -> None:

@@ -10,7 +10,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 from cycloid_mj.cli.progress import seconds_left
-from cycloid_mj.cli.terminal import tell
+from cycloid_mj.cli.terminal import note
 
 if TYPE_CHECKING:
     from cycloid_mj.base.validation import ValidationRow
@@ -40,7 +40,7 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     without a bound, which states a difference; its reason stands below the table.
     Exit code 1 if any row fails. Two processes at a time, unless --workers, for some minutes.
     """
-    tell("starting")
+    note("starting")
     from cycloid_mj.validate.ladder import WORKERS, chosen
 
     parts = chosen(only)
@@ -60,7 +60,7 @@ def _climbed(parts: "tuple[RungPart, ...]", quick: bool, workers: int) -> "list[
         climbed.append((number, rows))
         done += parts[number].cost[not quick]
         left = seconds_left(start, done / whole)
-        tell(f"{len(climbed)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
+        note(f"{len(climbed)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
     return in_order(climbed)
 
 

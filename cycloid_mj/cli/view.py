@@ -4,8 +4,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import NAMES, SetFlag, designed, within
-from cycloid_mj.cli.terminal import tell
+from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, designed, within
+from cycloid_mj.cli.terminal import note
 
 EXAMPLES = """Examples:
   cycloid-mj view pin
@@ -25,7 +25,7 @@ SlowFlag = Annotated[
 ]
 
 
-def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
+def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: QuietFlag = False) -> int:
     """Open MuJoCo's viewer on a design, or replay a log there.
 
     It needs a display; without one, use `cycloid-mj render` or `cycloid-mj
@@ -37,14 +37,14 @@ def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
     if what.endswith(".mcap"):
         from cycloid_mj.log import read
 
-        tell("close the window to end")
+        note("close the window to end")
         show_run(read(what), slow)
         return 0
     design = designed(what, set_, ())
     from cycloid_mj.base.errors import warn
     from cycloid_mj.dynamics.mjcf import build
 
-    tell("building the model")
+    note("building the model")
     compiled = build(design)
     warn(design.name, compiled.warnings)
     show_model(compiled.model)

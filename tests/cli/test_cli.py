@@ -469,6 +469,12 @@ def test_profile_writes_the_outline_with_every_digit(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_file_is_named_by_out_too_and_written_without_a_word(tmp_path):
+    file = tmp_path / "gear.csv"
+    assert told("profile", "--design", "pin", "--out", str(file), "--quiet") == (0, "", "")
+    assert file.read_text().startswith("x_mm,y_mm")
+
+
 def test_profile_passes_through_the_reference_points(tmp_path):
     """A reference point at the distance s from its nearest row lies kappa s^2/2 inside the tangent there.
 
@@ -761,6 +767,8 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("plot", "run.mcap", "--format", "gif"), ("--format", "gif", "png")),
         (("profile", "--design", "pin"), ("--csv", "needs a value")),
         (("profile", "--design", "pin", "--cvs=x.csv"), ("unknown option --cvs", "did you mean --csv?")),
+        ((*PROFILE, "--quite"), ("unknown option --quite; did you mean --quiet?",)),
+        ((*PROFILE, "--workers", "2"), ("unknown option --workers; see",)),
         (("profile", "--design", "pin", "--csv", "--points"), ("--csv", "--points")),
         ((*PROFILE, "--points", "1.5"), ("--points", "1.5", "whole number")),
         ((*PROFILE, "--points", "2"), ("--points", "2", "from 3 to 1000000")),

@@ -152,16 +152,28 @@ RESULTS = {chain for chain in LEAVES if chain not in WRITERS and chain[0] != "lo
 DELIVERED = {"--out", "--html", "--json", "--all", "--force", "--quiet", "--workers"}
 
 
+def flag_names(command: App) -> set[str]:
+    """Return all names of a command's arguments."""
+    return {name for argument in command.assemble_argument_collection() for name in argument.names}
+
+
+def test_every_command_can_be_quiet() -> None:
+    assert [chain for chain, command in LEAVES.items() if "--quiet" not in flag_names(command)] == []
+
+
+def test_every_command_that_may_replace_files_lets_the_user_name_them() -> None:
+    """`design new` names its files by the design's name, which it is given."""
+    flags = {chain: flag_names(command) for chain, command in LEAVES.items()}
+    writing = {chain for chain in flags if "--force" in flags[chain]}
+    assert WRITERS - writing == {("design", "show"), ("figures",), ("doctor",), ("app",), ("view",)}
+    assert {chain for chain in writing if "--out" not in flags[chain]} == {("design", "new")}
+
+
 @pytest.mark.parametrize("chain", sorted(RESULTS), ids=" ".join)
 def test_results_go_out_by_the_same_flags(chain: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*chain, "--help"]) == 0
     page = capsys.readouterr().out
     assert {flag for flag in DELIVERED if re.search(rf"│ +{flag} ", page)} == DELIVERED
-
-
-def flag_names(command: App) -> set[str]:
-    """Return all names of a command's arguments."""
-    return {name for argument in command.assemble_argument_collection() for name in argument.names}
 
 
 DESIGNED = [chain for chain, command in LEAVES.items() if "--design" in flag_names(command)]

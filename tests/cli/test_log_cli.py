@@ -103,6 +103,8 @@ def test_csv_has_every_digit(path, cut, tmp_path):
     code, out, err = told("log", "csv", cut, "--columns", "gear_x")
     assert err.startswith("note: the run did not reach its end: the log was cut")
     assert len(out.splitlines()) == len(read(cut)) + 1
+    assert told("log", "csv", cut, "--out", target, "--force", "--quiet") == (0, "", "")
+    assert len(target.read_text().splitlines()) == len(read(cut)) + 1
     code, message = rejected("log", "csv", path, "--columns", "gear_sped")
     assert (code, "nearest: gear_speed" in message) == (1, True)
 
@@ -233,10 +235,12 @@ def test_defaults_in_the_help_are_those_of_the_library():
 
 def test_render_writes_a_picture(path, tmp_path):
     target = tmp_path / "run.png"
-    code, out, err = told("render", path, target, "--time-s", "0.03", "--width", "160", "--height", "120")
+    code, out, err = told(
+        "render", path, "--out", target, "--json", "--time-s", "0.03", "--width", "160", "--height", "120"
+    )
     if "no OpenGL" in err:
         pytest.skip(err)
-    assert (code, out, err) == (0, f"{target}\n", "")
+    assert (code, json.loads(out), err) == (0, {"files": [str(target)], "warnings": []}, "")
     with Image.open(target) as picture:
         assert picture.size == (160, 120)
         assert len(set(np.asarray(picture).reshape(-1, 3)[:, 2])) > 20
