@@ -28,6 +28,13 @@ _PHASE_TOLERANCE = 1e-12
 _SLOPE_TOLERANCE = 1e-9
 """Slope of the gap below which a minimum is found: in gap it is exact to rounding, in place to a nanometre."""
 
+_BESIDE_END = 0.05
+"""Angle [rad] beside the end of a root: a gap that falls from there on to the end has no minimum on the way.
+
+It may have one farther off, where a gear is displaced by 10 um and more. In 180 000 poses displaced by up to 0.5 mm,
+flanks modified or not, every minimum found and passed over is the same as after a search to the end of all rounds.
+"""
+
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
@@ -153,6 +160,10 @@ def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: F
         after = B + step
         if after <= bottom or after >= top:
             after = 0.5 * (bottom + top)
+            end, untried = (high, top == high) if slope < 0.0 else (low, bottom == low)
+            beside = untried and abs(after - end) < _BESIDE_END
+            if beside and (root_slope(end, ring, flank, gear) < 0.0) == (slope < 0.0):
+                break
         if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < _SLOPE_TOLERANCE:
             inside = low + 1e-9 < B < high - 1e-9
             return Minimum(inside and bend > 0.0, B, distance, t, wx, wy)

@@ -127,7 +127,7 @@ def find(
             pair += 1
             px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
             if lobes is not None:
-                cosine, sine = outwards(ring, math.cos(system.angle[i]), -math.sin(system.angle[i]))
+                cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
                 for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, _MARGIN)):
                     touch = read_touch(out + STRIDE * k)
                     _fill(contacts[count], meeting, touch, -1.0, q, v, half)
@@ -165,7 +165,7 @@ def find(
             around = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
             round_in = Round(sx, sy, q[own], q[own + 1], system.inner[i], 1.0)
         else:
-            ax, ay = outwards(ring, math.sin(system.angle[i]), math.cos(system.angle[i]))
+            ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
             around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
             round_in = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
         count += _find_round(contacts, count, meeting, round_in, around, out, q, v, half)

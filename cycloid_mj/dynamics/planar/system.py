@@ -18,6 +18,7 @@ from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_disc
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
 from cycloid_mj.dynamics.mjcf.model import servo_gains
+from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import MassProperties, moving_masses
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
@@ -47,8 +48,8 @@ class System(NamedTuple):
         How far each disc's flanks are from the trochoid [m]; angle by which its teeth are turned, clockwise; (D,).
     ring
         Of pins or lobes: the numbers of `touch.RingPin`, shape (N, 6).
-    place, angle
-        Of them, or of what carries them, on the ring [m], shape (N, 2), and clockwise angles, shape (N,).
+    place, home
+        Of them, or of what carries them, on the ring [m], and the directions that they face outwards; shapes (N, 2).
     seated
         Places on the ring of the frames of moving pins, from which their joints read [m], shape (N, 2).
     lobes, free, sleeved
@@ -84,7 +85,7 @@ class System(NamedTuple):
     turned: Array
     ring: Array
     place: Array
-    angle: Array
+    home: Array
     seated: Array
     lobes: bool
     free: bool
@@ -147,7 +148,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         turned=np.array([one.on.angle[0] for one in mesh]),
         ring=_ring(reducer, ring),
         place=carried.place,
-        angle=carried.angle,
+        home=unit(carried.angle),
         seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
         lobes=ring.role == Role.LOBE,
         free=seats is not None,
