@@ -18,7 +18,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, flank_gaps
-from cycloid_mj.reducer.limits import CAM_SIDES, stops
+from cycloid_mj.reducer.limits import CAM_SIDES, stops_at
 from cycloid_mj.reducer.member import against_ring
 
 COARSE_SIDES = 180
@@ -32,7 +32,7 @@ FEWEST_IN_A_TURN = 180
 
 
 def has_linear_gaps(reducer: Reducer) -> bool:
-    """Tell whether `stops` knows every gap: it leaves the shape of a modified flank out."""
+    """Tell whether `stops_at` knows every gap: it leaves the shape of a modified flank out."""
     return not (reducer.design.modification.pin_circle or reducer.design.modification.rotation)
 
 
@@ -84,7 +84,7 @@ def clearance(reducer: Reducer, kind: str) -> float:
 
 def total(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
     """Compute the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
-    ends = np.array([stops(reducer, float(crank), sides) for crank in cranks])
+    ends = stops_at(reducer, cranks, sides)
     return np.asarray(ends[:, 1] - ends[:, 0])
 
 

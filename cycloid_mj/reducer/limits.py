@@ -23,6 +23,9 @@ CAM_SIDES = 720
 _FIT_SIDES = 16
 """The same where only a place to start from is looked for."""
 
+_TOGETHER = 8
+"""Crank angles whose stops are looked for in one programme: most of a small one's time is to hand it over."""
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -94,34 +97,57 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
 def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
     """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
 
+    As `stops_at`, errors too.
+    """
+    low, high = stops_at(reducer, np.array([crank]), sides)[0].tolist()
+    return low, high
+
+
+def stops_at(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
+    """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at crank angles [rad] (n,).
+
     All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
+
+    Returns
+    -------
+    Array
+        Shape (n, 2).
 
     Raises
     ------
     RunError
         The errors leave no place for the gear: it jams.
     """
-    design = reducer.design
+    together = [cranks[first : first + _TOGETHER] for first in range(0, len(cranks), _TOGETHER)]
+    return np.concatenate([_stops(reducer, some, sides) for some in together])
+
+
+def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
+    """Solve one programme for the stops at some crank angles, which have no limits in common."""
+    from scipy.linalg import block_diag
     from scipy.optimize import linprog
 
-    seen = float(member.against_ring(design, crank))
-    slope, room = _limits(reducer, seen, gaps(reducer, seen), sides)
-    turns = []
-    for least in (1.0, -1.0):
-        goal = np.zeros(unknowns(reducer))
-        goal[-1] = least
-        # to look for limits that say nothing takes longer than to solve with them
-        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None), options={"presolve": False})
-        if ends.x is None:
-            if reducer.design.ring.preload:
-                raise RunError(
-                    f"the halves of the ring press the gear at crank angle {crank:.4f} rad: rigid parts have no stops "
-                    "there; loads of statics tell how far they give, or lower ring.preload_arcmin"
-                )
-            raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
-        turns.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
-    low, high = sorted(member.sense(design) * reducer.share * turn for turn in turns)
-    return low, high
+    design, count = reducer.design, unknowns(reducer)
+    seen = member.against_ring(design, cranks).tolist()
+    limits = [_limits(reducer, angle, gaps(reducer, angle), sides) for angle in seen]
+    slope = block_diag(*[-slope for slope, _ in limits for _ in range(2)])
+    room = np.concatenate([room for _, room in limits for _ in range(2)])
+    goal = np.zeros((len(cranks), 2, count))
+    goal[:, :, -1] = 1.0, -1.0
+    # to look for limits that say nothing takes longer than to solve with them
+    ends = linprog(goal.ravel(), slope, room / _SCALE, bounds=(None, None), options={"presolve": False})
+    if ends.x is None:
+        if len(cranks) > 1:
+            return np.concatenate([_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
+        at = f"at crank angle {float(cranks[0]):.4f} rad"
+        if design.ring.preload:
+            raise RunError(
+                f"the halves of the ring press the gear {at}: rigid parts have no stops there; "
+                "loads of statics tell how far they give, or lower ring.preload_arcmin"
+            )
+        raise RunError(f"the gear jams {at}: its errors are larger than its clearances")
+    turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * _SCALE / design.output.pin_circle_radius
+    return np.sort(member.sense(design) * reducer.share * turns, axis=1)
 
 
 def _limits(reducer: Reducer, crank: float, mesh_gaps: Gaps, sides: int) -> tuple[Array, Array]:

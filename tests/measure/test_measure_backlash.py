@@ -109,7 +109,7 @@ def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives
     """The simulation moves the cam itself; the wrong sign would be 25 % off."""
     design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
     found = press(bench.ideal(Reducer(design)), crank, longer=PATIENCE)
-    assert (found.low, found.high) == pytest.approx(play.stops(Reducer(design), crank), rel=0.005)
+    assert (found.low, found.high) == pytest.approx(limits.stops(Reducer(design), crank), rel=0.005)
     assert (width(design, crank) < width(DESIGNS["fixed"], crank)) == (eccentricity > 0.0)
 
 
