@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
     from cycloid_mj.sizing import new
     from cycloid_mj.statics import main as statics
+    from cycloid_mj.statics.preload import preloaded
 
 __all__ = [
     "PRESETS",
@@ -58,6 +59,7 @@ __all__ = [
     "new",
     "optimize",
     "predict_loops",
+    "preloaded",
     "rate",
     "read_log",
     "read_loop",
@@ -97,6 +99,7 @@ _ORIGINS = {
     "new": "sizing",
     "optimize": "explore",
     "predict_loops": "bench",
+    "preloaded": "statics.preload",
     "rate": "life",
     "read_log": "log:read",
     "read_loop": "bench",

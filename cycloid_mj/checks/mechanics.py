@@ -8,7 +8,7 @@ from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import stops
+from cycloid_mj.reducer.limits import widest_play
 
 PLAY_SHARE = 0.1
 """Assumed: most play of the whole gear, as a share of the smaller of c and rho, that is small against the teeth."""
@@ -158,7 +158,7 @@ def _jump(reducer: Reducer) -> Check:
     """Check that the teeth hold the gear: a run ends where it is a quarter of a lobe from where the crank puts it."""
     design = reducer.design
     poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
-    play = max(high - low for low, high in (stops(reducer, pose, JUMP_SIDES) for pose in poses))
+    play = max(widest_play(reducer, pose, JUMP_SIDES) for pose in poses)
     allowed = reducer.share * math.pi / design.lobes
     got, limit = value_and_limit(play, "at most", allowed, DEGREE)
     spared = (1.0 - JUMP_MARGIN) * allowed / play

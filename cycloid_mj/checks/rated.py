@@ -51,7 +51,7 @@ class Rated:
     @property
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal sharing [1]."""
-        carried = self.reducer.share * self.torque / self.reducer.design.gear.discs
+        carried = self.reducer.share * self.torque / (self.reducer.design.gear.discs * self.reducer.design.ring.halves)
         ideal = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
         return float(self.contact_loads.teeth.max() / ideal.forces.max())
 
@@ -66,7 +66,7 @@ class Rated:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
         gear, forces = self.reducer.tooth_profile, self.contact_loads.by_disc(self.contact_loads.teeth)
         ahead = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
-        B = profile.pin_angles(gear) + ahead[..., np.newaxis]
+        B = np.tile(profile.pin_angles(gear), self.reducer.design.ring.halves) + ahead[..., np.newaxis]
         return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())
 
 

@@ -247,9 +247,9 @@ class Wall:
     thickness: float
     share: float
 
-    def stress(self, force: float, face_width: float) -> float:
-        """Compute the stress [Pa] under a force [N], which two planes of shear, or of tension, bear."""
-        return force / (2.0 * self.thickness * face_width)
+    def stress(self, force: float, width: float) -> float:
+        """Compute the stress [Pa] under a force [N] on so wide a line [m]: two planes of shear or tension bear it."""
+        return force / (2.0 * self.thickness * width)
 
 
 def walls(reducer: Reducer) -> tuple[Wall, ...]:
@@ -284,7 +284,7 @@ def _wall(state: Rated, wall: Wall) -> Check:
     design = state.reducer.design
 
     def acting(state: Rated) -> float:
-        return wall.stress(state.peak_force(wall.kind), state.reducer.design.gear.face_width)
+        return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
 
     stress = acting(state)
     material = design.material_of(wall.part)

@@ -211,7 +211,7 @@ Values = Sequence[tuple[DesignValue, float | None]]
 
 
 def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
-    """Return the design of a command line: file or preset, then ``--set``, then the flags.
+    """Return the design of a command line: file or preset, then ``--set``, then the flags; a preload by its angle.
 
     Raises
     ------
@@ -225,7 +225,12 @@ def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Desig
         design = override(design, changes)
     except DesignError as error:
         raise UsageError(str(error)) from error
-    return override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
+    design = override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
+    if not design.ring.preload_torque:
+        return design
+    from cycloid_mj.statics.preload import preloaded
+
+    return preloaded(design)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
@@ -81,25 +82,52 @@ class Ring(Section):
     halves: int = quantity(
         1,
         "1: a ring in one piece; 2: two halves side by side, each under half of every disc, turned against each other "
-        "to take up the play (statics alone)",
+        "to take up the play",
         ge=1,
         le=2,
     )
     preload: float = quantity(
         0.0, "angle by which one half of the ring is turned from the other", u.ARCMINUTE, ge=0.0, le=600.0
     )
+    preload_torque: float = quantity(
+        0.0,
+        "in its place: torque of the spring that turns them, before they are fixed; a command finds the angle",
+        u.NEWTON_METRE,
+        ge=0.0,
+        le=1e6,
+    )
 
     @model_validator(mode="after")
     def _preload_needs_halves(self) -> Self:
-        """Refuse halves that are turned against each other where the ring is in one piece."""
-        if self.preload and self.halves == 1:
-            raise ValueError("preload_arcmin turns two halves of a ring against each other: set halves = 2 as well")
+        """Refuse halves that are turned against each other where the ring is in one piece, or by two measures."""
+        named = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
+        given = [key for key, value in named.items() if value]
+        if given and self.halves == 1:
+            raise ValueError(f"{given[0]} turns two halves of a ring against each other: set halves = 2 as well")
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} both say how far the halves are turned: set one of them to 0")
         return self
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """How far the ring, or each of its halves, is turned counter-clockwise from its place [rad]."""
+        """How far the ring, or each of its halves, is turned counter-clockwise from its place [rad].
+
+        Raises
+        ------
+        DesignError
+            That is told by a torque, from which `statics.preloaded` finds it.
+        """
+        if self.preload_torque:
+            raise DesignError(
+                "ring.preload_torque_nm: the angle to which that turns the halves is found where a command reads its "
+                "design, or by cm.preloaded(design); vary ring.preload_arcmin"
+            )
         return (0.5 * self.preload, -0.5 * self.preload) if self.halves == 2 else (0.0,)
+
+    @property
+    def mates(self) -> int:
+        """How many pins or lobes meet the gear: N, of a ring in two halves 2 N, those of the second after the first."""
+        return self.teeth * self.halves
 
     @property
     def has_sockets(self) -> bool:
@@ -895,8 +923,11 @@ class Design(Section, Presented):
 
     def line_length(self, pair: str) -> float:
         """Return how long the contact line of a kind of mating pair is [m]: of a ring in two halves half the disc."""
-        on_ring = pair not in ("cam", "output")
-        return self.gear.face_width / (self.ring.halves if on_ring else 1)
+        return self.gear.face_width / self.lines(pair)
+
+    def lines(self, pair: str) -> int:
+        """Count the lines that a kind of mating pair has across a disc: those on a ring in two halves have two."""
+        return 1 if pair in ("cam", "output") else self.ring.halves
 
     @property
     def seat_pair(self) -> str:

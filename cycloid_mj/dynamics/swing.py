@@ -25,7 +25,8 @@ DEEPEST = 50e-6
 """Depth of a contact [m] that no drive of this size reaches in a run that goes right: a hundred times the paper's."""
 
 DEEPER = 10.0
-"""Depth, in those that working forces press contacts in, that a run which goes right does not reach either."""
+"""Depth, in those that working forces press contacts in, that a run which goes right does not reach either; halves of
+a ring press as deep as they are turned."""
 
 OF_ECCENTRICITY = 0.25
 """Share of the eccentricity that a contact may never be deep: the teeth would no longer be the teeth."""
@@ -70,4 +71,5 @@ def deepest(reducer: Reducer) -> float:
     if design.contact.max_penetration:
         return design.contact.max_penetration
     pressed = max(working_force(reducer, kind) / contact_stiffness(reducer, kind) for kind in design.pair_kinds)
-    return min(max(DEEPEST, DEEPER * pressed), OF_ECCENTRICITY * design.gear.eccentricity)
+    turned = 0.5 * design.ring.preload * design.ring.pin_circle_radius
+    return min(max(DEEPEST, DEEPER * pressed) + turned, OF_ECCENTRICITY * design.gear.eccentricity)

@@ -16,7 +16,6 @@ from cycloid_mj.life.strength import strength
 from cycloid_mj.life.surfaces import surfaces
 from cycloid_mj.life.wear import wear
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.sockets import require_one_ring
 
 
 def rate(
@@ -52,7 +51,6 @@ def rate(
         The drive cannot hold a torque of the duty.
     """
     reducer = Reducer(design)
-    require_one_ring(reducer, "rating")
     life = life or design.service.life
     duty = duty or steady(reducer.design.rated_torque, reducer.design.drive.speed)
     turning = [point for point in duty.points if point.speed]

@@ -140,22 +140,22 @@ def _rubs(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str,
     seat = design.seat_pair
     in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
     kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
-    rubs = {kind: _rub(reducer, contact_loads.teeth, slip[:, :count], radius)}
+    rubs = {kind: _rub(reducer, kind, contact_loads.teeth, slip[:, :count], radius)}
     if not design.output.rollers:
-        rubs["output"] = _rub(reducer, contact_loads.output, slip[:, count:], design.output.pin_radius)
+        rubs["output"] = _rub(reducer, "output", contact_loads.output, slip[:, count:], design.output.pin_radius)
     if design.gear.bearing == "plain":
         force = magnitudes(contact_loads.cam).reshape(len(slip), -1)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
-        rubs["cam"] = _rub(reducer, force, speed, design.gear.bore_radius)
+        rubs["cam"] = _rub(reducer, "cam", force, speed, design.gear.bore_radius)
     return rubs
 
 
-def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
-    """Return how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+def _rub(reducer: Reducer, kind: str, force: Array, speed: Array, radius: float) -> Rub:
+    """Return how contacts of a kind under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
     rubbed, carries = force * speed, force > 0.0
     return Rub(
         power=float(rubbed.sum(axis=1).mean()),
-        pressure_speed=float(rubbed.max()) / (2.0 * radius * reducer.design.gear.face_width),
+        pressure_speed=float(rubbed.max()) / (2.0 * radius * reducer.design.line_length(kind)),
         speed=float(speed[carries].mean()) if carries.any() else 0.0,
     )
 

@@ -144,7 +144,7 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     by_tooth = wall.kind == design.tooth_pair
     force = worst.teeth if by_tooth else float(worst.output.max())
     span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
-    width = design.gear.face_width
+    width = design.line_length(wall.kind)
     bent = 0.75 * force * span / (width * wall.thickness**2)
     sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
     half = 0.5 * max(bent, sheared)

@@ -180,12 +180,13 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
 
 def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
     """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
-    low, high = limits.stops(reducer, crank)
-    return math.sqrt(2.0 * turning_inertia(reducer) * (high - low) / torque)
+    return math.sqrt(2.0 * turning_inertia(reducer) * limits.widest_play(reducer, crank) / torque)
 
 
 def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
-    """Collect the backlash [rad] by the closed forms, whole and by each clearance alone."""
+    """Collect the backlash [rad] by the closed forms, whole and by each clearance alone; none of a preloaded ring."""
+    if reducer.design.ring.preload:
+        return {}
     turn = play.turn(reducer)
     closed_forms = {}
     if play.has_linear_gaps(reducer):

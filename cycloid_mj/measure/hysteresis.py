@@ -173,6 +173,6 @@ def slow_period(reducer: Reducer, rated: float) -> float:
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
-    low, high = limits.stops(reducer, 0.0)
-    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
+    play = limits.widest_play(reducer, 0.0)
+    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(play, 1e-9)))
     return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(reducer)))

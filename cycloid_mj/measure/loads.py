@@ -322,23 +322,23 @@ def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
 def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Yield the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
-    disc = int(np.argmax(teeth.force[row])) // count
-    of_disc = slice(disc * count, (disc + 1) * count)
+    ring = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
+    of_ring, disc = slice(ring * count, (ring + 1) * count), ring // reducer.design.ring.halves
     about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
-    ideal = _shared(reducer, teeth.angle)[row, of_disc]
-    for name, forces in (("simulated", teeth.force[row, of_disc]), ("ideal", ideal)):
+    ideal = _shared(reducer, teeth.angle)[row, of_ring]
+    for name, forces in (("simulated", teeth.force[row, of_ring]), ("ideal", ideal)):
         yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 
 def _shared(reducer: Reducer, crank: Array) -> Array:
-    """Compute the forces of ideal sharing on the teeth [N], shape (n, D teeth), at crank angles [rad], shape (n,)."""
-    design = reducer.design
-    torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
+    """Compute the forces of ideal sharing on the teeth [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
+    design, halves = reducer.design, reducer.design.ring.halves
+    torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
     gear, turned = tooth_profile(design), against_ring(design, crank)
     each = [ideal_loads.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
-    return np.concatenate(each, axis=1)
+    return np.concatenate([forces for forces in each for _ in range(halves)], axis=1)
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:

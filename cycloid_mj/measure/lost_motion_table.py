@@ -126,7 +126,7 @@ def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
 
 def _rigid(measured: LostMotionLoops) -> Known | None:
     """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
-    if not play.has_linear_gaps(measured.reducer):
+    if measured.reducer.design.ring.preload or not play.has_linear_gaps(measured.reducer):
         return None
     cranks = np.array([loop.crank for loop in measured.service])
     return Known(play.total(measured.reducer, cranks) / ARCMINUTE, play.over_a_turn(measured.reducer)[1] / ARCMINUTE)

@@ -113,5 +113,6 @@ def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array
             [envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle + phase]
             for phase in reducer.phases
         ]
-        return np.concatenate([np.stack(of_disc) for of_disc in lines], axis=1)
+        halves = reducer.design.ring.halves
+        return np.concatenate([np.stack(of_disc) for of_disc in lines for _ in range(halves)], axis=1)
     return np.array([line_curvature(reducer, kind)])

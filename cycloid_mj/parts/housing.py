@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.design import Design
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
@@ -14,9 +15,14 @@ from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
+SLIT = 1e-3
+"""Share of the ring's width that both its halves leave between them, so that they turn."""
+
 
 def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Build one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
+
+    That of a ring in two halves is as long as one of them.
 
     Raises
     ------
@@ -27,7 +33,7 @@ def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(reducer, chord_error)
     outline = circle(design.ring.pin_radius, chord_error)
     bore = (_sleeve_bore(reducer, chord_error),) if design.ring.has_sleeves else ()
-    half = design.gear.stack_width / 2
+    half = design.gear.stack_width / 2 / design.ring.halves
     return Solid("pin", (Prism(outline, bore, -half, half),), design.material_of("pin").density)
 
 
@@ -48,7 +54,8 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Build the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
 
-    The pinwheel of sleeved pins comes with the pressed-in ones, which both end plates hold (not drawn).
+    Of two halves it has a prism each, the one next to the motor first, turned as they are. The pinwheel of sleeved pins
+    comes with the pressed-in ones, which both end plates hold (not drawn).
 
     Parameters
     ----------
@@ -66,9 +73,17 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(reducer, chord_error)
     hole = _pinwheel(reducer, chord_error) if design.ring.kind == "pin" else _internal_gear(reducer, chord_error)
     outline = circle(design.housing.outer_radius, chord_error)
+    rings = [Prism(outline, (turned(hole, ahead),), low, high) for low, high, ahead in ring_stretches(design)]
+    return Solid("housing", (*rings, *_cores(reducer, chord_error)), design.material_of("housing").density)
+
+
+def ring_stretches(design: Design) -> list[tuple[float, float, float]]:
+    """List where the ring, or each of its halves, begins and ends along the axis [m], and its turn [rad]."""
     half = design.gear.stack_width / 2
-    ring = Prism(outline, (hole,), -half, half)
-    return Solid("housing", (ring, *_cores(reducer, chord_error)), design.material_of("housing").density)
+    if design.ring.halves == 1:
+        return [(-half, half, 0.0)]
+    (one, other), slit = design.ring.ahead, SLIT * half
+    return [(-half, -slit, one), (slit, half, other)]
 
 
 def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
@@ -76,9 +91,13 @@ def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
     design = reducer.design
     if not design.ring.has_sleeves:
         return []
-    core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2
+    core = circle(sleeve_core_radius(reducer), chord_error)
     angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
-    return [Prism(core + centre, (), -half, half) for centre in design.ring.pin_circle_radius * unit(angles)]
+    return [
+        Prism(core + centre, (), low, high)
+        for low, high, ahead in ring_stretches(design)
+        for centre in design.ring.pin_circle_radius * unit(angles - ahead)
+    ]
 
 
 def _sleeve_bore(reducer: Reducer, chord_error: float) -> Array:

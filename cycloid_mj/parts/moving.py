@@ -49,7 +49,7 @@ def _turning_inertia(reducer: Reducer) -> float:
 
 def _with_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
     """Add all pins, which stand evenly around the axis: each adds its own inertia, and its mass on the pin circle."""
-    count, orbit = reducer.design.ring.teeth, pin.mass * reducer.design.ring.pin_circle_radius**2
+    count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
     around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(
         housing,

@@ -195,9 +195,9 @@ def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]
     mark = (0.0, between, 0.2 * output.pin_radius)
     return {
         SOCKET: [
-            [_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.teeth)
+            [_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.mates)
         ],
-        PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.teeth)],
+        PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.mates)],
         GEAR: [
             [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
         ],

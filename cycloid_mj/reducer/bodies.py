@@ -272,28 +272,31 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
         yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
     yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
-        places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + errors.pin_place
-        for name, place in zip(names.all_numbered(names.PIN, ring.teeth), places, strict=True):
-            yield Body(name, names.PIN, names.planar_joints(name), place, axis, carrier=carrier)
+        places = ring.pin_circle_radius * profile.unit(_ring_angles(design)) + _pin_departures(design, errors)
+        planes = np.repeat(ring_planes(design), ring.teeth).tolist()
+        for name, place, plane in zip(names.all_numbered(names.PIN, ring.mates), places, planes, strict=True):
+            yield Body(name, names.PIN, names.planar_joints(name), place, axis, plane, carrier=carrier)
 
 
 def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return what meets the teeth, and how it is carried where it moves."""
-    ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + errors.pin_radius
+    ring, clearance = design.ring, design.clearance
+    larger = np.tile(errors.pin_radius, ring.halves)
+    radius, angles, departures = ring.pin_radius + larger, _ring_angles(design), _pin_departures(design, errors)
     half = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
-        numbered = names.all_numbered(stem, ring.teeth)
-        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, errors.pin_place, play=play)
+        numbered = names.all_numbered(stem, ring.mates)
+        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, departures, angles, play)
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
-        numbered = names.all_numbered(stem, ring.teeth)
-        return _around(numbered, names.all_numbered(names.PIN, ring.teeth), role, 0.0, radius)
+        numbered = names.all_numbered(stem, ring.mates)
+        return _around(numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles)
 
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
         # What is larger fills a socket; a sleeve's play is in its bore.
-        play = design.pin_play - errors.pin_radius * ring.has_sockets if ring.has_massless_pins else 0.0
+        play = design.pin_play - larger * ring.has_sockets if ring.has_massless_pins else 0.0
         carried = on_housing(stem, role, radius, play)
         return (replace(carried, half_angle=half) if ring.has_massless_pins else carried), []
     pins = on_pins(names.PIN, Role.PIN, radius)
@@ -330,7 +333,7 @@ def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
         "cam",
         (cam,),
         _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
-        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], first=-ahead, disc=disc),
+        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-ahead]), disc=disc),
         disc,
     )
 
@@ -354,15 +357,36 @@ def _around(
     circle: float,
     radius: float | Array,
     departure: Array | float = 0.0,
-    first: float = 0.0,
+    angles: Array | None = None,
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Place like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2)."""
-    angle, count = first + _angles(len(numbered)), len(numbered)
+    """Place like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2).
+
+    They stand at clockwise `angles` from +y [rad], shape (n,), by default evenly.
+    """
+    count = len(numbered)
+    angle = _angles(count) if angles is None else angles
     bodies = (body,) * count if isinstance(body, str) else body
     place = circle * profile.unit(angle) + departure
     return Surfaces(numbered, bodies, role, angle, place, np.zeros(count) + radius, np.zeros(count) + play, disc)
+
+
+def ring_planes(design: Design) -> Array:
+    """Compute where the middle of the ring, or of each of its halves, is along the axis [m], shape (halves,)."""
+    halves = design.ring.halves
+    return np.asarray(design.gear.stack_width * ((np.arange(halves) + 0.5) / halves - 0.5))
+
+
+def _ring_angles(design: Design) -> Array:
+    """Compute the clockwise angles of pins or lobes from +y [rad], shape (mates,), as their half is turned."""
+    return np.concatenate([_angles(design.ring.teeth) - ahead for ahead in design.ring.ahead])
+
+
+def _pin_departures(design: Design, errors: Deviations) -> Array:
+    """Compute how far pins or lobes are from their places [m], shape (mates, 2): both halves are made alike."""
+    turns = (np.array([[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]]) for by in design.ring.ahead)
+    return np.concatenate([errors.pin_place @ turn for turn in turns])
 
 
 def _angles(count: int) -> Array:

@@ -38,7 +38,7 @@ class Gaps:
     kind
         Kind of the mating pair: ``pin_gear``, ``tooth`` or ``output``, shape (n,).
     owner
-        Index of the pin, lobe or output pin, 0 on +y, clockwise, shape (n,).
+        Index of the pin, lobe or output pin, 0 on +y, clockwise, shape (n,); those of a ring's second half count on.
     disc
         Index of the disc, shape (n,).
     room
@@ -121,20 +121,23 @@ def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
 def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
     gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
     lines, middle = envelope.arc_contacts(gear, turned), gear_centre(gear, turned)
-    return _joined([_tooth_gaps(reducer, disc, lines, middle, by) for by in reducer.design.ring.ahead])
+    return _of_halves(reducer, disc, lines, middle)
 
 
 def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
     """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
     gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
     lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
-    return _joined([_tooth_gaps(reducer, disc, lines, middle, by) for by in reducer.design.ring.ahead])
+    return _of_halves(reducer, disc, lines, middle)
 
 
-def _tooth_gaps(
-    reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array, ahead_by: float = 0.0
-) -> Gaps:
-    """Compute the gaps between a disc and the ring, or a half of it that is `ahead_by` [rad], pins in their places.
+def _of_halves(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
+    ahead = reducer.design.ring.ahead
+    return _joined([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
+
+
+def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
+    """Compute the gaps between a disc and the ring, or a `half` of it as it is turned, pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
     flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
@@ -146,7 +149,7 @@ def _tooth_gaps(
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
-    along = ahead_by * gear.pin_circle_radius * _quarter_turned(radial)
+    along = design.ring.ahead[half] * gear.pin_circle_radius * _quarter_turned(radial)
     place = errors.pin_place[lines.lobe] + along - change.pin_circle * radial
     room = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
@@ -157,7 +160,7 @@ def _tooth_gaps(
     ahead, behind = (profile.curvature(gear, lines.t + step, 0.0) for step in (_STEP, -_STEP))
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
-        owner=lines.lobe,
+        owner=lines.lobe + half * design.ring.teeth,
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),

@@ -4,6 +4,7 @@ Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A
 around it stands for it, larger than the circle by 1 - cos(pi/sides).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +30,7 @@ _TOGETHER = 8
 
 @dataclass(frozen=True)
 class Fit:
-    """The pose at one crank angle that leaves the most room.
+    """A pose at one crank angle: that which leaves the most room, or any other.
 
     Attributes
     ----------
@@ -54,8 +55,17 @@ class Fit:
 
 def best_fit(reducer: Reducer, crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
-    design = reducer.design
     mesh_gaps, pose, least, _ = _most_room(reducer, crank)
+    return _fit(reducer, mesh_gaps, pose, least)
+
+
+def pressed_fit(reducer: Reducer, crank: float, pose: Array) -> Fit:
+    """Tell a pose of the unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad]; its room is not looked for."""
+    return _fit(reducer, gaps(reducer, float(member.against_ring(reducer.design, crank))), pose, math.nan)
+
+
+def _fit(reducer: Reducer, mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
+    design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
     output = member.sense(design) * reducer.share * carrier
@@ -150,6 +160,15 @@ def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
     return np.sort(member.sense(design) * reducer.share * turns, axis=1)
 
 
+def widest_play(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> float:
+    """Compute the output's play between rigid parts [rad] at a crank angle [rad]; errors as `stops`.
+
+    Halves of a ring count as not turned against each other: that leaves the most.
+    """
+    low, high = stops(reducer.but(ring={"preload": 0.0}), crank, sides)
+    return high - low
+
+
 def _limits(reducer: Reducer, crank: float, mesh_gaps: Gaps, sides: int) -> tuple[Array, Array]:
     """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
     slopes, rooms = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
@@ -166,10 +185,10 @@ def _aside(reducer: Reducer, mesh_gaps: Gaps, pose: Array) -> Array:
     """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
     design = reducer.design
     if not design.ring.has_moving_pins:
-        return np.zeros((design.ring.teeth, 2))
+        return np.zeros((design.ring.mates, 2))
     teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
-    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs * design.ring.halves]
+    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
     aside = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
     return np.asarray(np.where(gap[:, np.newaxis] < 0.0, aside, 0.0)[deepest])

@@ -71,6 +71,6 @@ def require_one_ring(reducer: "Reducer", what: str) -> None:
     design = reducer.design
     if design.ring.halves > 1:
         raise DesignError(
-            f"{design.name}: ring.halves = {design.ring.halves} has no {what}; statics, reduce and calibrate know a "
-            "ring in two halves: set ring.halves = 1 and ring.preload_arcmin = 0"
+            f"{design.name}: ring.halves = {design.ring.halves} has no {what}: set ring.halves = 1 and "
+            "ring.preload_arcmin = 0"
         )

@@ -22,6 +22,7 @@ from cycloid_mj.scene import (
     widest_gap,
 )
 from cycloid_mj.scene.drawing import tooth_clearance
+from cycloid_mj.scene.pose import ring_places
 
 FRAMES = 360
 CHORD_ERROR = 1e-5
@@ -55,6 +56,7 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
         "kind": ring.kind,
         "free": ring.has_sockets,
         "teeth": ring.teeth,
+        "angles": np.arctan2(*ring_places(reducer).T).tolist(),
         "eccentricity": 1e3 * gear.eccentricity,
         "pinCircle": 1e3 * ring.pin_circle_radius,
         "pin": 1e3 * ring.pin_radius,

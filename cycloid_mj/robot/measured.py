@@ -184,6 +184,8 @@ def play_of(reducer: Reducer, poses: int) -> Play:
         return float(loads(still, springs, share * rated).output_turn.mean())
 
     low, high = (2.0 * turn(way * SMALL) - turn(2.0 * way * SMALL) for way in (-1.0, 1.0))
+    # halves that press the gear leave no play: there both lines end in one place, but for their curvature
+    low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
     shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
     wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
     return Play(rated, (low, high) if member.sense(reducer.design) > 0 else (-high, -low), wind_up)

@@ -60,12 +60,12 @@ class Separations:
         Shape (n,), [rad].
     opening
         How much more room than the clearance there is between the gear and each pin, or arc of an internal gear [m],
-        shape (n, N).
+        shape (n, mates).
     away
-        Each pin's centre from its socket's, or a sleeve's from its pin's [m], shape (n, N, 2); zeros where pins are
+        Each pin's centre from its socket's, or a sleeve's from its pin's [m], shape (n, mates, 2); zeros where pins are
         fixed.
     pin_angle
-        Rotation of each pin [rad], shape (n, N).
+        Rotation of each pin [rad], shape (n, mates).
     output_away
         Each output pin's centre from its hole's [m], less the eccentricity, shape (n, k).
     """
@@ -95,9 +95,9 @@ class Drawing:
     gear, shaft
         Poses, shape (n, 3).
     ring
-        Centres of the N pins, or of the lobes of an internal gear, shape (n, N, 2).
+        Centres of the pins, or of the lobes of an internal gear, shape (n, mates, 2).
     sockets
-        Centres of the pins' sockets, shape (n, N, 2).
+        Centres of the pins' sockets, shape (n, mates, 2).
     output_pins
         Centres of the output pins, shape (n, k, 2).
     """
@@ -200,7 +200,7 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separ
 
 
 def ring_normals(reducer: Reducer, gear: Array) -> Array:
-    """Compute the ideal common normals, from the gear to each pin or lobe, shape (n, N, 2).
+    """Compute the ideal common normals, from the gear to each pin or lobe, shape (n, mates, 2).
 
     All run through the pitch point, c N from the axis along the eccentricity. `gear` is its ideal pose (n, 3).
     """
@@ -249,12 +249,12 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 
 
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
-    """Compute the distance of pin centres (n, N, 2) from the trochoid of teeth in the poses (n, 3), positive outside.
+    """Compute the distance of pin centres (n, mates, 2) from the trochoid of teeth in poses (n, 3), positive outside.
 
     Newton's method for the foot point, from where the ideal mesh has it.
     """
     point = turned(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
-    t = profile.pin_angles(mesh) + gear[:, 2:]
+    t = np.resize(profile.pin_angles(mesh), centres.shape[1]) + gear[:, 2:]
     for _ in range(ROUNDS):
         (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
         speed = np.einsum("nik,nik->ni", tangent, tangent)

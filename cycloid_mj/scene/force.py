@@ -148,12 +148,16 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
 
 
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
-    """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
+    """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, mates); None for an internal gear.
+
+    Both halves of a ring bear alike.
+    """
     design = reducer.design
     if design.ring.kind != "pin":
         return None
     share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
-    return ideal_load_sharing(tooth_profile(design), share, crank).forces
+    halves = design.ring.halves
+    return np.tile(ideal_load_sharing(tooth_profile(design), share / halves, crank).forces, (1, halves))
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:

@@ -21,7 +21,7 @@ def layout(reducer: Reducer) -> dict[str, Any]:
     content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text())
     view, reach = content["configById"]["3D!mechanism"], design.housing.outer_radius
     view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}
-    pins = all_numbered(PIN, design.ring.teeth) if design.ring.kind == "pin" else ()
+    pins = all_numbered(PIN, design.ring.mates) if design.ring.kind == "pin" else ()
     frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
     plot = content["configById"]["Plot!speed"]
     of_gear, *others = plot["paths"]

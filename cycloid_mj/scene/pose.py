@@ -21,9 +21,13 @@ def pose_columns(reducer: Reducer) -> tuple[str, ...]:
 
 
 def ring_places(reducer: Reducer) -> Array:
-    """Compute the nominal centres of the ring's pins or lobes, shape (N, 2) [m]: the first on +y, then clockwise."""
-    teeth = reducer.design.ring.teeth
-    return reducer.design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(teeth) / teeth)
+    """Compute the nominal centres of the ring's pins or lobes [m], shape (mates, 2): the first on +y, then clockwise.
+
+    Those of a ring in two halves stand where these are turned to.
+    """
+    ring = reducer.design.ring
+    around = 2 * np.pi * np.arange(ring.teeth) / ring.teeth
+    return ring.pin_circle_radius * unit(np.concatenate([around - ahead for ahead in ring.ahead]))
 
 
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:

@@ -45,9 +45,15 @@ class ImpactLaw:
         """Return the law of two such contacts in series, which share the depth and bear the same force."""
         return ImpactLaw(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
 
+    def of_lines(self, lines: int) -> "ImpactLaw":
+        """Return the law of each of so many lines that one contact is divided into."""
+        return ImpactLaw(self.stiffness / lines, self.exponent, self.damping / lines, self.depth)
+
 
 def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
     """Get the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
+
+    Without a `kind` it is that of a line across the whole disc; on a half of the ring lines are half as long.
 
     Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
     """
@@ -58,7 +64,8 @@ def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
     stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
     law = ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
     through = design.ring.has_massless_pins and kind == design.tooth_pair
-    return law.in_series() if through else law
+    law = law.in_series() if through else law
+    return law.of_lines(design.lines(kind)) if kind else law
 
 
 def spring(depth: float, stiffness: float, exponent: float) -> float:

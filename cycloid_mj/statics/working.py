@@ -25,7 +25,7 @@ SLICES_CREEP = 0.02
 _ANGLES = 97
 """Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""
 
-Source = Literal["given", "working load", "load", "weight and inertia"]
+Source = Literal["given", "working load", "load", "preload", "weight and inertia"]
 """Where a working force comes from: given itself, or from a torque; without a load, from the gear's own forces."""
 
 
@@ -54,9 +54,12 @@ def working_force(reducer: Reducer, kind: str) -> float:
 def working_load(reducer: Reducer) -> float:
     """Compute the torque on the output [N m] that the working forces follow from.
 
-    ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`.
+    ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`, and in a
+    drive whose ring is preloaded, which presses its contacts without any load, no less than the rated torque.
     """
-    return reducer.design.contact.working_load or max(abs(reducer.design.load.torque), own_load(reducer))
+    design = reducer.design
+    pressed = design.rated_torque if design.ring.preload else 0.0
+    return design.contact.working_load or max(abs(design.load.torque), own_load(reducer), pressed)
 
 
 def own_load(reducer: Reducer) -> float:
@@ -83,7 +86,9 @@ def working_source(reducer: Reducer, kind: str) -> Source:
         return "given"
     if design.contact.working_load:
         return "working load"
-    return "load" if abs(design.load.torque) >= own_load(reducer) else "weight and inertia"
+    if abs(design.load.torque) >= working_load(reducer):
+        return "load"
+    return "preload" if design.ring.preload else "weight and inertia"
 
 
 def working_at(reducer: Reducer, torque: float) -> Reducer:
@@ -102,7 +107,8 @@ def at_rated_load(reducer: Reducer) -> Reducer:
 
     For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
     """
-    return working_at(reducer, reducer.design.load.torque or reducer.design.rated_torque)
+    load, rated = abs(reducer.design.load.torque), reducer.design.rated_torque
+    return working_at(reducer, max(load, rated) if reducer.design.ring.preload else load or rated)
 
 
 def for_slices(reducer: Reducer) -> Reducer:
@@ -127,6 +133,7 @@ def _source_text(reducer: Reducer, kind: str) -> str:
         "given": "given",
         "working load": f"ideal sharing of {working_load(reducer):.4g} N m",
         "load": f"ideal sharing of the load, {working_load(reducer):.4g} N m",
+        "preload": f"ideal sharing of the rated torque, {working_load(reducer):.4g} N m, as the ring is preloaded",
         "weight and inertia": "the gear's own weight and inertia, as there is no larger load",
     }[source]
 

@@ -13,6 +13,7 @@ from cycloid_mj.design import Design, Friction
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.member import share
+from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
 from cycloid_mj.stress.given import given
 from cycloid_mj.stress.loads import part_names
@@ -26,7 +27,13 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs from full speed for one settled turn.
 
     The load [N m] is that given, else the design's own, or its rated torque where that is 0.
+
+    Raises
+    ------
+    DesignError
+        The ring is in two halves, which lie over each other in the plane of a grid.
     """
+    require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)
     design = design.but(drive={"ramp": 0.0}, load={"torque": load})
     if design.drive.speed == 0.0:

@@ -28,7 +28,7 @@ FROM_ELSEWHERE = {
 }
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
-    "ring": {"socket", "sleeve_thickness_mm", "halves", "preload_arcmin"},
+    "ring": {"socket", "sleeve_thickness_mm", "halves", "preload_arcmin", "preload_torque_nm"},
     "gear": {"disc_gap_mm", "face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}

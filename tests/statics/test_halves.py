@@ -6,16 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import ARCMINUTE
+from cycloid_mj.checks import check
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.figures import figure
 from cycloid_mj.geometry import profile
+from cycloid_mj.life import rate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
+from cycloid_mj.robot.measured import play_of
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.locked import locked_curve
-from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.preload import IDLE, POSES, halves_torque, preloaded
+from cycloid_mj.statics.springs import springs_of, turn_evenly
 
 FIGURES = ("backlash_arcmin", "stiffness_nm_per_arcmin", "no_load_torque_nm", "efficiency", "te_loaded_forward_arcsec")
 
@@ -103,20 +108,75 @@ def test_the_curve_of_a_locked_crank_has_the_preload() -> None:
     assert plays[0] - plays[1] == pytest.approx(10.0 * ARCMINUTE * design.ring.teeth / design.lobes, rel=0.1)
 
 
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_rating_and_checks_of_halves_that_are_not_turned_are_those_of_the_ring(kind: str) -> None:
+    design = override(PRESETS["printed"], [f"ring.kind={kind}"])
+    whole, halves = (rate(one.design, poses=13) for one in (Reducer(design), halved(design)))
+    for key, item in whole.items.items():
+        assert halves.items[key].value == pytest.approx(item.value, rel=1e-6, nan_ok=True), key
+    checks, of_halves = check(design), check(halved(design).design)
+    assert [(one.name, one.got) for one in of_halves] == [(one.name, one.got) for one in checks]
+
+
 def test_preload_without_halves_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["statics", "printed", "--set", "ring.preload_arcmin=5"]) == 2
     assert "halves" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "words", [["simulate"], ["simulate", "--solver", "mujoco"], ["rate"], ["export"], ["tolerance"]]
-)
-def test_what_knows_one_ring_alone_says_so(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    name, *flags = words
+@pytest.mark.parametrize("name", ["export", "tolerance"])
+def test_what_knows_one_ring_alone_says_so(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = ["--out", str(tmp_path)] if name == "export" else []
-    assert main([name, "printed", "--set", "ring.halves=2", *flags, *out]) == 1
+    assert main([name, "printed", "--set", "ring.halves=2", *out]) == 1
     error = capsys.readouterr().err
     assert "ring.halves = 2 has no" in error
     assert "Traceback" not in error
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_a_spring_turns_the_halves_to_the_angle_of_its_torque(kind: str) -> None:
+    asked = override(PRESETS["printed"], [f"ring.kind={kind}", "ring.halves=2", "ring.preload_torque_nm=6"])
+    found = preloaded(asked)
+    assert found.ring.preload_torque == 0.0
+    assert halves_torque(Reducer(found)) == pytest.approx(6.0, rel=1e-3)
+    with pytest.raises(DesignError, match="preloaded"):
+        Reducer(asked).mechanism  # noqa: B018
+
+
+def test_the_torque_of_the_halves_is_what_turning_them_works() -> None:
+    """What the springs of all contacts hold, by loads at rest, is the torque's integral over the angle."""
+    angles = np.linspace(10.0, 14.0, 5)
+    reducers = [halved(override(PRESETS["printed"], ["ring.kind=nonpin"]), arcmin) for arcmin in angles]
+    torques = [halves_torque(one) for one in reducers]
+    held = [stored(one) for one in reducers]
+    work = float(np.trapezoid(torques, angles * ARCMINUTE))
+    assert held[-1] - held[0] == pytest.approx(work, rel=0.02)
+
+
+def stored(reducer: Reducer) -> float:
+    """Compute the energy of all contacts at rest, in the mean over the turn [J]; what is next to no load left out."""
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, turn_evenly(still, POSES), friction=False)
+    found = loads(still, springs, IDLE * still.design.rated_torque)
+    lines = springs.contacts.stiffness
+    of_lines = 0.5 * np.sum(np.concatenate([found.teeth, found.output], axis=1) ** 2 / lines, axis=1)
+    of_cam = 0.5 * np.sum(found.cam**2, axis=(1, 2)) / springs.contacts.cam_stiffness
+    return float((of_lines + of_cam).mean())
+
+
+def test_a_torque_and_an_angle_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    changes = ["ring.halves=2", "ring.preload_arcmin=5", "ring.preload_torque_nm=1"]
+    assert main(["statics", "printed", *(word for one in changes for word in ("--set", one))]) == 2
+    assert "one of them" in capsys.readouterr().err
+
+
+def test_a_command_finds_the_angle_of_a_torque(capsys: pytest.CaptureFixture[str]) -> None:
+    halves = ["--set", "ring.halves=2", "--set", "ring.preload_torque_nm=6"]
+    assert main(["design", "show", "printed", *halves]) == 0
+    assert "preload_torque_nm = 0.0" in capsys.readouterr().out
+
+
+def test_a_reducer_without_play_has_a_joint_without() -> None:
+    """Its stops do not cross: MuJoCo takes no such tendon."""
+    design = override(PRESETS["printed"], ["ring.kind=nonpin", "clearance.output_um=0.001", "clearance.tooth_um=0.001"])
+    low, high = play_of(halved(design, 5.0), 61).stops
+    assert low == high

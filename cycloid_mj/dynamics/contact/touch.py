@@ -149,8 +149,9 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
     A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
-    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is carried by a ring that
-    turns about the world's origin. A massless pin that is pressed towards the opening of its socket carries nothing.
+    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is where a ring has
+    turned it to, about the world's origin. A massless pin that is pressed towards the opening of its socket carries
+    nothing.
     """
     offset = profile.flank.offset
     reach, yielding = pin.radius - pin.play, pin.yielding

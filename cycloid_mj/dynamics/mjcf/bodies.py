@@ -148,9 +148,9 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
         return {"quat": turn(angle), "userdata": [significant(np.cos(half)), significant(np.sin(half))]}
     if surfaces.role != Role.PIN:
         return {}
-    # A pin that its ring carries round has no home: the collider takes where it is.
+    # A pin that its ring carries round, or that is turned from its place, has no home: the collider takes where it is.
     body = reducer.mechanism.body(surfaces.bodies[i])
-    is_carried = reducer.mechanism.turning in (body.name, body.carrier)
+    is_carried = reducer.mechanism.turning in (body.name, body.carrier) or design.ring.preload > 0.0
     home = [0.0, 0.0] if is_carried else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": home}

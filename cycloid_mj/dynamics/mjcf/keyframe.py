@@ -7,7 +7,9 @@ from cycloid_mj.base import names
 from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.reducer import Reducer, member
-from cycloid_mj.reducer.limits import best_fit
+from cycloid_mj.reducer.limits import Fit, best_fit, pressed_fit
+from cycloid_mj.statics.balance import loads
+from cycloid_mj.statics.springs import springs_of
 
 QUARTERS = (0, 90, 180, 270)
 """Crank angles of the keyframes [deg]."""
@@ -59,9 +61,22 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
     return position, velocity
 
 
+IDLE = 1e-3
+"""Share of the rated torque under which a drive with a preload rests: without any, its output has no place."""
+
+
+def _fit(reducer: Reducer, crank: float) -> Fit:
+    """Find where the parts are at a crank angle [rad]: with the most room, or where a preload presses them to."""
+    if not reducer.design.ring.preload:
+        return best_fit(reducer, crank)
+    torque = math.copysign(IDLE * reducer.design.rated_torque, reducer.design.drive.speed)
+    (pose,) = loads(reducer, springs_of(reducer, crank, friction=False), torque).departures
+    return pressed_fit(reducer, crank, pose)
+
+
 def _room(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute how far joints are from the ideal mesh in the pose that leaves the most room."""
-    fit, angle = best_fit(reducer, crank), float(member.ring_angle(reducer.design, crank))
+    """Compute how far joints are from the ideal mesh where the parts fit best."""
+    fit, angle = _fit(reducer, crank), float(member.ring_angle(reducer.design, crank))
     cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}
     for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):

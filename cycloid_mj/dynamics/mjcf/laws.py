@@ -33,11 +33,12 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     design = reducer.design
     laws = {}
     for kind, mass in effective_masses(reducer).items():
+        lines = design.lines(kind)  # each bears its share of force and mass
         through = kind == design.tooth_pair and design.ring.has_massless_pins
         friction = design.mesh_friction if through else design.friction_of(kind)
-        force, impact = working_force(reducer, kind), impact_of(reducer, kind)
+        force, impact, mass = working_force(reducer, kind) / lines, impact_of(reducer, kind), mass / lines
         laws[kind] = contact_law(
-            stiffness=contact_stiffness(reducer, kind, disc),
+            stiffness=contact_stiffness(reducer, kind, disc) / lines,
             damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(reducer, kind),
             effective_mass=mass,
             friction=friction,

@@ -29,7 +29,7 @@ from cycloid_mj.parts import VISUAL_CHORD_ERROR, fused, mesh, moving_masses, par
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.sockets import require_drawn
+from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
 from cycloid_mj.statics.law import ContactParameters, SolverParameters, curvature_law, solver_parameters, stock_impratio
 from cycloid_mj.statics.working import for_slices, working_force
 
@@ -113,6 +113,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
     require_drawn(reducer.design, "meshes for stock collision")
+    require_one_ring(reducer, "meshes for stock collision")
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, stock_impratio(reducer, laws))

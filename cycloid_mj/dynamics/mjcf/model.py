@@ -26,7 +26,6 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.statics.law import ContactParameters, impratio, solver_parameters
 
 Held = Literal["crank", "output", ""]
@@ -93,7 +92,6 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     reducer = Reducer(design)
-    require_one_ring(reducer, "model that runs")
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))

@@ -14,7 +14,6 @@ from cycloid_mj.dynamics.planar.timestep import chosen, follows_pins
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.statics.law import ContactParameters
 
 
@@ -76,7 +75,6 @@ def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> P
     DesignError
         A part of the design cannot be made.
     """
-    require_one_ring(reducer, "model that runs")
     design, laws = reducer.design, stiffest(laws_of_discs(reducer))
     system = planar_system(reducer, held)
     shaft = ("output", "crank").index(held) if held else 0

@@ -31,14 +31,14 @@ class Mechanism {
     svg.setAttribute("aria-label", "the mechanism seen from the output side");
     place.replaceChildren(svg);
     const up = element(svg, "g", { transform: "scale(1,-1)", "stroke-width": 0.8 });
-    const { teeth, free, kind, outputPins, shaft, eccentricity } = this.shape;
+    const { angles, free, kind, outputPins, shaft, eccentricity } = this.shape;
     this.housing = element(up, "path", { class: "housing" });
-    this.sockets = free ? this.many(up, "path", teeth, { class: "socket" }) : [];
+    this.sockets = free ? this.many(up, "path", angles.length, { class: "socket" }) : [];
     this.gear = element(up, "g");
     element(this.gear, "path", { class: "gear", d: this.gearPath() });
     const between = (this.shape.wall - 2 * eccentricity + this.shape.outputCircle + this.shape.hole) / 2;
     element(this.gear, "circle", { cx: 0, cy: between, r: 0.8, class: "dot" });
-    this.pins = kind === "pin" ? this.many(up, "g", teeth, {}) : [];
+    this.pins = kind === "pin" ? this.many(up, "g", angles.length, {}) : [];
     for (const pin of this.pins) {
       element(pin, "circle", { class: "pin" });
       element(pin, "line", { x1: 0, y1: 0, y2: 0, class: "pin" });
@@ -108,7 +108,7 @@ class Mechanism {
   /** Draw frame k. */
   draw(k) {
     const { frames, shape, magnification } = this;
-    const { teeth, eccentricity: c, pinCircle, outputCircle, outputPins } = shape;
+    const { teeth, angles, eccentricity: c, pinCircle, outputCircle, outputPins } = shape;
     const times = magnification.times;
     const crank = frames.crank[k];
     const turn = -crank / (teeth - 1);
@@ -124,15 +124,14 @@ class Mechanism {
     });
 
     const ring = [];
-    for (let i = 0; i < teeth; i++) {
-      const angle = (2 * Math.PI * i) / teeth;
+    for (const [i, angle] of angles.entries()) {
       const [x, y] = [pinCircle * Math.sin(angle), pinCircle * Math.cos(angle)];
       const [nx, ny] = unit(x - teeth * gear[0], y - teeth * gear[1]);
-      const opening = times * frames.opening[k * teeth + i];
+      const opening = times * frames.opening[k * angles.length + i];
       ring.push([x + opening * nx, y + opening * ny]);
-      if (this.pins.length) this.pins[i].setAttribute("transform", placed(ring[i], frames.pinAngle[k * teeth + i]));
+      if (this.pins.length) this.pins[i].setAttribute("transform", placed(ring[i], frames.pinAngle[k * angles.length + i]));
       if (this.sockets.length) {
-        const j = 2 * (k * teeth + i);
+        const j = 2 * (k * angles.length + i);
         const socket = [ring[i][0] - times * frames.away[j], ring[i][1] - times * frames.away[j + 1]];
         this.sockets[i].setAttribute("transform", placed(socket, Math.PI / 2 - angle));
       }
@@ -194,17 +193,22 @@ class Mechanism {
   }
 }
 
-/** The force at each place of the ring as bars around a circle, with ideal load sharing and the largest of the turn. */
+/**
+ * The force at each place of the ring as bars around a circle, with ideal load sharing and the largest of the turn. Of a
+ * ring in two halves a place has a bar of each, next to each other.
+ */
 class RingLoad {
   constructor(place, shape, largest) {
     this.shape = shape;
     this.force = shape.frames.force.ring;
     this.ideal = shape.frames.ideal ?? null;
     this.top = 1e-9;
-    this.peak = new Float32Array(shape.teeth);
+    this.places = shape.angles.length;
+    this.halves = this.places / shape.teeth;
+    this.peak = new Float32Array(this.places);
     for (let j = 0; j < this.force.length / 2; j++) {
       const size = Math.hypot(this.force[2 * j], this.force[2 * j + 1]);
-      this.peak[j % shape.teeth] = Math.max(this.peak[j % shape.teeth], size);
+      this.peak[j % this.places] = Math.max(this.peak[j % this.places], size);
     }
     this.top = Math.max(largest, ...(this.ideal ? [this.ideal.reduce((a, b) => Math.max(a, b), 0)] : []), 1e-9);
     this.build(place);
@@ -241,15 +245,16 @@ class RingLoad {
 
   /** Give the outline of steps around the circle, and the circle within. */
   steps(sizes, share = 1) {
-    const half = (Math.PI / this.shape.teeth) * share;
+    const half = (Math.PI / this.places) * share;
     const at = (angle, r) => `${(r * Math.sin(angle)).toFixed(2)},${(-r * Math.cos(angle)).toFixed(2)}`;
     let d = "";
-    for (let i = 0; i < this.shape.teeth; i++) {
-      const angle = (2 * Math.PI * i) / this.shape.teeth;
-      const r = this.radius(sizes[i]);
+    for (let i = 0; i < this.places; i++) {
+      const angle = (2 * Math.PI * (i - (this.halves - 1) / 2)) / this.places;
+      const size = sizes[(i % this.halves) * this.shape.teeth + Math.floor(i / this.halves)];
+      const r = this.radius(size);
       const [from, to] = [angle - half, angle + half];
       if (share < 1) {
-        if (sizes[i] > 0) d += `M${at(from, 20)}L${at(from, r)}A${r},${r} 0 0 1 ${at(to, r)}L${at(to, 20)}A20,20 0 0 0 ${at(from, 20)}Z`;
+        if (size > 0) d += `M${at(from, 20)}L${at(from, r)}A${r},${r} 0 0 1 ${at(to, r)}L${at(to, 20)}A20,20 0 0 0 ${at(from, 20)}Z`;
       } else {
         d += `${i ? "L" : "M"}${at(from, r)}A${r},${r} 0 0 1 ${at(to, r)}`;
       }
@@ -258,14 +263,15 @@ class RingLoad {
   }
 
   draw(k) {
-    const { teeth, frames } = this.shape;
-    const sizes = new Float32Array(teeth);
-    for (let i = 0; i < teeth; i++) {
-      const j = 2 * (k * teeth + i);
+    const { places } = this;
+    const { frames } = this.shape;
+    const sizes = new Float32Array(places);
+    for (let i = 0; i < places; i++) {
+      const j = 2 * (k * places + i);
       sizes[i] = Math.hypot(this.force[j], this.force[j + 1]);
     }
     this.bars.setAttribute("d", this.steps(sizes, 0.8));
-    if (this.ideal) this.line.setAttribute("d", this.steps(this.ideal.subarray(k * teeth, (k + 1) * teeth)));
+    if (this.ideal) this.line.setAttribute("d", this.steps(this.ideal.subarray(k * places, (k + 1) * places)));
     const [x, y] = [-13 * Math.sin(frames.crank[k]), -13 * Math.cos(frames.crank[k])];
     const [tx, ty] = [-x / 13, -y / 13];
     const side = (s) => `${x + 2.2 * tx - s * ty * 1.2},${y + 2.2 * ty + s * tx * 1.2}`;
