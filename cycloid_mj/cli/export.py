@@ -10,6 +10,7 @@ from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, Quiet
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import require_one_ring
 
 if TYPE_CHECKING:
     from cycloid_mj.parts.export import Casing, Motor
@@ -113,8 +114,9 @@ def export(
     """Write every part of a design for CAD or printing.
 
     Parts: housing, shaft, gear, output, and pin (one of N) where the ring has
-    pins. Several discs are gear_1, gear_2, ..., on a crank built up of the
-    shaft, cam_1, cam_2, ... and spacer. Rollers of output pins are output_roller
+    pins; a ring in two halves is housing_1 and housing_2, with pins as long as one.
+    Several discs are gear_1, gear_2, ..., on a crank built up of the shaft, cam_1,
+    cam_2, ... and spacer. Rollers of output pins are output_roller
     (one for each pin and disc) where output.core_radius_mm is given; else pin and
     roller are one cylinder of the output. The outlines contain the clearances that
     the design asks for; what they really contain is measured and told. A part that
@@ -151,6 +153,8 @@ def export(
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     reducer = Reducer(design)
+    if plate or assembly:
+        require_one_ring(reducer, "plate and no assembly")
     in_stock = cam_bearing(reducer)
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)

@@ -14,6 +14,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.figures import figure
 from cycloid_mj.geometry import profile
 from cycloid_mj.life import rate
+from cycloid_mj.parts.export import export, read_stl
+from cycloid_mj.parts.housing import SLIT
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.robot.measured import play_of
@@ -118,15 +120,31 @@ def test_rating_and_checks_of_halves_that_are_not_turned_are_those_of_the_ring(k
     assert [(one.name, one.got) for one in of_halves] == [(one.name, one.got) for one in checks]
 
 
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_each_half_of_a_ring_is_a_part(kind: str) -> None:
+    design = override(PRESETS["printed"], [f"ring.kind={kind}"])
+    whole, halves = (export(one, "stl").files for one in (design, halved(design, 10.0).design))
+    assert set(halves) - set(whole) == {"housing_1.stl", "housing_2.stl"}
+    volumes = [volume_of(halves["housing_1.stl"]), volume_of(whole["housing.stl"])]
+    assert volumes[0] == pytest.approx(0.5 * (1.0 - SLIT) * volumes[1], rel=1e-6)
+    assert halves["gear.stl"] == whole["gear.stl"]
+
+
+def volume_of(content: bytes) -> float:
+    """Compute the volume within the triangles of an STL file."""
+    a, b, c = np.transpose(read_stl(content), (1, 0, 2))
+    return float(np.sum(np.cross(a, b) * c) / 6.0)
+
+
 def test_preload_without_halves_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["statics", "printed", "--set", "ring.preload_arcmin=5"]) == 2
     assert "halves" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["export", "tolerance"])
-def test_what_knows_one_ring_alone_says_so(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = ["--out", str(tmp_path)] if name == "export" else []
-    assert main([name, "printed", "--set", "ring.halves=2", *out]) == 1
+@pytest.mark.parametrize("words", ["tolerance", "stress --quick", "export --plate --out {out}"])
+def test_what_knows_one_ring_alone_says_so(words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name, *flags = words.format(out=tmp_path).split()
+    assert main([name, "printed", "--set", "ring.halves=2", *flags]) == 1
     error = capsys.readouterr().err
     assert "ring.halves = 2 has no" in error
     assert "Traceback" not in error

@@ -27,6 +27,7 @@ from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
+from cycloid_mj.parts.housing import SLIT
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
 
@@ -120,14 +121,15 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     ------
     DesignError
         A part cannot be made, is not watertight, or has not the volume or the clearance that it should have; or the
-        sockets are closed, or the ring is in two halves.
+        sockets are closed, or the ring of several discs is in two halves.
     CycloidError
         The extra for STEP is not installed.
     """
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
-    require_one_ring(reducer, "files of its parts")
-    exported = _exported(widened(reducer, offset), file_format, chord_error)
+    if reducer.design.gear.discs > 1:
+        require_one_ring(reducer, "files of its parts with several discs")
+    exported = _with_halves(widened(reducer, offset), file_format, chord_error)
     return Export(
         exported.files,
         tuple(
@@ -161,6 +163,25 @@ def drive_files(
     if file_format == "dxf":
         return {f"{name}.dxf": dxf_bytes(sections[name]) for name in made}
     return {f"{name}.step": step_part(name, sections[name]) for name in made}
+
+
+def _with_halves(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+    """Export every part; of a ring in two halves each by itself, as it is made, and the pins as long as one."""
+    ring = reducer.design.ring
+    if ring.halves == 1:
+        return _exported(reducer, file_format, chord_error)
+    one = reducer.but(ring={"halves": 1, "preload": 0.0})
+    whole = _exported(one, file_format, chord_error)
+    width = 0.5 * (1.0 - SLIT) * reducer.design.gear.face_width
+    half = _exported(one.but(gear={"face_width": width}), file_format, chord_error).files
+    housing = f"{names.HOUSING}.{file_format}"
+    files: dict[str, bytes] = {}
+    for name, content in whole.files.items():
+        if name == housing:
+            files |= {f"{names.numbered(names.HOUSING, number)}.{file_format}": half[name] for number in (1, 2)}
+        else:
+            files[name] = half[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
+    return Export(files, whole.clearances)
 
 
 def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
