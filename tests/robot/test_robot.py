@@ -553,6 +553,41 @@ def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) 
         assert found == pytest.approx(ours, rel=1e-9, abs=1e-15)
 
 
+MAPPED = """
+import json, sys
+import jax
+jax.config.update("jax_enable_x64", True)
+import numpy as np
+import joint
+states = np.array(json.loads(sys.argv[1])).T
+one = joint.Joint()
+mapped = jax.jit(jax.vmap(lambda *state: one.terms(*state, xp=jax.numpy)))(*states)
+each = [one.terms(*state) for state in states.T]
+print(json.dumps([[np.array(part).ravel().tolist() for part in found] for found in (mapped, zip(*each))]))
+"""
+
+
+def test_joint_py_compiles_for_mjx(few: ReducedJoint, tmp_path: Path) -> None:
+    """Compiled and mapped by JAX over 200 states, in double precision, it gives what numpy does in each."""
+    pytest.importorskip("jax", reason="JAX is no requirement of the tests: see pyproject.toml")
+    draw = np.random.default_rng(0).uniform
+    reach = few.backlash + 2.0 * few.wind_up(few.rated_torque)
+    crank = draw(0.0, 40.0, 200)
+    output = few.middle + draw(-reach, reach, 200) - few.coefficient * crank
+    speed = draw(-2.0, 2.0, 200) * few.rated_speed * (np.arange(200) % 3)
+    states = np.stack([output, crank, speed, draw(-1.0, 1.0, 200)], axis=1)
+    content = few.as_json() | {"scene": {"timestep_s": 1e-3, "integrator": "implicitfast"}}
+    (tmp_path / "reducer.json").write_text(json.dumps(content))
+    (tmp_path / "joint.py").write_text(Path(standalone.__file__).read_text())
+    # a process of its own: JAX starts threads, after which none may be forked
+    words = [sys.executable, "-c", MAPPED, json.dumps(states.tolist())]
+    run = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert run.returncode == 0, run.stderr
+    mapped, each = json.loads(run.stdout)
+    for compiled, expected in zip(mapped, each, strict=True):
+        assert compiled == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
 TOLERANCES = {"cam": "uniform 4", "output": "between -2 6", "pin_position": "normal 2"}
 
 
