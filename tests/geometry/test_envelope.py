@@ -169,7 +169,7 @@ def test_ring_is_what_the_gear_sweeps_on_one_orbit(gear):
 
 @each_gear
 def test_the_gear_of_another_pin_radius_does_not_sweep_this_ring(gear):
-    directions = np.random.default_rng(12).uniform(-np.pi, np.pi, 5)
+    directions = np.random.default_rng(12).uniform(-np.pi, np.pi, 2)
     expected = np.array([ring_radius(gear, direction) for direction in directions])
     thicker = dataclasses.replace(gear, pin_radius=gear.pin_radius - 1e-8)
     assert np.all(swept_radius(thicker, directions) - expected > 5e-9)

@@ -35,11 +35,20 @@ from cycloid_mj.parts.export import (
     stl_bytes,
 )
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, LineSegment, SmoothCurve, fit_splines, turned_curve
+from cycloid_mj.parts.export.curve import (
+    SPLINE_ERROR,
+    Arc,
+    Circle,
+    Curve,
+    LineSegment,
+    SmoothCurve,
+    fit_splines,
+    turned_curve,
+)
 from cycloid_mj.parts.export.printing import made_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import triangulated
-from cycloid_mj.parts.polygon import area_moments
+from cycloid_mj.parts.polygon import arc, area_moments, circle
 from cycloid_mj.reducer import Reducer
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
@@ -48,6 +57,7 @@ SEVERAL = ["gear.discs=3", "gear.disc_gap_mm=1.5", "output.support=both_ends", "
 THREE = override(LOOSE, SEVERAL)
 DESIGNS = {"pin": PIN, "nonpin": NONPIN, "loose": LOOSE, "three": THREE}
 CHORD_ERROR = 5e-6
+FINE = 1e-8
 
 
 @pytest.fixture(params=DESIGNS.values(), ids=DESIGNS.keys())
@@ -261,6 +271,40 @@ def test_sections_have_the_solids_heights(design: Design) -> None:
     solids = parts(Reducer(design))
     for name, sections in part_sections(Reducer(design)).items():
         assert [(one.z0, one.z1) for one in sections] == [(one.z0, one.z1) for one in solids[name].prisms]
+
+
+def drawn(loop: tuple[Curve, ...]) -> np.ndarray:
+    """Draw a closed loop of curves as a polygon; an arc of an internal gear runs against the loop."""
+
+    def points(curve: Curve) -> np.ndarray:
+        match curve:
+            case Circle():
+                return circle(curve.radius, FINE, curve.centre)
+            case Arc():
+                return np.array(curve.centre) + arc(curve.radius, curve.start, curve.end, FINE)
+            case LineSegment():
+                return np.array([curve.start, curve.end])
+            case Spline():
+                return curve.points(400)
+
+    stretches = [points(loop[0])]
+    for curve in loop[1:]:
+        after, end = points(curve), stretches[-1][-1]
+        stretches.append(after if np.allclose(after[0], end, rtol=0.0, atol=1e-10) else after[::-1])
+        assert stretches[-1][0] == pytest.approx(end, abs=1e-10)
+    return np.concatenate(stretches)
+
+
+def test_curves_enclose_what_the_solids_polygons_do(design: Design) -> None:
+    """Loop by loop: area and middle, so that a part is the same in CAD, in the model and in its mesh."""
+    solids = parts(Reducer(design), FINE)
+    for name, sections in part_sections(Reducer(design)).items():
+        for section, prism in zip(sections, solids[name].prisms, strict=True):
+            for loop, polygon in zip(section.loops, (prism.outline, *prism.holes), strict=True):
+                ours, theirs = area_moments(drawn(loop)), area_moments(polygon)
+                assert ours.area == pytest.approx(theirs.area, rel=1e-5), (name, section.name)
+                middle = [(one.x / one.area, one.y / one.area) for one in (ours, theirs)]
+                assert middle[0] == pytest.approx(middle[1], abs=1e-8), (name, section.name)
 
 
 def test_gear_splines_start_and_end_in_the_valleys() -> None:
