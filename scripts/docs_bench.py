@@ -7,6 +7,7 @@ python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts fi
 """
 
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -36,6 +37,13 @@ PARTS = {
 }
 
 
+PRELOADS = (0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0)
+"""Angles between the halves of a ring [arcmin]."""
+
+SETTLED, TURNS = 0.06, 0.25
+"""Of a run at the speed of the preset: time in which it settles [s], and turns of the crank that are then judged."""
+
+
 def fitted() -> dict[str, Any]:
     """Fit both drives, predict the nonpin one from the pin one's values, and solve what each part gives."""
     import cycloid_mj as cm
@@ -62,7 +70,30 @@ def fitted() -> dict[str, Any]:
             "predicted_shares": list(predicted.shares),
             "parts": wind_up_by_part(Reducer(drawn)),
         }
-    return content
+    return content | {"preload": preloaded()}
+
+
+def preloaded() -> dict[str, dict[str, float | None]]:
+    """Compute play, friction and stiffness of the nonpin drive as drawn against the preload of its ring [arcmin]."""
+    import cycloid_mj as cm
+    from cycloid_mj.dynamics.planar.model import planar_model
+    from cycloid_mj.figures import figure
+    from cycloid_mj.reducer import Reducer
+
+    rows: dict[str, dict[str, float | None]] = {}
+    for arcmin in PRELOADS:
+        halves = {"kind": "nonpin", "halves": 2, "preload": math.radians(arcmin / 60.0)}
+        reducer = Reducer(cm.load("printed").but(ring=halves, load={"torque": 0.0}))
+        ratio = reducer.design.reduction
+        run = reducer.steady(SETTLED, TURNS, settings={"log_rate": 2000.0})
+        ran = cm.simulate(run.design, planar_model(run)) if arcmin else None
+        rows[f"{arcmin:g}"] = {
+            "play": figure("backlash_arcmin").value(reducer) / 60.0,
+            "friction": ratio * figure("no_load_torque_nm").value(reducer),
+            "friction of a run": ratio * float(ran["crank_torque"][ran.time > SETTLED].mean()) if ran else None,
+            "stiffness": figure("stiffness_nm_per_arcmin").value(reducer) * 60.0 * math.degrees(1.0),
+        }
+    return rows
 
 
 def sections(content: Mapping[str, Any]) -> dict[str, str]:
@@ -72,6 +103,7 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
         "fit": fit_table(content),
         "predicted": predicted_table(content),
         "parts": parts_table(content),
+        "preload": preload_table(content),
     }
 
 
@@ -128,6 +160,22 @@ def parts_table(content: Mapping[str, Any]) -> str:
     rows.append(("stiffness, predicted [N m/rad]", *(_number(1.0 / sum(one.values())) for one in both)))
     slopes = [_interval(content[kind]["measured"]["stiffness_nm_per_rad"]) for kind in LOOPS]
     return _table(("turn of the output per torque [mrad/(N m)]", "pin", "nonpin"), [*rows, ("measured", *slopes)])
+
+
+def preload_table(content: Mapping[str, Any]) -> str:
+    """Return play, friction and stiffness against the preload, a column for each angle."""
+    rows = content["preload"]
+    names = {
+        "play": ("play [deg]", ".3f"),
+        "friction": ("friction by it, at the output [N m]", ".2f"),
+        "friction of a run": ("the same in runs", ".2f"),
+        "stiffness": ("stiffness [N m/rad]", ".0f"),
+    }
+    lines = [
+        (label, *("" if (value := row[key]) is None else format(value, form) for row in rows.values()))
+        for key, (label, form) in names.items()
+    ]
+    return _table(("preload [arcmin]", *rows), lines)
 
 
 def written(page: str, texts: Mapping[str, str]) -> str:
