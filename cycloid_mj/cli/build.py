@@ -14,7 +14,6 @@ from cycloid_mj.cli.terminal import note, say, say_json, say_table
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.design import Design
     from cycloid_mj.parts.convex import Plain
 
 EXAMPLES = """Examples:
@@ -73,18 +72,18 @@ def build(
     from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
     from cycloid_mj.parts.convex import ConvexSettings
 
-    design = chosen.sound([(TIMESTEP, timestep_us)])
+    reducer = Reducer(chosen.sound([(TIMESTEP, timestep_us)]))
     _require_room(out)
     claim(Path(out) / SCENE, Path(out) / MANIFEST, force=force)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     note("cutting the parts into convex pieces")
-    files = model_files(Reducer(design), settings)
+    files = model_files(reducer, settings)
     into = folder(out, "the model", files, force)
     write_folder(files, into)
     figures = _surface_figures(files[MANIFEST])
     if plain_coacd:
-        figures |= _plain_figures(design, seed)
+        figures |= _plain_figures(reducer, seed)
     if json:
         say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": figures})
         return 0
@@ -112,9 +111,8 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
     return {**content["surfaces"], **rest}
 
 
-def _plain_figures(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
+def _plain_figures(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
     """Collect the figures of plain CoACD on the toothed parts."""
-    reducer = Reducer(design)
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 
@@ -123,7 +121,7 @@ def _plain_figures(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
         settings = CoacdSettings(threshold=threshold, seed=seed)
         note(f"plain CoACD at threshold {threshold:g}")
         cut: list[Plain] = [plain_gear(reducer, settings)]
-        if design.ring.kind == "nonpin":
+        if reducer.design.ring.kind == "nonpin":
             cut.append(plain_ring(reducer, settings))
         figures |= {f"{one.part}, plain CoACD {threshold:g}": quality_um(one.quality) for one in cut}
     return figures

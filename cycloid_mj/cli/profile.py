@@ -8,7 +8,6 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, QuietFlag, whole, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
 from cycloid_mj.cli.terminal import note
-from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -77,44 +76,41 @@ def profile(
     contact.working_force_n, or ideal sharing).
     """
     claim_csv(csv, force)
-    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen.resolved(), points)
+    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](Reducer(chosen.resolved()), points)
     write_csv(csv, columns)
     if csv != STDOUT:
         note(f"wrote {len(columns['x_mm'])} points to {csv}")
     return 0
 
 
-def _gear(design: Design, points: int | None) -> Columns:
+def _gear(reducer: Reducer, points: int | None) -> Columns:
     from cycloid_mj.geometry.profile import sample
-    from cycloid_mj.parts.gear import tooth_profile
 
-    outline = sample(tooth_profile(design), points or POINTS_PER_TOOTH * design.lobes)
+    outline = sample(reducer.tooth_profile, points or POINTS_PER_TOOTH * reducer.design.lobes)
     return _columns(outline.points, outline.normals, outline.curvature)
 
 
-def _ring(design: Design, points: int | None) -> Columns:
+def _ring(reducer: Reducer, points: int | None) -> Columns:
     from cycloid_mj.geometry.envelope import sample_ring
-    from cycloid_mj.parts.gear import tooth_profile
 
+    design = reducer.design
     if design.ring.kind == "pin":
         raise UsageError(
             f"--part ring: the design {design.name!r} has pins (ring.kind = pin), not an internal gear; "
             "give a nonpin design, such as --design nonpin"
         )
-    outline = sample_ring(tooth_profile(design), points or POINTS_PER_TOOTH * design.ring.teeth)
+    outline = sample_ring(reducer.tooth_profile, points or POINTS_PER_TOOTH * design.ring.teeth)
     return {**_columns(outline.points, outline.normals, outline.curvature), "part": outline.part}
 
 
-def _curvature(design: Design, crank_angles: int | None) -> Columns:
-    reducer = Reducer(design)
+def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
     import numpy as np
 
     from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure
-    from cycloid_mj.parts.gear import tooth_profile
     from cycloid_mj.statics.pressure import pair_modulus
     from cycloid_mj.statics.working import at_rated_load, working_force
 
-    gear = tooth_profile(design)
+    design, gear = reducer.design, reducer.tooth_profile
     crank_angles = crank_angles or CRANK_ANGLES
     if crank_angles * design.ring.teeth > MOST_ROWS:
         raise UsageError(

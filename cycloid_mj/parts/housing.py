@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.design import Design
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
@@ -73,12 +72,13 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(reducer, chord_error)
     hole = _pinwheel(reducer, chord_error) if design.ring.kind == "pin" else _internal_gear(reducer, chord_error)
     outline = circle(design.housing.outer_radius, chord_error)
-    rings = [Prism(outline, (turned(hole, ahead),), low, high) for low, high, ahead in ring_stretches(design)]
+    rings = [Prism(outline, (turned(hole, ahead),), low, high) for low, high, ahead in ring_stretches(reducer)]
     return Solid("housing", (*rings, *_cores(reducer, chord_error)), design.material_of("housing").density)
 
 
-def ring_stretches(design: Design) -> list[tuple[float, float, float]]:
+def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     """List where the ring, or each of its halves, begins and ends along the axis [m], and its turn [rad]."""
+    design = reducer.design
     half = design.gear.stack_width / 2
     if design.ring.halves == 1:
         return [(-half, half, 0.0)]
@@ -95,7 +95,7 @@ def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
     angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
         Prism(core + centre, (), low, high)
-        for low, high, ahead in ring_stretches(design)
+        for low, high, ahead in ring_stretches(reducer)
         for centre in design.ring.pin_circle_radius * unit(angles - ahead)
     ]
 

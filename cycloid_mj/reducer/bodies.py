@@ -14,7 +14,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Ring
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import Deviations, deviations
 from cycloid_mj.geometry.kinematics import gear_centre
@@ -272,8 +272,8 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
         yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
     yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
-        places = ring.pin_circle_radius * profile.unit(_ring_angles(design)) + _pin_departures(design, errors)
-        planes = np.repeat(ring_planes(design), ring.teeth).tolist()
+        places = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
+        planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
         for name, place, plane in zip(names.all_numbered(names.PIN, ring.mates), places, planes, strict=True):
             yield Body(name, names.PIN, names.planar_joints(name), place, axis, plane, carrier=carrier)
 
@@ -282,7 +282,7 @@ def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return what meets the teeth, and how it is carried where it moves."""
     ring, clearance = design.ring, design.clearance
     larger = np.tile(errors.pin_radius, ring.halves)
-    radius, angles, departures = ring.pin_radius + larger, _ring_angles(design), _pin_departures(design, errors)
+    radius, angles, departures = ring.pin_radius + larger, _ring_angles(ring), _pin_departures(ring, errors)
     half = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
@@ -372,20 +372,22 @@ def _around(
     return Surfaces(numbered, bodies, role, angle, place, np.zeros(count) + radius, np.zeros(count) + play, disc)
 
 
-def ring_planes(design: Design) -> Array:
-    """Compute where the middle of the ring, or of each of its halves, is along the axis [m], shape (halves,)."""
-    halves = design.ring.halves
-    return np.asarray(design.gear.stack_width * ((np.arange(halves) + 0.5) / halves - 0.5))
+def ring_planes(ring: Ring, width: float) -> Array:
+    """Compute where the middle of the ring, or of each of its halves, is along the axis [m], shape (halves,).
+
+    The discs are `width` [m] wide together.
+    """
+    return np.asarray(width * ((np.arange(ring.halves) + 0.5) / ring.halves - 0.5))
 
 
-def _ring_angles(design: Design) -> Array:
+def _ring_angles(ring: Ring) -> Array:
     """Compute the clockwise angles of pins or lobes from +y [rad], shape (mates,), as their half is turned."""
-    return np.concatenate([_angles(design.ring.teeth) - ahead for ahead in design.ring.ahead])
+    return np.concatenate([_angles(ring.teeth) - ahead for ahead in ring.ahead])
 
 
-def _pin_departures(design: Design, errors: Deviations) -> Array:
+def _pin_departures(ring: Ring, errors: Deviations) -> Array:
     """Compute how far pins or lobes are from their places [m], shape (mates, 2): both halves are made alike."""
-    turns = (np.array([[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]]) for by in design.ring.ahead)
+    turns = (np.array([[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]]) for by in ring.ahead)
     return np.concatenate([errors.pin_place @ turn for turn in turns])
 
 
