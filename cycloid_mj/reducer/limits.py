@@ -6,6 +6,7 @@ around it stands for it, larger than the circle by 1 - cos(pi/sides).
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -134,13 +135,13 @@ def stops_at(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
 
 def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
     """Solve one programme for the stops at some crank angles, which have no limits in common."""
-    from scipy.linalg import block_diag
     from scipy.optimize import linprog
+    from scipy.sparse import block_diag
 
     design, count = reducer.design, unknowns(reducer)
     seen = member.against_ring(design, cranks).tolist()
     limits = [_limits(reducer, angle, gaps(reducer, angle), sides) for angle in seen]
-    slope = block_diag(*[-slope for slope, _ in limits for _ in range(2)])
+    slope: Any = block_diag([-slope for slope, _ in limits for _ in range(2)], format="csc")
     room = np.concatenate([room for _, room in limits for _ in range(2)])
     goal = np.zeros((len(cranks), 2, count))
     goal[:, :, -1] = 1.0, -1.0
