@@ -17,6 +17,10 @@ _NEAR = 3e-4
 """Angle [rad] of the curve between expansion point and foot below which it is its osculating circle: the error is a
 sixth of its square, as a share of the way between them."""
 
+_OPEN = 0.3
+"""Share by which the curve's tangent may change on the way to the foot and as far beyond it as that is from the point,
+where twice what the curve falls away is a bound."""
+
 _FAR = 0.02
 _ROUNDS = 6
 
@@ -70,12 +74,15 @@ def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float
         out = (dy * tx - dx * ty) * share
         step = (dx * tx + dy * ty) / speed2
         bend = (ax * ty - ay * tx) * share
-        # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2.
-        if out - abs(bend) * step * step > most and abs(teeth * step) < _FAR:
-            return out, 0.0, 0.0, 0.0
         curvature = bend / speed2
         straight = 1.0 + curvature * out
-        if abs(step) * math.sqrt(ax * ax + ay * ay) < _NEAR * speed and straight > 0.5:
+        turning = math.sqrt(ax * ax + ay * ay)
+        # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, give or take a
+        # sixth of base * teeth^2 * step^3.
+        away = (abs(bend) + base * teeth * abs(teeth * step)) * step * step
+        if out - away > most and (abs(step) + abs(out) * share) * turning < _OPEN * speed:
+            return out, 0.0, 0.0, 0.0
+        if abs(step) * turning < _NEAR * speed and straight > 0.5:
             along = step * speed
             bent = curvature * along
             norm = math.sqrt(straight * straight + bent * bent)
