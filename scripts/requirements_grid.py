@@ -31,7 +31,7 @@ from cycloid_mj.cli import main as command
 from cycloid_mj.design import load
 from cycloid_mj.figures import figure
 from cycloid_mj.life.datasheet import momentary_torque
-from cycloid_mj.life.figures import length
+from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
@@ -175,7 +175,7 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
     )
     if not figures["life_h"] >= design.service.life:
         yield f"it lasts {figures['life_h']:.4g} h"
-    if (long := length(reducer)) > wanted.get("--length-mm", math.inf):
+    if (long := drive_length(reducer)) > wanted.get("--length-mm", math.inf):
         yield f"it is {long:.4g} mm long"
     if (backlash := figure("backlash_arcmin").value(reducer)) > wanted.get("--backlash-arcmin", math.inf):
         yield f"its backlash is {backlash:.4g} arcmin"

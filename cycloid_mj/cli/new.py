@@ -30,8 +30,12 @@ RatioFlag = Annotated[
 RatioRangeFlag = Annotated[
     str, Parameter(metavar="LOW:HIGH", help="Or a range of ratios, of which the one that bears the most is taken.")
 ]
-DiameterFlag = Annotated[float | None, Parameter(help="Outer diameter of a new drive [mm].")]
-LengthFlag = Annotated[float | None, Parameter(help="Most length over all [mm]. Default: any.")]
+DiameterFlag = Annotated[
+    float | None, Parameter(help="Outer diameter [mm]; covers are larger where no screw has room in the ring's wall.")
+]
+LengthFlag = Annotated[
+    float | None, Parameter(help="Most length over all, covers and output flange included [mm]. Default: any.")
+]
 TorqueFlag = Annotated[
     float | None,
     Parameter(help="Torque on the output that is borne for the life [N m]; twice that is held once."),
@@ -61,7 +65,7 @@ DiscsFlag = Annotated[
 
 COLUMNS = {
     "mass_kg": "mass [kg]",
-    "length_mm": "length [mm]",
+    "drive_length_mm": "length [mm]",
     "rated_torque_nm": "rated [N m]",
     "momentary_torque_nm": "once [N m]",
     "life_h": "life [h]",

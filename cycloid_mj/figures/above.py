@@ -51,7 +51,7 @@ OF_ROOMS_ABOVE = (
     ),
     Figure(
         key="length_mm",
-        name="length over all",
+        name="length of the mechanism",
         unit="mm",
         definition="Distance along the axis from the input journal to the far side of the output disc.",
         need=Need.GEOMETRY,
@@ -81,12 +81,22 @@ OF_ROOMS_ABOVE = (
     ),
     Figure(
         key="drive_length_mm",
-        name="length of the drive",
+        name="length over all",
         unit="mm",
-        definition="Distance along the axis from the motor's flange to the face of the output's.",
+        definition="Distance along the axis from the motor's flange to the face of the output's, with covers.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:drive_length",
         aliases=("drive_length",),
+        exists=_cased,
+    ),
+    Figure(
+        key="drive_diameter_mm",
+        name="diameter over all",
+        unit="mm",
+        definition="Diameter of the covers: that of the ring, or more where their screws have no room in its wall.",
+        need=Need.GEOMETRY,
+        function="cycloid_mj.life.figures:drive_diameter",
+        aliases=("drive_diameter",),
         exists=_cased,
     ),
     Figure(

@@ -39,6 +39,7 @@ WHOLE = {
     "drive_mass_kg": ("Mass", "with covers, bearings, screws; without motor and grease"),
     "drive_inertia_kg_cm2": ("Inertia at the input", "with the output's hub and flange; without the motor"),
     "drive_length_mm": ("Length over all", "motor's flange to output's"),
+    "drive_diameter_mm": ("Diameter over all", "of the covers"),
 }
 """Figures of the whole drive -> name, and condition."""
 

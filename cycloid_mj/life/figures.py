@@ -35,7 +35,7 @@ def input_inertia(reducer: Reducer) -> float:
 
 
 def length(reducer: Reducer) -> float:
-    """Compute the length over all [mm]."""
+    """Compute the length of the mechanism [mm]."""
     near, far = datasheet.axial_extent(reducer)
     return MILLIMETRES * (far - near)
 
@@ -48,6 +48,11 @@ def drive_mass(reducer: Reducer) -> float:
 def drive_length(reducer: Reducer) -> float:
     """Compute the length between the faces of motor and load [mm]; errors as ``drive.drive_length``."""
     return MILLIMETRES * drive.drive_length(reducer)
+
+
+def drive_diameter(reducer: Reducer) -> float:
+    """Compute the diameter of the covers [mm]; errors as ``drive.drive_diameter``."""
+    return MILLIMETRES * drive.drive_diameter(reducer)
 
 
 def drive_inertia(reducer: Reducer) -> float:

@@ -11,9 +11,10 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import Design, fits
 from cycloid_mj.figures import figure
-from cycloid_mj.life.figures import length
+from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import rated_torque
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.export.casing import covers_fit
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.sizing.climb import GUESS, Budget, Step, climbed
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.proportions import LEVELS, NARROWEST, Proportions, shaped
@@ -34,8 +35,24 @@ LOWERINGS, LEAST = 6, 0.02
 TIGHTER = 0.9
 """Of the clearances that a backlash asks for in proportion, since other proportions have more of it."""
 
-EASY = 5e3
-"""Work of the lightest, times its discs, beyond which it is told alone: others are as slow to balance, and compare."""
+EASY, HARD = 5e3, 5.0
+"""Work of a balance that costs as much as all else in a look; and looks that one costs, over the least, beyond which
+the lightest is told alone: others are as slow to balance, and to compare."""
+
+COMPARED = 36.0
+"""What is looked at beside the lightest, over the least look."""
+
+SETTLED = 4.0
+"""Looks that it takes to find what first proportions bear, about."""
+
+DIFFERENT = 1.05
+"""How much stiffer, or longer living, a drive is that is told beside the lightest."""
+
+BESIDE = (
+    *(("pin", -1), ("hole", 1), ("output_pins", 1), ("bore", 1), ("output_pins", -1), ("short_width", 1)),
+    *(("bore", -1), ("pin", 1), ("hole", -1), ("short_width", -1), ("wall", 1)),
+)
+"""Shares that make a drive stiffer, or last longer, and their sense, the most likely first."""
 
 WIDER = 1.4
 """Face width of the stiffest and the longest living, over that of the lightest, as far as it goes."""
@@ -60,8 +77,8 @@ NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bear
 MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 """Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
 
-TOLD = 1e-2
-"""Relative accuracy of the rated torque in a shortlist."""
+TOLD = 3e-2
+"""Relative: how near to the rated torque of a shortlist a drive is rated; the law of its weakest item does the rest."""
 
 SLOWEST = 30.0 * RPM
 LARGEST = 3.0
@@ -192,7 +209,7 @@ def _longer(asked: Requirement) -> Way | None:
         step = _held(free, Budget())[0]
     if not step:
         return None
-    longer = free.but(length=math.ceil(length(step[1].reducer)) / MILLIMETRES)
+    longer = free.but(length=math.ceil(drive_length(step[1].reducer)) / MILLIMETRES)
     held = _held(longer, Budget())[0]
     return Way(f"{words}a length of {MILLIMETRES * longer.length:g} mm", longer) if held else None
 
@@ -237,6 +254,8 @@ def _both(asked: Requirement, looser: Way) -> Iterator[Way]:
 def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:
     """Choose the ratio of a range with which the usual proportions bear the most, of a few evenly spaced ones.
 
+    Where they are slow to balance, only the first and the last are tried.
+
     Raises
     ------
     UsageError
@@ -247,11 +266,14 @@ def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:
     count = min(MOST_RATIOS, high - low + 1)
     ratios = sorted({round(low + (high - low) * place / max(count - 1, 1)) for place in range(count)})
 
-    def bears(ratio: int) -> float:
-        step = next(climbed(asked.but(ratio=ratio), Budget()), None)
-        return step[1].bears if step else 0.0
-
-    return asked.but(ratio=max(ratios, key=bears))
+    borne: dict[int, float] = {}
+    left = COMPARED
+    for ratio in (ratios[0], ratios[-1], *ratios[1:-1]):
+        if left > 0.0:
+            step = next(climbed(asked.but(ratio=ratio), Budget()), None)
+            borne[ratio] = step[1].bears if step else 0.0
+            left -= SETTLED * _effort(step[1]) if step else 1.0
+    return asked.but(ratio=max(borne, key=lambda ratio: borne[ratio]))
 
 
 def _searched(asked: Requirement) -> tuple[Requirement, Step | None, list[Step]]:
@@ -424,23 +446,47 @@ def _of_diameter(asked: Requirement, diameter: float) -> Requirement | None:
 
 def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
+    asked = asked.but(covered=covers_fit(step[1].reducer))
     narrowed = _narrowed(asked, step)
-    others = _others(asked, narrowed) if narrowed[1].work * max(asked.discs, 1) < EASY else ()
+    others = _others(asked, narrowed) if _effort(narrowed[1]) < HARD else ()
     drives: dict[Design, Step] = {}
     for of, trial in (narrowed, *others):
         drives.setdefault(trial.reducer.design, (of, trial))  # some round to the same parts in stock
     lightest, *rest = _lightest_first(asked, list(drives.values()))
-    yield _drive(asked, *lightest, "lightest", "the least mass that holds what is asked for")
-    for title, why, merit in (
-        ("stiffest", "the stiffest of those tried", lambda one: _first_stiffness(one[1].reducer)),
-        ("longest life", "its first part to wear out lasts the longest of those tried", lambda one: one[1].life),
-    ):
-        least, merits = merit(lightest) if rest else 0.0, [(merit(one), one[0]) for one in rest]
-        for found_merit, of in sorted(merits, key=lambda pair: pair[0], reverse=True):
-            if found_merit > least and (sure := _holding(asked, of, asked.torque)):
-                yield _drive(asked, of, sure, title, why)
-                rest = [one for one in rest if one[0] != of]
-                break
+    yield _drive(asked, *lightest, "lightest", "the least mass of those tried, none of it saved by a softer drive")
+    if rest:
+        yield from (_drive(asked, *one) for one in _beside(asked, lightest[1], rest))
+
+
+def _beside(
+    asked: Requirement, lightest: TorqueTrial, rest: list[Step]
+) -> Iterator[tuple[Proportions, TorqueTrial, str, str]]:
+    """Yield the stiffest and the longest living; or the one that is both, and the lightest that is stiffer."""
+    stiffer, longer = DIFFERENT * _first_stiffness(lightest.reducer), DIFFERENT * lightest.life
+    longest = _best(asked, rest, lambda trial: trial.life, longer)
+    others = [one for one in rest if not longest or one[0] != longest[0]]
+    reached = _first_stiffness(longest[1].reducer) if longest else 0.0
+    stiffest = _best(asked, others, lambda trial: _first_stiffness(trial.reducer), max(reached, stiffer))
+    if stiffest:
+        yield *stiffest, "stiffest", "the stiffest of those tried"
+    if longest and not (stiffest or reached < stiffer):
+        yield *longest, "stiffest", "the stiffest of those tried, and its first part to wear out lasts the longest"
+        some = [one for one in others if _first_stiffness(one[1].reducer) > stiffer]
+        if between := _best(asked, some, lambda trial: -figure("mass_kg").value(trial.reducer), -math.inf):
+            yield *between, "in between", "stiffer than the lightest, for the least mass more of those tried"
+    elif longest:
+        yield *longest, "longest life", "its first part to wear out lasts the longest of those tried"
+
+
+def _best(asked: Requirement, steps: list[Step], merit: Callable[[TorqueTrial], float], least: float) -> Step | None:
+    """Return the drive with the most of a merit, above the least, that holds the torque at all crank angles."""
+    merits = [(merit(trial), of) for of, trial in steps]
+    for looked, of in sorted(merits, key=lambda pair: pair[0], reverse=True):
+        if looked <= least:
+            return None
+        if (sure := _holding(asked, of, asked.torque)) and merit(sure) > least:
+            return of, sure
+    return None
 
 
 def _lightest_first(asked: Requirement, steps: list[Step]) -> list[Step]:
@@ -459,23 +505,37 @@ def _lightest_first(asked: Requirement, steps: list[Step]) -> list[Step]:
     return [first, *heavier]
 
 
-def _others(asked: Requirement, lightest: Step) -> Iterator[Step]:
-    """Yield drives that hold the torque at a first look beside the lightest: wider, or with stiffer output pins."""
-    narrow = lightest[0]
-    wide = narrow.but(width=min(WIDER * narrow.width, LEVELS["width"][-1]))
-    variations = [wide, *_varied(wide, (("bore", 1), ("pin", -1))), *_varied(narrow, (("hole", 1), ("output_pins", 1)))]
-    for of in variations:
-        trial = _looked_at(asked, of)
-        if trial and of != narrow:
-            yield of, trial
+def _others(asked: Requirement, lightest: Step) -> list[Step]:
+    """List drives that hold the torque at a first look beside the lightest: wider, with other pins and bores.
+
+    The stiffest of them is then varied in its turn.
+    """
+    narrow, left = lightest[0], int(COMPARED / _effort(lightest[1]))
+    found: list[Step] = []
+    seen = {narrow}
+    start: Proportions | None = narrow
+    while start and left > 0:
+        wide = start.but(width=min(WIDER * start.width, LEVELS["width"][-1]))
+        varied = [wide, *(one for change in BESIDE for of in (start, wide) for one in _varied(of, *change))]
+        unseen = [of for of in varied if of not in seen][:left]
+        seen.update(unseen)
+        left -= len(unseen)
+        found += [(of, trial) for of in unseen if (trial := _looked_at(asked, of))]
+        stiffest = max(found, key=lambda one: _first_stiffness(one[1].reducer), default=lightest)[0]
+        start = stiffest if stiffest != start else None
+    return found
 
 
-def _varied(of: Proportions, changes: tuple[tuple[str, int], ...]) -> Iterator[Proportions]:
-    for name, sense in changes:
-        levels = LEVELS[name]
-        at = levels.index(getattr(of, name)) + sense
-        if 0 <= at < len(levels):
-            yield of.but(**{name: levels[at]})
+def _effort(trial: TorqueTrial) -> float:
+    """Estimate what a look at a drive costs, over that of one disc which is easily balanced."""
+    return trial.reducer.design.gear.discs * (1.0 + trial.work / EASY)
+
+
+def _varied(of: Proportions, name: str, sense: int) -> Iterator[Proportions]:
+    levels = LEVELS[name]
+    at = levels.index(getattr(of, name)) + sense
+    if 0 <= at < len(levels):
+        yield of.but(**{name: levels[at]})
 
 
 def _looked_at(asked: Requirement, of: Proportions) -> TorqueTrial | None:
@@ -518,7 +578,8 @@ def _figures(trial: TorqueTrial) -> Figures:
     return {
         "ratio": design.reduction,
         "outer_diameter_mm": 2e3 * design.housing.outer_radius,
-        "length_mm": length(reducer),
+        "drive_length_mm": figure("drive_length_mm").value(reducer),
+        "drive_diameter_mm": figure("drive_diameter_mm").value(reducer),
         "mass_kg": figure("mass_kg").value(reducer),
         "rated_torque_nm": min(lasting, momentary),
         "momentary_torque_nm": momentary,
@@ -529,6 +590,7 @@ def _figures(trial: TorqueTrial) -> Figures:
     }
 
 
+@once
 def _first_stiffness(reducer: Reducer) -> float:
     """Compute the stiffness between half the torque and all of it, one way, at few crank angles [N m/rad]."""
     still, torque = reducer.but(drive={"speed": 0.0}), reducer.design.rated_torque

@@ -1,6 +1,7 @@
 """A whole drive from shares of its size, as drives on the market and in papers have them (assumed)."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -9,7 +10,8 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import WALLS, soundness
 from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS
-from cycloid_mj.life.figures import length
+from cycloid_mj.life.figures import drive_length, length
+from cycloid_mj.parts.export.casing import covers_fit
 from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing import bought
@@ -28,7 +30,7 @@ SLIMMEST = 0.5
 LEVELS: dict[str, tuple[float, ...]] = {
     "short_width": (0.3, 0.36, 0.42, 0.48, 0.54, 0.6, 0.66, 0.72, 0.78, 0.84),
     "pin": (0.4, 0.5, 0.62, 0.72, 0.8),
-    "wall": (0.06, 0.09, 0.12, 0.16),
+    "wall": (0.06, 0.09, 0.12, 0.16, 0.2, 0.25),
     "bore": (0.3, 0.36, 0.42, 0.48, 0.54, 0.6),
     "hole": (0.5, 0.56, 0.62, 0.7, 0.78),
     "shaft": (0.4, 0.5, 0.6, 0.7, 0.8),
@@ -61,7 +63,7 @@ class Proportions:
     pin
         Pin in its room between its neighbours.
     wall
-        Housing outside the pins in its radius.
+        Housing outside the pins in its radius, at least; more where the screws of the covers need it.
     bore
         Bore in the gear's root.
     hole
@@ -93,6 +95,22 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
     drawn = _drawn(asked, of, torque)
     if drawn is None:
         return None
+    return next((reducer for one in _walled(asked, of, drawn, torque) if (reducer := _sound(asked, one))), None)
+
+
+def _walled(asked: Requirement, of: Proportions, drawn: Reducer, torque: float) -> Iterator[Reducer]:
+    """Yield a drive with the thinnest wall in which the screws of its covers have room, then as it was drawn."""
+    within = covers_fit(drawn)
+    walls = (wall for wall in LEVELS["wall"] if wall > of.wall and not within)
+    thicker = (_drawn(asked, of.but(wall=wall), torque) for wall in walls)
+    if fitting := next((one for one in thicker if one and covers_fit(one)), None):
+        yield fitting
+    if within or not asked.covered:
+        yield drawn
+
+
+def _sound(asked: Requirement, drawn: Reducer) -> Reducer | None:
+    """Balance a drive; nothing where it is longer than asked for, or cannot be built."""
     reducer = _balanced(Reducer(drawn.design))
     if asked.length < math.inf and _too_long(asked, reducer):
         return None
@@ -102,8 +120,9 @@ def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
 
 def _too_long(asked: Requirement, reducer: Reducer) -> bool:
     """Tell whether a drive is longer than asked for, or cannot be drawn: this costs less than all its checks."""
+    most = MILLIMETRES * asked.length
     try:
-        return length(reducer) > MILLIMETRES * asked.length
+        return length(reducer) > most or drive_length(reducer) > most
     except DesignError:
         return True
 

@@ -8,6 +8,9 @@ from cycloid_mj.sizing.proportions import Proportions
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.sizing.trial import TorqueTrial
 
+THICKER = 0.015
+"""Of the outer radius: by how much a wall is thicker than asked for, so that it is not by rounding."""
+
 
 def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Iterator[tuple[str, str]]:
     """Yield value and reason, by ``table.value``."""
@@ -15,7 +18,10 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     weakest = f"; at the torque asked for {trial.weakest.name} is the first to fail" if trial.weakest else ""
     yield "structure", "as drives are built: output pins bend, carrier, shaft and housing twist"
     yield "ring.teeth", f"the ratio {design.lobes} plus one"
-    yield "ring.pin_circle_radius", f"leaves a wall of {of.wall:.0%} of the outer radius"
+    outer = design.housing.outer_radius
+    wall = 1.0 - (design.ring.pin_circle_radius + design.ring.pin_radius) / outer
+    needed = "" if wall < of.wall + THICKER else ", as the screws of the covers need it"
+    yield "ring.pin_circle_radius", f"leaves a wall of {wall:.0%} of the outer radius{needed}"
     stock = "" if asked.custom else ", in stock"
     yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours, about{stock}"
     yield "gear.eccentricity", f"K1 = c N / E = {of.short_width:g}: the largest with which nothing else is weaker"

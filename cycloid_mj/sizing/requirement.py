@@ -98,6 +98,8 @@ class Requirement:
         Whether sizes are free, and not those of pins and bearings in stock.
     tightened
         Whether the clearance was lowered for the backlash's sake, and may be lowered more.
+    covered
+        Whether the covers are to be no larger than the ring: their screws have room in its wall.
     """
 
     ratio: int
@@ -114,6 +116,7 @@ class Requirement:
     fit: str = ""
     custom: bool = False
     tightened: bool = False
+    covered: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what no drive can be.

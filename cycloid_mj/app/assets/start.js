@@ -117,7 +117,7 @@ export class Start {
   }
 
   #drives(place, answer) {
-    const rows = [["mass_kg", "Mass", "kg"], ["length_mm", "Length", "mm"], ["rated_torque_nm", "Bears for its life", "N m"], ["momentary_torque_nm", "Held once", "N m"],
+    const rows = [["mass_kg", "Mass", "kg"], ["drive_length_mm", "Length", "mm"], ["rated_torque_nm", "Bears for its life", "N m"], ["momentary_torque_nm", "Held once", "N m"],
       ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin"], ["temperature_c", "Housing", "°C"]];
     fill(place, el("h3", { class: "holds" }, `✓ ${answer.drives.length === 1 ? "One drive holds" : `${answer.drives.length} drives hold`} it`),
       el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },

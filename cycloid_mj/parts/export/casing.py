@@ -179,7 +179,7 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     """
     design = reducer.design
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
-    wall = max(LEAST_WALL, WALL_SHARE * radius)
+    wall = least_wall(radius)
     screws = _screws(reducer, wall)
     outer = screws.circle + 0.5 * screws.bolt.head + wall if screws.outside else radius
     rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
@@ -221,6 +221,19 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         flange_bolt=bolt,
         flange_thickness=bolt.head_height + max(bolt.thread, wall),
     )
+
+
+def least_wall(radius: float) -> float:
+    """Compute the least wall around holes of a drive with an outer radius [m]."""
+    return max(LEAST_WALL, WALL_SHARE * radius)
+
+
+def covers_fit(reducer: Reducer) -> bool:
+    """Tell whether the screws of the covers have room within the housing's outer radius."""
+    try:
+        return not _screws(reducer, least_wall(reducer.design.housing.outer_radius)).outside
+    except DesignError:
+        return False
 
 
 def seat_radius(reducer: Reducer, width: float) -> float:

@@ -87,6 +87,17 @@ def drive_length(reducer: Reducer) -> float:
     return high - low
 
 
+def drive_diameter(reducer: Reducer) -> float:
+    """Compute the diameter of the covers [m]: more than the ring's where their screws stand outside of it.
+
+    Raises
+    ------
+    DesignError
+        A part has no room.
+    """
+    return 2.0 * casing(reducer).outer
+
+
 @once
 def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
     """Compute mass [kg] and inertia about the axis [kg m2] that each made part gains by the casing."""
