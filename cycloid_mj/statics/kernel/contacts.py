@@ -167,7 +167,7 @@ def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Curved:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
     """Tell whether a gap is surely open at departures z [m], shape (u,), without its width."""
-    return surely_open(springs, k, i, apart_of(springs, k, i, pose_of(springs, springs.disc[i], z)), NO)
+    return least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, springs.disc[i], z)), NO) > 0.0
 
 
 # Arrays are read before any branch: numba counts references to those that are read in one. It counts those to all of
@@ -328,14 +328,20 @@ def _foot(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def surely_open(springs: KernelSprings, k: int, i: int, apart: _Apart, exact: bool) -> bool:
-    """Tell whether a gap is surely open, by what `apart_of` gives: most are, and their roots need not be taken."""
+def least_width(springs: KernelSprings, k: int, i: int, apart: _Apart, exact: bool) -> float:
+    """Compute how wide a gap is at least [m], by what `apart_of` gives; 0 where it may be closed.
+
+    Most are open, and their roots need not be taken.
+    """
     q, p = apart.q, apart.p
     bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
     room, turning = springs.room[i] - _SURELY * abs(p), springs.turning[i]
     if room + q <= 0.0:
-        return False
+        return 0.0
     if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
         bend = _sharpest(trochoid)  # a circle as sharp as the curve is anywhere lies within it
+    if bend > 0.0:
+        return room + q
     along, across, rim = 1.0 + bend * q, bend * p, 1.0 - bend * room
-    return bend > 0.0 or along * along + across * across < rim * rim
+    square = along * along + across * across
+    return (math.sqrt(square) - rim) / bend if square < rim * rim else 0.0

@@ -134,10 +134,10 @@ def along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path
     friction, play = _shares(lag, way)
     opened, rubs = opened_by(springs, play, path.room), (way < 1.0) == (lag > 0.0)
     if lag == 0.0 or rubs:
-        assemble(opened, k, load, here, 1.0, friction + 1.0, YES, system)
+        assemble(opened, k, load, here, 1.0, friction + 1.0, YES, YES, system)
         for j in range(number):
             path.left[j] = residual[j]
-    assemble(opened, k, load, here, 1.0, friction, YES, system)
+    assemble(opened, k, load, here, 1.0, friction, YES, YES, system)
     clear(rate)
     if lag == 0.0 or rubs:
         for j in range(number):

@@ -10,7 +10,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FIRST, NO, YES, KernelSprings, apart_of, curved, pose_of, surely_open
+from cycloid_mj.statics.kernel.contacts import FIRST, NO, YES, KernelSprings, apart_of, curved, pose_of, least_width
 from cycloid_mj.statics.kernel.newton import (
     FLOATING,
     FOLLOWED,
@@ -303,7 +303,7 @@ def _weigh(
         apart = apart_of(springs, FIRST, i, pose)
         clear(ahead)
         depth = 0.0
-        if not surely_open(springs, FIRST, i, apart, NO):
+        if least_width(springs, FIRST, i, apart, NO) == 0.0:
             found = curved(springs, FIRST, i, pose, apart, NO)
             depth = max(-found.width, 0.0)
             if depth > 0.0:

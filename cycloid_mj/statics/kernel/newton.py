@@ -71,8 +71,8 @@ def newton(
     left, energy, share, falls = math.inf, math.inf, 1.0, 0.0
     for i in range(system.kept.size):
         system.kept[i] = keep and system.pressed[i] > 0.0
-    for _ in range(_STEPS_DOWN if downhill else _STEPS):
-        found = assemble(springs, k, load, here, soft, friction, exact, system)
+    for step_number in range(_STEPS_DOWN if downhill else _STEPS):
+        found = assemble(springs, k, load, here, soft, friction, exact, step_number == 0, system)
         left = largest(residual)
         if not left < math.inf:
             break

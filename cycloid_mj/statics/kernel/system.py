@@ -7,10 +7,15 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import NO, KernelSprings, apart_of, curved, pose_of, surely_open
+from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, apart_of, curved, pose_of, least_width
 
 RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
+
+
+_SURELY = 2.0
+"""By how much farther than their slopes tell curves are reckoned to have moved: arms vary over a turn, and turns count
+to the second order."""
 
 
 class State(NamedTuple):
@@ -28,7 +33,9 @@ class Linearised(NamedTuple):
     """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u).
 
     `pressed` (n,) [N] are the forces of the springs. The rest are arrays of the search: the Newton `step` and where it
-    is from, `start` (u,), `ahead` (4,) [1], and `assembled` (1,), how often the system was put together.
+    is from, `start` (u,), `ahead` (4,) [1], and `assembled` (1,), how often the system was put together. Where all
+    contacts were `seen` last (u,) [m] each was open by the `margin` (n,) [m], 0 where it may have been closed; `arm`
+    (1,) [1] is how far a contact's curves move with the turns of its parts, at most.
     """
 
     residual: Array
@@ -40,6 +47,9 @@ class Linearised(NamedTuple):
     row: Array
     kept: Mask
     assembled: Integers
+    seen: Array
+    margin: Array
+    arm: Array
 
 
 class _Cam(NamedTuple):
@@ -65,7 +75,7 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     Without friction.
     """
     system = new_system(springs)
-    energy = assemble(springs, k, load, z, 1.0, 0.0, NO, system)
+    energy = assemble(springs, k, load, z, 1.0, 0.0, NO, YES, system)
     return State(energy, system.residual, system.tangent)
 
 
@@ -73,6 +83,10 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 def new_system(springs: KernelSprings) -> Linearised:
     """Make room for the system of springs at one crank angle."""
     number = springs.slope.shape[2]
+    arm = np.zeros(1)
+    for i in range(springs.disc.size):
+        for j in (3 * springs.disc[i] + 2, number - 1):
+            arm[0] = max(arm[0], math.hypot(springs.slope[0, i, j], springs.shift_slope[0, i, j]))
     return Linearised(
         np.zeros(number),
         np.zeros((number, number)),
@@ -83,14 +97,27 @@ def new_system(springs: KernelSprings) -> Linearised:
         np.zeros((springs.disc.size, 5)),
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
         np.zeros(1, np.int64),
+        np.zeros(number),
+        np.zeros(springs.disc.size),
+        arm,
     )
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def assemble(
-    springs: KernelSprings, k: int, load: Array, z: Array, soft: float, friction: float, exact: bool, system: Linearised
+    springs: KernelSprings,
+    k: int,
+    load: Array,
+    z: Array,
+    soft: float,
+    friction: float,
+    exact: bool,
+    anew: bool,
+    system: Linearised,
 ) -> float:
     """Put together the system at departures z, of springs that are `soft` and a share of the friction.
+
+    All contacts are looked at `anew`; else, of the same springs, those alone that may have closed since.
 
     Returns
     -------
@@ -98,7 +125,7 @@ def assemble(
     """
     number = z.size
     residual, tangent, pressed, row = system.residual, system.tangent, system.pressed, system.row
-    kept = system.kept
+    kept, seen, margin = system.kept, system.seen, system.margin
     turning_curve, of_disc, radius = springs.turning, springs.disc, springs.radius
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
     energy, hard = 0.0, soft * springs.cam_stiffness
@@ -106,20 +133,26 @@ def assemble(
     for j in range(number):
         energy -= load[j] * z[j]
         residual[j] = load[j]
+        seen[j] = z[j] if anew else seen[j]
         for m in range(number):
             tangent[j, m] = 0.0
     straight, discs = _straight(springs), springs.cam_place.shape[1]
     for disc in range(discs):
         # Sums stand in names, not in the arrays, which the compiler would write at every contact.
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
-        pose = pose_of(springs, disc, z)
+        pose, moved = pose_of(springs, disc, z), _SURELY * _moved(z, seen, 3 * disc, system.arm[0])
         for i in range(straight):
             if of_disc[i] != disc:
                 continue
-            apart, stiffness = apart_of(springs, k, i, pose), soft * springs.stiffness[k, i]
             pressed[i] = 0.0
-            holds = kept[i]
-            if not holds and surely_open(springs, k, i, apart, exact):
+            holds, wide = kept[i], margin[i]
+            if not (anew or holds) and wide > moved:
+                continue
+            apart, stiffness = apart_of(springs, k, i, pose), soft * springs.stiffness[k, i]
+            wide = least_width(springs, k, i, apart, exact)
+            if anew:
+                margin[i] = wide
+            if not holds and wide > 0.0:
                 continue
             found = curved(springs, k, i, pose, apart, exact)
             if found.width >= 0.0 and not holds:
@@ -179,6 +212,13 @@ def assemble(
     if springs.bending.size:
         energy += _bend(springs, k, z, soft, friction, system)
     return energy
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _moved(z: Array, seen: Array, x: int, arm: float) -> float:
+    """Compute how far the curves of a disc's contacts have moved at most since they were seen [m], by their slopes."""
+    turned = abs(z[x + 2] - seen[x + 2]) + abs(z[z.size - 1] - seen[z.size - 1])
+    return abs(z[x] - seen[x]) + abs(z[x + 1] - seen[x + 1]) + arm * turned
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
