@@ -15,8 +15,8 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.explore.draw import WAVE, Batch
 from cycloid_mj.explore.zone import Zone
 
-SAMPLES = 512
-"""Of each of the two sets; a power of two."""
+MOST_SAMPLES, FEWEST_SAMPLES = 512, 32
+"""Of each of the two sets; powers of two, as Sobol's sequence is even for these."""
 
 RESAMPLES = 200
 """Of the samples, for the confidence of the shares."""
@@ -48,7 +48,12 @@ class Share:
     ci95: tuple[float, float]
 
 
-def budget_blocks(zones: Mapping[str, Zone], samples: int = SAMPLES) -> dict[str, Batch]:
+def budget_samples(samples: int, most: int = MOST_SAMPLES) -> int:
+    """Return how many samples each set of the budget has in a study of so many: the next power of two, at `most`."""
+    return min(most, max(FEWEST_SAMPLES, 1 << (samples - 1).bit_length()))
+
+
+def budget_blocks(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
     """Collect the sets that are compared by name: two, and the first with one tolerance at a time of the second."""
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}

@@ -16,8 +16,8 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES
-from cycloid_mj.explore.budget import Share, budget_blocks, shares
+from cycloid_mj.explore.budget import MOST_SAMPLES as BUDGET_SAMPLES
+from cycloid_mj.explore.budget import Share, budget_blocks, budget_samples, shares
 from cycloid_mj.explore.draw import (
     BEGINNING,
     SOURCES,
@@ -361,7 +361,8 @@ class _Study:
 
     @cached_property
     def compared(self) -> dict[str, Batch]:
-        return budget_blocks(self.zones, BUDGET_SAMPLES) if len(self.zones) > 1 else {}
+        count = budget_samples(self.samples, BUDGET_SAMPLES)
+        return budget_blocks(self.zones, count) if len(self.zones) > 1 else {}
 
     @cached_property
     def work(self) -> list[tuple[Batch, tuple[str, ...]]]:

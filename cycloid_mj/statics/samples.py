@@ -187,24 +187,24 @@ def solve_samples(
         reducer.share,
     )
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
+    load = np.array([springs.load(of * torque) for torque in torques])
+    out = np.zeros((len(torques), len(samples), FIGURES))
+
+    def balanced(first: int, last: int) -> None:
+        balance_samples(springs.contacts, effects, deviations, load, first, last, out)
+
+    if threads == 1:
+        for first, last in pairwise(bounds):
+            give_way()
+            with announced():
+                balanced(first, last)
+    else:
+        with announced(), ThreadPoolExecutor(threads) as pool:
+            list(pool.map(balanced, bounds[:-1], bounds[1:]))
+    out[~(out[..., -1] <= BALANCED)] = np.nan
     solved, twist = [], wind_up(reducer)
-    for torque in torques:
-        load = springs.load(of * torque)
-        out = np.zeros((len(samples), FIGURES))
-
-        def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
-            balance_samples(springs.contacts, effects, deviations, load, first, last, out)
-
-        if threads == 1:
-            for first, last in pairwise(bounds):
-                give_way()
-                with announced():
-                    balanced(first, last)
-        else:
-            with announced(), ThreadPoolExecutor(threads) as pool:
-                list(pool.map(balanced, bounds[:-1], bounds[1:]))
-        out[~(out[:, -1] <= BALANCED)] = np.nan
-        seen = SampleFigures(*out[:, :-1].T.copy())
+    for torque, found in zip(torques, out, strict=True):
+        seen = SampleFigures(*found[:, :-1].T.copy())
         turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
         solved.append(replace(seen, **turned))
     return solved

@@ -148,6 +148,23 @@ def test_the_samples_are_a_table() -> None:
     assert "loaded_teeth" not in found.frame.units
 
 
+@pytest.mark.parametrize(("samples", "each"), [(1, 32), (33, 64), (100, 128), (10_000, 512)])
+def test_the_budget_takes_samples_as_the_study_does(monkeypatch, samples: int, each: int) -> None:
+    """Two sets, and the first with each of two tolerances of the second: of the next power of two, 512 at most."""
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", budget.MOST_SAMPLES)
+    counts = []
+
+    def stop(_done: int, whole: int) -> None:
+        counts.append(whole)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tolerances, "ANGLES", 1)
+    two = override(PIN, {"tolerance.cam": "uniform 0.3", "tolerance.mesh": "uniform 0.1"})
+    with pytest.raises(tolerances.Unfinished):
+        tolerance(two, samples, progress=stop, engine=Engine(1))
+    assert counts == [samples + 4 * each]
+
+
 def test_what_was_drawn_stands_beside_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
@@ -307,7 +324,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     seen = {}
     monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values, _: seen.update(values) or ())
     design = override(PIN, words)
-    tolerance(design, 12, 0)
+    tolerance(design, 64, 0)
     cam = draw.departures(
         Reducer(design),
         draw.tolerances(Reducer(design)),

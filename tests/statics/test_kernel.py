@@ -306,7 +306,7 @@ def followed(contacts: KernelSprings, torque: float) -> Left:
     return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape))
 
 
-@pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 44)])
+@pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 46)])
 def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
     """Ten angles, observed; with a start of the first order, or without the contacts of the angle before, it is more.
 

@@ -68,6 +68,26 @@ def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) 
         assert found.cam[number] == pytest.approx(np.linalg.norm(alone.cam[:, 0], axis=1).max(), rel=1e-4)
 
 
+@pytest.mark.parametrize("name", ["pin", "twodisc", "printed"])
+def test_one_pass_of_three_torques_gives_the_bits_of_three(name: str) -> None:
+    reducer = Reducer(override(PRESETS[name], ERRORS))
+    made, torques = varied(reducer.design, 2), [share * reducer.design.rated_torque for share in (1e-4, -1e-4, 1.0)]
+    for torque, found in zip(torques, solve_samples(reducer, made, torques, 24), strict=True):
+        (alone,) = solve_samples(reducer, made, [torque], 24)
+        for field in fields(found):
+            np.testing.assert_array_equal(getattr(found, field.name), getattr(alone, field.name))
+
+
+def test_touching_parts_are_followed_in_few_steps() -> None:
+    """Under a touch contacts change from angle to angle: samples stay as cheap as under their load."""
+    reducer = Reducer(override(PRESETS["pin"], ERRORS))
+    crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+    springs = springs_of(reducer, crank, friction=False)
+    work = [loads(reducer, springs, share * reducer.design.rated_torque, follow=True).work for share in (1e-4, 1.0)]
+    assert work[0] < 4.0
+    assert work[1] < 3.0
+
+
 def test_threads_and_neighbours_change_no_bit() -> None:
     design = override(PRESETS["pin"], ERRORS)
     made = drawn(Reducer(design), 9, seed=5)

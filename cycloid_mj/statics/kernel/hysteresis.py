@@ -10,7 +10,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FIRST, NO, YES, KernelSprings, apart_of, curved, pose_of, least_width
+from cycloid_mj.statics.kernel.contacts import FIRST, NO, YES, KernelSprings, apart_of, curved, least_width, pose_of
 from cycloid_mj.statics.kernel.newton import (
     FLOATING,
     FOLLOWED,

@@ -30,6 +30,11 @@ _STEPS, _STEPS_DOWN, _FARTHEST = 15, 200, 0.3
 """Most Newton steps with friction, and downhill without; the longest as a share of the eccentricity."""
 
 
+_OVERSHOT = 10.0
+"""How often the energy's fall before a step, without friction, it may rise after it: contacts that close on the way
+push back, and the step is ended where the stiffness there puts the least energy of its line. Else steps would leap."""
+
+
 _ARMIJO, _SOFT = 0.01, 1e-6
 """Share of the fall that the slope promises which a step downhill must bring, and least stiffness that it reckons with,
 as a share of the cam's."""
@@ -68,7 +73,8 @@ def newton(
     """
     hard, longest = soft * springs.cam_stiffness, _FARTHEST * springs.trochoid[1]
     residual, step, start, number = system.residual, system.step, system.start, here.size
-    left, energy, share, falls = math.inf, math.inf, 1.0, 0.0
+    left, energy, share, falls = math.inf, math.inf, 1.0, math.inf
+    led = keep and springs.rubbing.shape[0] == 0
     for i in range(system.kept.size):
         system.kept[i] = keep and system.pressed[i] > 0.0
     for step_number in range(_STEPS_DOWN if downhill else _STEPS):
@@ -76,8 +82,11 @@ def newton(
         left = largest(residual)
         if not left < math.inf:
             break
+        slope = _product(step, residual)
         if downhill and found > energy - _ARMIJO * share * falls + ROUNDING * abs(energy) and share > ROUNDING:
             share *= 0.5
+        elif led and left > allowed and -slope > _OVERSHOT * abs(falls):
+            share = max(share + slope / max(_curvature(system.tangent, step), 1e-300), 0.0)
         else:
             if left <= allowed and not keep:
                 return left
@@ -86,16 +95,32 @@ def newton(
                 roll_off(system.tangent, residual, step, _SOFT * hard)
             elif solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard) == 0.0:
                 break
-            share, falls = min(1.0, longest / max(largest(step), 1e-300)), 0.0
-            for j in range(number):
-                start[j] = here[j]
-                falls += step[j] * residual[j]
+            share, falls = min(1.0, longest / max(largest(step), 1e-300)), _product(step, residual)
+            copy(here, start)
         for j in range(number):
             here[j] = start[j] + share * step[j]
         for i in range(system.kept.size if keep else 0):
             system.kept[i] = False
         keep = NO
     return left
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _product(step: Array, values: Array) -> float:
+    """Compute the product of two vectors (u,)."""
+    total = 0.0
+    for j in range(step.size):
+        total += step[j] * values[j]
+    return total
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _curvature(stiffness: Array, step: Array) -> float:
+    """Compute by how much the energy of a stiffness (u, u) curves along a step (u,) [m], [J]."""
+    total = 0.0
+    for j in range(step.size):
+        total += step[j] * _product(step, stiffness[j])
+    return total
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

@@ -57,13 +57,13 @@ class SampleDeviations(NamedTuple):
 def balance_samples(
     ideal: KernelSprings, effects: Effects, made: SampleDeviations, load: Array, first: int, last: int, out: Array
 ) -> None:
-    """Balance samples `first` to `last` under a load (k, u) [N] at crank angles that follow each other.
+    """Balance samples `first` to `last` under each of t loads (t, k, u) [N] at crank angles that follow each other.
 
-    `ideal` are the springs of ideal parts; the row of each sample in `out` (s, ``FIGURES``) is filled in.
+    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in.
     """
     count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
     distance, shift = np.empty((count, contacts)), np.empty((count, contacts))
-    z, force, cam_place = np.empty(load.shape), np.empty((count, contacts)), np.empty(effects.cam_place.shape)
+    z, force, cam_place = np.empty(load.shape[1:]), np.empty((count, contacts)), np.empty(effects.cam_place.shape)
     for s in range(first, last):
         circle, rotation = made.pin_circle[s], made.rotation[s]
         for k in range(count):
@@ -103,9 +103,10 @@ def balance_samples(
             ideal.bending,
             ideal.pins,
         )
-        left = balance_along(springs, load, z, force)
-        _sum_up(springs, z, force, out[s])
-        out[s, FIGURES - 1] = left.force
+        for t in range(len(load)):
+            left = balance_along(springs, load[t], z, force)
+            _sum_up(springs, z, force, out[t, s])
+            out[t, s, FIGURES - 1] = left.force
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

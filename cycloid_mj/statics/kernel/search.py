@@ -11,8 +11,9 @@ from cycloid_mj.statics.kernel.continuation import by_continuation
 from cycloid_mj.statics.kernel.newton import BALANCED, Left, clear, copy, largest, newton
 from cycloid_mj.statics.kernel.system import Linearised, new_system
 
-_SHORT = 3
-"""How often a system is put together in a short search."""
+_SHORT, _KEPT = 3, 2
+"""How often a system is put together in a search that was led well, and with contacts kept: from longer ones contacts
+are kept for the next angle."""
 
 
 _TRIES = (
@@ -62,16 +63,16 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
     """
     count, number = load.shape
     system = new_system(springs)
-    start, near, worst, last = np.zeros(number), False, 0.0, 0
+    start, near, keep, worst, last = np.zeros(number), False, False, 0.0, 0
     for k in range(count):
         here = z[k]
         copy(here, start)
         if follow and k:
             _lead(z, k, near)
         begun = system.assembled[0]
-        keep = follow and k > 0 and not near
         left = _search(springs, k, load[k], here, start, keep, system)
-        near = system.assembled[0] - begun <= _SHORT
+        work = system.assembled[0] - begun
+        near, keep = work <= _SHORT + 1, follow and work > (_KEPT if keep else _SHORT)
         copy(system.pressed, force[k])
         worst, last = max(worst, left), k
         if not left <= BALANCED:

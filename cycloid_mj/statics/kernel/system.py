@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, apart_of, curved, pose_of, least_width
+from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, apart_of, curved, least_width, pose_of
 
 RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
@@ -210,7 +210,7 @@ def assemble(
     if rough:
         _drag(springs, k, friction, system)
     if springs.bending.size:
-        energy += _bend(springs, k, z, soft, friction, system)
+        energy += _bend(springs, k, z, soft, friction, anew, system)
     return energy
 
 
@@ -228,7 +228,9 @@ def _straight(springs: KernelSprings) -> int:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _bend(springs: KernelSprings, k: int, z: Array, soft: float, friction: float, system: Linearised) -> float:
+def _bend(
+    springs: KernelSprings, k: int, z: Array, soft: float, friction: float, anew: bool, system: Linearised
+) -> float:
     """Add output pins that bend, at departures z, to a system.
 
     Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
@@ -246,6 +248,16 @@ def _bend(springs: KernelSprings, k: int, z: Array, soft: float, friction: float
     carries, held = np.empty(discs, np.bool_), np.empty(discs, np.bool_)
     flexible, stiff = np.empty((discs, discs)), np.empty((discs, discs))
     for pin in range(springs.pins):
+        closed = False
+        for d in range(discs):
+            i = first + d * springs.pins + pin
+            if anew:
+                system.margin[i] = least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, d, z)), NO)
+            moved = _SURELY * _moved(z, system.seen, 3 * d, system.arm[0])
+            closed |= system.kept[i] or not system.margin[i] > moved
+            system.pressed[i] = 0.0
+        if not closed:
+            continue
         for d in range(discs):
             i = first + d * springs.pins + pin
             pose = pose_of(springs, d, z)
