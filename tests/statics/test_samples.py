@@ -79,12 +79,12 @@ def test_one_pass_of_three_torques_gives_the_bits_of_three(name: str) -> None:
 
 
 def test_touching_parts_are_followed_in_few_steps() -> None:
-    """Under a touch contacts change from angle to angle: samples stay as cheap as under their load."""
-    reducer = Reducer(override(PRESETS["pin"], ERRORS))
+    """Under a touch contacts change from angle to angle; a search from afar at each would take some 50 steps."""
+    reducer = Reducer(PRESETS["pin"])
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     springs = springs_of(reducer, crank, friction=False)
     work = [loads(reducer, springs, share * reducer.design.rated_torque, follow=True).work for share in (1e-4, 1.0)]
-    assert work[0] < 4.0
+    assert work[0] < 5.0
     assert work[1] < 3.0
 
 
