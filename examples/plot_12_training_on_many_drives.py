@@ -13,6 +13,7 @@ its gripper. Nothing but `mujoco`, numpy and the files that `reduce` wrote is ne
 import csv
 import importlib.util
 import subprocess
+import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -57,7 +58,7 @@ TOLERANCES = ['tolerance.cam="uniform 10"', 'tolerance.output="uniform 10"', 'to
 with TemporaryDirectory() as folder:
     changes = [word for one in TOLERANCES for word in ("--set", one)]
     words = ["reduce", "printed", *changes, "--spread", "--samples", "40", "--seed", "1", "--out", folder, "--quiet"]
-    subprocess.run(["cycloid-mj", *words], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([sys.executable, "-m", "cycloid_mj", *words], check=True, stdout=subprocess.DEVNULL)
     found = importlib.util.spec_from_file_location("joint", Path(folder) / "joint.py")
     written = importlib.util.module_from_spec(found)
     found.loader.exec_module(written)

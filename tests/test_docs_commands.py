@@ -12,6 +12,7 @@ from contextlib import redirect_stdout
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import pytest
@@ -242,15 +243,26 @@ def test_the_python_of_a_model_runs(page: str, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_the_python_of_the_joint_runs(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_python_of_the_joint_runs(tutored: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    attach, varied, alone = (block for language, block in blocks(PAGES["docs/joint.md"]) if language == "python")
     monkeypatch.chdir(tutored)
     spec = mujoco.MjSpec()
     arm = spec.worldbody.add_body()
     arm.add_joint(name="elbow", axis=[0.0, 0.0, 1.0])
     arm.add_geom(size=[0.05, 0.0, 0.0])
-    (code,) = [block for language, block in blocks(PAGES["docs/joint.md"]) if language == "python"]
-    exec(compile(code, "joint.md", "exec"), {"spec": spec})
+    exec(compile(attach, "joint.md", "exec"), {"spec": spec})
     assert spec.compile().ntendon > 0
+
+    monkeypatch.chdir(here)
+    (drawn,) = (command for command in commands(PAGES["docs/joint.md"], "sh") if "--spread" in command)
+    run(drawn, words_of(drawn))
+    monkeypatch.chdir("drives")
+    monkeypatch.syspath_prepend(Path.cwd())
+    scope: dict[str, Any] = {}
+    exec(compile(alone, "joint.md", "exec"), scope)
+    stiffness = scope["model"].tendon_stiffness.copy()
+    exec(compile(varied, "joint.md", "exec"), scope)
+    assert (scope["model"].tendon_stiffness != stiffness).any()
 
 
 def test_the_python_of_other_pages_is_tested_elsewhere() -> None:

@@ -169,10 +169,11 @@ def _unusable(calibration: "Calibration") -> tuple[str, ...]:
             model = model if other == one else other.put(model, value)
         if _flaw(model.reducer, most) is None:
             blamed.append(one.key)
-    values = ", ".join(
-        f"{key} {calibration.estimates[key].value:.4g} {calibration.estimates[key].unit}" for key in blamed
+    values = " or ".join(
+        f"{key} as drawn instead of {calibration.estimates[key].value:.4g} {calibration.estimates[key].unit}"
+        for key in blamed
     )
-    why = f"with {values} as drawn instead it would serve: leave that out of --fit" if blamed else "no value alone"
+    why = f"with {values} it would serve: leave that out of --fit" if blamed else "no value alone is to blame"
     return (f"the calibrated design is of no use: {flaw}; {why}",)
 
 
