@@ -34,7 +34,7 @@ def serving(*words: str) -> Iterator[str]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    command = [sys.executable, "-m", "cycloid_mj.cli", "app", "--no-browser", "--port", str(port), *words]
+    command = [sys.executable, "-m", "cycloid_mj", "app", "--no-browser", "--port", str(port), *words]
     environment = {key: value for key, value in os.environ.items() if "PYTEST" not in key}
     with subprocess.Popen(command, stderr=subprocess.DEVNULL, cwd=ROOT, env=environment) as server:
         try:

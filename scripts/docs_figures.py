@@ -85,7 +85,7 @@ class Artefact:
     minutes: float
 
 
-CLI = (sys.executable, "-m", "cycloid_mj.cli")
+CLI = (sys.executable, "-m", "cycloid_mj")
 PYTHON = sys.executable
 LOADED = ("--load-nm", "36", "--ramp-s", "0", "--hold-s", "0.06")
 

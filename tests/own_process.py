@@ -18,5 +18,5 @@ def ran(folder: Path, *argv: str, code: Path | None = None, **environment: str) 
         **environment,
     }
     kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    command = [sys.executable, "-m", "cycloid_mj.cli", *argv]
+    command = [sys.executable, "-m", "cycloid_mj", *argv]
     return subprocess.run(command, cwd=folder, env=kept | environment, capture_output=True, text=True)

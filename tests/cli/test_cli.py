@@ -629,7 +629,7 @@ def test_csv_follows_a_link_and_keeps_it(tmp_path):
 
 @pytest.mark.slow
 def test_closed_pipe_ends_the_command_in_silence():
-    command = [sys.executable, "-m", "cycloid_mj.cli", "kinematics", "--design", "pin", "--csv", "-"]
+    command = [sys.executable, "-m", "cycloid_mj", "kinematics", "--design", "pin", "--csv", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
         assert process.stderr

@@ -85,7 +85,7 @@ def test_help_in_a_very_wide_terminal_is_as_wide_as_reads_well():
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 200, 0, 0))
     environment = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}
-    command = [sys.executable, "-m", "cycloid_mj.cli", "design", "--help"]
+    command = [sys.executable, "-m", "cycloid_mj", "design", "--help"]
     child = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env={**environment, "TERM": "xterm"})
     os.close(theirs)
     text = b""

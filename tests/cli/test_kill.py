@@ -85,7 +85,7 @@ def moments(count: int, seed: int, commands: tuple[str, ...]) -> Iterator[Moment
 
 def started(command: str, folder: Path) -> subprocess.Popen[str]:
     environment = os.environ | {"PYTHONPATH": str(Path(cycloid_mj.__file__).parents[1])}
-    argv = [sys.executable, "-m", "cycloid_mj.cli", *COMMANDS[command]]
+    argv = [sys.executable, "-m", "cycloid_mj", *COMMANDS[command]]
     return subprocess.Popen(
         argv,
         cwd=folder,

@@ -279,7 +279,7 @@ def test_a_folder_of_another_optimisation_is_refused(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) -> None:
     """Ctrl-C in another process; then the same command."""
-    arguments = [sys.executable, "-m", "cycloid_mj.cli", "optimize", *FLAGS[:-5], "--evaluations", "200", "--quick"]
+    arguments = [sys.executable, "-m", "cycloid_mj", "optimize", *FLAGS[:-5], "--evaluations", "200", "--quick"]
     stopped = subprocess.Popen([*arguments, "--out", str(tmp_path / "one")], stderr=subprocess.PIPE, text=True)
     rows = tmp_path / "one" / "optimize.rows.jsonl"
     deadline = time.monotonic() + 60.0

@@ -1,5 +1,0 @@
-"""``python -m cycloid_mj.cli``."""
-
-from cycloid_mj.cli.process import run
-
-run()
