@@ -229,7 +229,17 @@ def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ende
         command = [sys.executable, "-c", program]
     else:
         quiet = ("--quiet",) if trial.logged else ()
-        command = [sys.executable, "-c", "from cycloid_mj.cli import run; run()", program, *flags, *further, "--json", *quiet, *into]
+        command = [
+            sys.executable,
+            "-c",
+            "from cycloid_mj.cli import run; run()",
+            program,
+            *flags,
+            *further,
+            "--json",
+            *quiet,
+            *into,
+        ]
     out.mkdir()
     with TemporaryFile() as printed:
         environment = os.environ | {"PYTHONPATH": str(tree)}
