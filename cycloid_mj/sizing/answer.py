@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base.array import significant
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
@@ -326,10 +326,19 @@ def _most(asked: Requirement, top: Step) -> tuple[float, TorqueTrial]:
         torque = _floored(torque)
         if torque < LEAST * GUESS[asked.process] * asked.diameter**3:
             break
-        if sure := _holding(asked, of, torque):
+        if (sure := _holding(asked, of, torque)) and _has_play(sure.reducer):
             return torque, sure
         torque *= SURELY**2
     return 0.0, replace(trial, weakest=None)
+
+
+def _has_play(reducer: Reducer) -> bool:
+    """Tell whether statics finds the backlash of a drive, which its data sheet tells."""
+    try:
+        figure("backlash_arcmin").value(reducer)
+    except CycloidError:
+        return False
+    return True
 
 
 def _floored(value: float) -> float:

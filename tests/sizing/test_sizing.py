@@ -287,6 +287,12 @@ def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screw
     assert 1.0 - (found.design.ring.pin_circle_radius + found.design.ring.pin_radius) / outer > thin.wall + 0.02
 
 
+def test_a_drive_whose_backlash_is_not_found_is_not_told_as_the_most_that_goes() -> None:
+    refused = answered(Requirement(64, 0.0462, 0.568, process="printed"))
+    assert refused.most == 0.0
+    assert refused.ways
+
+
 def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
     refused = answered(Requirement(119, 0.02, 0.1, process="printed"))
     assert "no gear with a ratio of 119 fits into 20 mm" in refused.refusal
