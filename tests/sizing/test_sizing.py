@@ -245,7 +245,7 @@ def test_custom_sizes_are_free() -> None:
 
 
 def test_no_parts_in_stock_is_told_with_what_goes() -> None:
-    refused = answered(Requirement(7, 0.0325, 0.5))
+    refused = answered(Requirement(7, 0.0325, 0.4))
     assert "no pins and bearings in stock fit" in refused.refusal
     assert any(way.asked.custom for way in refused.ways)
     require_kept(refused, ways=1)
