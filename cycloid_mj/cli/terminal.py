@@ -51,7 +51,7 @@ def tell(text: str) -> None:
 
 def note(text: str) -> None:
     """Write a message as `tell` does, unless the command was asked to be quiet."""
-    logging.getLogger(__name__).info("%s", text)
+    logging.getLogger(__name__).info("%s", printable(text))
 
 
 def say_files(files: Iterable[str | Path], json: bool) -> None:

@@ -94,9 +94,11 @@ _BOLTS = """
 
 _BOLT_LENGTHS: tuple[int, ...] = (
     *(3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160),
-    *(180, 200, 220, 240, 260, 280, 300),
 )
 """Lengths of screws of ISO 4762 [mm]."""
+
+_LONGEST_BOLTS = {1.6: 16, 2: 20, 2.5: 25, 3: 30, 4: 40, 5: 50, 6: 60, 8: 80, 10: 100, 12: 120, 16: 160}
+"""ISO 4762:2004, table 1: thread -> length of the longest screw [mm]."""
 
 _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}
 """ISO 273:1979, medium: thread -> clearance hole [mm]."""
@@ -218,9 +220,11 @@ def thin_ball_bearings() -> tuple[StockBearing, ...]:
     )
 
 
-def bolt_length(reach: float) -> float | None:
-    """Find the shortest screw in stock that is at least so long [m]; none if none is."""
-    return next((round(length * MM, 9) for length in _BOLT_LENGTHS if length * MM >= reach - ROUNDING), None)
+def bolt_length(thread: float, reach: float) -> float | None:
+    """Find the shortest screw in stock of a thread that is at least so long [m]; none if none is."""
+    longest = _LONGEST_BOLTS[round(thread / MM, 3)]
+    lengths = (round(length * MM, 9) for length in _BOLT_LENGTHS if length <= longest)
+    return next((length for length in lengths if length >= reach - ROUNDING), None)
 
 
 def bolt_hole(thread: float) -> float:

@@ -89,6 +89,13 @@ def test_the_thickest_screw_under_a_head_is_found() -> None:
     assert found.designation == "ISO 4762 - M3"
 
 
+def test_screws_are_no_longer_than_their_thread_is_made() -> None:
+    """ISO 4762:2004, table 1: M2.5 to 25 mm, M4 to 40 mm."""
+    assert stock.bolt_length(2.5e-3, 21e-3) == 25e-3
+    assert stock.bolt_length(2.5e-3, 26e-3) is None
+    assert stock.bolt_length(4e-3, 36e-3) == 40e-3
+
+
 def test_a_ball_bearing_is_found_where_no_needle_bearing_has_the_size() -> None:
     assert [one.designation for one in stock.bearings_on(8e-3, 7e-3)] == ["608"]
     assert [one.designation for one in stock.bearings_outside(30e-3)] == ["6200", "61903"]

@@ -254,7 +254,10 @@ def _grip(bolt: stock.Bolt, wall: float) -> float:
 
 
 def _screws(reducer: Reducer, wall: float) -> Screws:
-    """Place the screws in the ring's wall, or between its pins, or where neither has room outside of it."""
+    """Place the screws in the ring's wall, or between its pins, or where neither has room outside of it.
+
+    Thin screws that would pass through a wide ring are not in stock.
+    """
     design = reducer.design
     ring, housing = design.ring, design.housing
     for bolt in _candidates(housing.outer_radius):
@@ -272,7 +275,7 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
                 and math.dist(*apart.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
                 and circle - hole - wall >= wall_radius(design)
             )
-        if fits:
+        if fits and stock.bolt_length(bolt.thread, _reach(bolt, wall, design.gear.stack_width)):
             return _of_length(bolt, circle, angles, wall, design.gear.stack_width)
     bolt = _thickest(THREAD_SHARE * housing.outer_radius)
     circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head) + wall
@@ -291,13 +294,13 @@ def _lands(teeth: int) -> tuple[float, ...]:
     return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
 
 
+def _reach(bolt: stock.Bolt, wall: float, through: float) -> float:
+    """Compute the least length of a screw that passes through a cover and a ring into the cover beyond [m]."""
+    return _grip(bolt, wall) + through + ENGAGED * bolt.thread
+
+
 def _of_length(bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float) -> Screws:
-    reach = _grip(bolt, wall) + through + ENGAGED * bolt.thread
-    length = stock.bolt_length(reach)
-    if not length:
-        raise DesignError(
-            f"the housing needs screws of {1e3 * reach:.4g} mm; those in stock are shorter: lower gear.face_width_mm"
-        )
+    length = _screw_length(bolt, _reach(bolt, wall, through))
     return Screws(bolt, length, circle, angles, outside=not through)
 
 
@@ -451,7 +454,7 @@ def bearing_width_of(reducer: Reducer) -> float:
 def flange_screw_length(sizes: Casing) -> float:
     """Return the length of the screws of the output's flange [m]."""
     bolt = sizes.flange_bolt
-    return stock.bolt_length(sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread) or 0.0
+    return _screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread)
 
 
 def cut_sections(name: str, part: CasingPart, base: Sequence[PartSection] = ()) -> tuple[PartSection, ...]:
@@ -597,6 +600,16 @@ def _flange(sizes: Casing) -> CasingPart:
     )
     radius = _shoulder(0.5 * sizes.hub.bore, 0.5 * sizes.hub.outside)
     return CasingPart(names.OUTPUT, ((radius, top, top + thickness),), holes)
+
+
+def _screw_length(bolt: stock.Bolt, reach: float) -> float:
+    length = stock.bolt_length(bolt.thread, reach)
+    if length is None:
+        raise DesignError(
+            f"the casing needs screws {bolt.designation} of {1e3 * reach:.4g} mm; those in stock are shorter: "
+            "lower housing.outer_radius_mm"
+        )
+    return length
 
 
 def _screw(bolt: stock.Bolt, length: float) -> CasingPart:
