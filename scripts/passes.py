@@ -187,7 +187,7 @@ sys.exit(os.waitstatus_to_exitcode(status))
 def command_cost(design: str, samples: int) -> tuple[float, float, float]:
     """Run ``cycloid-mj simulate`` on a number of samples; give wall and CPU time [s] and peak memory [MB]."""
     launcher = [sys.executable, "-S", "-c", _LAUNCHER]
-    command = [sys.executable, "-m", "cycloid_mj.cli", "simulate", "--design", design, "--quiet", "--json"]
+    command = [sys.executable, "-m", "cycloid_mj", "simulate", "--design", design, "--quiet", "--json"]
     with tempfile.TemporaryDirectory() as folder:
         run = ["--ramp-s", "0", "--hold-s", str(samples * 1e-4), "--out", folder]
         done = subprocess.run([*launcher, *command, *run], stdout=subprocess.PIPE, text=True, check=True)

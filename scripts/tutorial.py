@@ -54,7 +54,7 @@ def commands(lines: str) -> list[str]:
 
 def printed(command: str, folder: Path) -> str:
     """Run a command in a folder; return what it prints, and of one that fails its error."""
-    words = [sys.executable, "-m", "cycloid_mj.cli", *shlex.split(command)[1:]]
+    words = [sys.executable, "-m", "cycloid_mj", *shlex.split(command)[1:]]
     print(f"$ {command}", file=sys.stderr, flush=True)
     environment = {**os.environ, "COLUMNS": str(WIDTH), "NO_COLOR": "1"}
     ended = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, check=False)

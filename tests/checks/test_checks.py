@@ -194,7 +194,8 @@ def random_design(rng: np.random.Generator) -> Design:
     if tables["ring"]["kind"] == "nonpin":
         tables["errors"] |= {"pin_position": 0.0, "pin_radius": 0.0}
     tables["ring"]["pins"] = str(rng.choice(["free", "fixed", "sleeved"]))
-    tables["ring"]["halves"] = 2 if tables["ring"]["preload"] else 1
+    tables["ring"][str(rng.choice(["preload", "preload_torque"]))] = 0.0
+    tables["ring"]["halves"] = 2 if tables["ring"]["preload"] or tables["ring"]["preload_torque"] else 1
     del tables["name"], tables["structure"]
     return Design.model_validate(tables)
 

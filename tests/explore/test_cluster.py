@@ -87,7 +87,7 @@ def test_a_killed_scheduler_is_told_in_one_line_and_the_sweep_goes_on_elsewhere(
     words = [
         sys.executable,
         "-m",
-        "cycloid_mj.cli",
+        "cycloid_mj",
         "sweep",
         "--vary",
         "clearance.cam_um=1:3:30",
