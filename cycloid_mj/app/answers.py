@@ -45,6 +45,9 @@ NAMES = {
 
 LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "seals"}
 
+CLEARANCE = "clearance of "
+"""Before the pairs whose clearance it is."""
+
 POSES, EXACT = 61, 5e-3
 """Crank angles, and relative accuracy, of the rated torque in the header."""
 
@@ -171,14 +174,18 @@ def _change(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
     values = dict(change)
     if "drive.torque_nm" in values:
         values["load.torque_nm"] = float(f"{values.pop('drive.torque_nm') * reducer.design.reduction:.10g}")
-    return {"changes": values, "words": ", ".join(_turned(reducer, key, value) for key, value in values.items())}
+    return {"changes": values, "words": _turned(reducer, values)}
 
 
-def _turned(reducer: Reducer, key: str, value: float) -> str:
-    """Tell to which value a key of the file goes, in the page's words."""
-    unit = unit_of(declared(key)).suffix
-    sense = "raise" if value > value_of(reducer.design, key) else "lower"
-    return f"{sense} {_plain(key)} to {value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()
+def _turned(reducer: Reducer, values: Mapping[str, float]) -> str:
+    """Tell to which values keys of the file go, in the page's words: those that go to the same value together."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for key, value in values.items():
+        unit = unit_of(declared(key)).suffix
+        sense = "raise" if value > value_of(reducer.design, key) else "lower"
+        alike.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(_plain(key))
+    told = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in alike.items())
+    return "; ".join(told).replace(f", {CLEARANCE}", ", ")
 
 
 def _in_words(text: str) -> str:
@@ -190,7 +197,7 @@ def _in_words(text: str) -> str:
 
 def _pairs(listed: re.Match[str]) -> str:
     """Name kinds of pairs that are added up."""
-    return " + ".join(_plain(f"clearance.{kind}_um").removeprefix("clearance: ") for kind in listed[0].split(" + "))
+    return " + ".join(_plain(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
 
 
 def _plain(key: str) -> str:

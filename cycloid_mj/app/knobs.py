@@ -123,7 +123,7 @@ def _labels() -> dict[str, str]:
     words = {key: label for key, (label, _) in WORDS.items()}
     for group, name, label in _rows():
         table, _, key = name.partition(".")
-        named = f"Clearance: {label.lower()}" if table == "clearance" else label
+        named = f"Clearance of {label.lower()}" if table == "clearance" else label
         for one in ("pin_gear", "tooth") if key == "mesh" else (key,):
             field = type(getattr(Design(), table)).model_fields[one]
             words[f"{table}.{file_key(one, field)}"] = named if group else label

@@ -19,8 +19,23 @@ BULK_DISTANCE = 0.5
 CLAMPED = 0.25
 """Edges of outlines at a clamped circle over its radius, however coarse the grid: a longer arc would cut into it."""
 
+SHORTER = 0.5
+"""Edges of an outline where a curved one folded an element, over that element's longest."""
+
+MENDED = 4
+"""Times that a grid is made anew so."""
+
 DEPTH_GROWTH = 0.6
 """How fast edges grow inwards on the whole, per length: slowly at first, within the bulk distance, then faster."""
+
+
+class FoldedError(CycloidError):
+    """Elements are turned inside out by curved edges: `places` (k, d + 1) [m], their middles and longest edges."""
+
+    def __init__(self, part: str, corners: Array) -> None:
+        super().__init__(f"the {part} does not mesh: a curved edge folds its element; raise the refinement")
+        edges = np.linalg.norm(corners[:, :, np.newaxis] - corners[:, np.newaxis], axis=-1)
+        self.places: Array = np.column_stack([corners.mean(axis=1), edges.max(axis=(1, 2))])
 
 
 @dataclass(frozen=True)
@@ -147,14 +162,26 @@ class SectionGrid:
 def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:
     """Build the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
 
+    Where an outline's curved edges fold elements beside them, they are made shorter.
+
     Raises
     ------
     CycloidError
         The region does not mesh, or a package of the extra ``fem`` is missing.
     """
-    unit = length / settings.refinement
     places = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
     places = np.concatenate([places, _clamped(region)])
+    for _ in range(MENDED):
+        try:
+            return _planar_grid(region, settings, length, places)
+        except FoldedError as folded:
+            places = np.concatenate([places, folded.places * (1.0, 1.0, SHORTER)])
+    return _planar_grid(region, settings, length, places)
+
+
+def _planar_grid(region: Region, settings: GridSettings, length: float, places: Array) -> Grid:
+    """Build a grid with short edges of outlines at some places, rows (x, y, edge) [m]."""
+    unit = length / settings.refinement
     loops = []
     for boundary in region.boundaries:
         edge = (
@@ -194,8 +221,10 @@ def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, pa
 
     Raises
     ------
+    FoldedError
+        Elements are turned inside out by their curved edges: the grid is too coarse there.
     CycloidError
-        An element is turned inside out by its curved edge: the grid is too coarse there.
+        An edge of the outline is missing.
     """
     skfem = package("skfem")
     planar = points.shape[1] == 2
@@ -208,8 +237,9 @@ def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, pa
     doflocs[:, nodes] = middles.T
     mesh = type(mesh)(doflocs, mesh.t)
     shape = mesh.mapping().detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
-    if np.any(shape * np.sign(shape[:, :1]) <= 0.0):
-        raise CycloidError(f"the {part} does not mesh: a curved edge folds its element; raise the refinement")
+    folded = np.any(shape * np.sign(shape[:, :1]) <= 0.0, axis=1)
+    if folded.any():
+        raise FoldedError(part, points[cells[folded]])
     return mesh, nodes
 
 

@@ -192,6 +192,15 @@ def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]", text), text
 
 
+def test_values_that_go_to_the_same_end_are_told_together() -> None:
+    reducer = Reducer(override(PRESETS["pin"], ["clearance.pin_gear_um=40", "clearance.cam_um=80"]))
+    (play,) = [one for one in answers.checks(reducer)["failed"] if one["name"] == "play"]
+    (button,) = play["changes"]
+    words = button["words"]
+    assert words.count("lower") == 1
+    assert words.startswith("lower clearance of teeth, cam")
+
+
 def test_figures_follow_the_design() -> None:
     pin = override(PRESETS["pin"], ["load.torque_nm=30"])
     wide = override(pin, ["clearance.pin_gear_um=5"])

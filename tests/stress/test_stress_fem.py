@@ -24,7 +24,7 @@ from cycloid_mj.statics.windup import windups
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
+from cycloid_mj.stress.grid import BULK_DISTANCE, FoldedError, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.recover import principal, recovery, stresses, stresses_at_points, von_mises
@@ -485,6 +485,28 @@ def test_a_part_that_does_not_mesh_is_told() -> None:
     crossed = Region("ring", (Boundary(bow, "outline", touched="line"),), WIDTH)
     with pytest.raises(CycloidError, match="the ring does not mesh"):
         planar_grid(crossed, GridSettings(), 1e-3)
+
+
+def test_edges_are_shorter_where_curved_ones_would_fold_their_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+    turns = np.arange(8) * np.pi / 4.0
+    centres = 24.25e-3 * np.column_stack([np.cos(turns), np.sin(turns)])
+    pins = tuple(Boundary(circle(3e-3, 1e-8) + centre, "inset", touched="line") for centre in centres)
+    disc = Region("output", (Boundary(circle(30.475e-3, 1e-8), "outline"), *pins), WIDTH)
+
+    def made(refinement: float) -> bool:
+        lengths = {"contact_edge": 0.17, "free_edge": 1.2, "inner_edge": 1.44, "turn": 0.8, "growth": 1.6}
+        try:
+            grid = planar_grid(disc, GridSettings(refinement, **lengths), 5e-3)
+        except FoldedError:
+            return False
+        area = elastic.basis_of(grid, vector=False, order=4).dx.sum()
+        assert area == pytest.approx(np.pi * 30.475e-3**2, rel=1e-3)
+        return True
+
+    refinements = (0.38, 0.39, 0.4, 0.41)
+    assert all(map(made, refinements))
+    monkeypatch.setattr("cycloid_mj.stress.grid.MENDED", 0)
+    assert not all(map(made, refinements))
 
 
 def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
