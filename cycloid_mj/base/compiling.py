@@ -30,13 +30,14 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Function], Any]:
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
-    """Compile a function that C can call, as ``numba.cfunc`` does; kept in a `SealedCache` if asked."""
+    """Compile a function that C can call, as ``numba.cfunc`` does, `announced`; kept in a `SealedCache` if asked."""
 
     def compiled(function: Function) -> Any:
         compiled_function: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
         if cache:
             compiled_function._cache = SealedCache(function)
-        compiled_function.compile()
+        with announced():
+            compiled_function.compile()
         return compiled_function
 
     return compiled

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from numba import njit
+from numba import njit, types
 from own_process import RUN, ran
 
 import cycloid_mj
 from cycloid_mj.base import compile_cache
-from cycloid_mj.base.compiling import announced
+from cycloid_mj.base.compiling import announced, cfunc
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
@@ -43,6 +43,24 @@ def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch,
         monkeypatch.setattr("cycloid_mj.dynamics.run.model_for", build)
         assert main([*RUN, *quiet, "--out", str(tmp_path)]) == 1
         assert capsys.readouterr().err.count("compiling the contact code") == lines
+
+
+def test_it_is_said_of_planar_steps_and_of_code_for_c(capsys, caplog, monkeypatch, tmp_path):
+    monkeypatch.setattr(compile_cache, "_said", set())
+
+    def advance(*given):
+        njit(lambda x: x)(1)
+        raise DesignError("enough")
+
+    monkeypatch.setattr("cycloid_mj.dynamics.planar.stepper._compiled", lambda: advance)
+    assert main([*RUN, "--solver", "planar", "--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.count("compiling the contact code") == 1
+    monkeypatch.setattr(compile_cache, "_said", set())
+    caplog.clear()
+    with caplog.at_level("INFO"):
+        called = njit(lambda x: x)
+        cfunc(types.intp(types.intp))(lambda address: called(address))
+    assert "compiling the contact code" in caplog.text
 
 
 @pytest.mark.slow

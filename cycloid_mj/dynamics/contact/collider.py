@@ -15,7 +15,7 @@ from typing import Any
 import llvmlite.binding
 from numba import types
 
-from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import gap, mating, memory, near, ring, selftest, teeth, touch
 from cycloid_mj.dynamics.contact.layout import Layout, discover
@@ -91,8 +91,7 @@ def _pin_collider() -> Any:
     if not original:
         raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")
     llvmlite.binding.add_symbol(_ORIGINAL, original)
-    with announced():
-        pins = _compile_pins(discover())
+    pins = _compile_pins(discover())
     selftest.require_passed("collider", lambda: selftest.try_collider(pins.address))
     return original, pins
 
@@ -108,8 +107,7 @@ def _lift() -> Any:
 def _lobe_collider() -> Any:
     _, pins = _pin_collider()
     llvmlite.binding.add_symbol(_PINS, pins.address)
-    with announced():
-        return _compile_lobes(discover())
+    return _compile_lobes(discover())
 
 
 def _install() -> None:

@@ -24,7 +24,7 @@ import numpy as np
 from numba import njit, types
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.dynamics.contact import forces, gap, kept, lift, memory, selftest, teeth
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.kept import KEPT, Kept, kept_at
@@ -281,8 +281,7 @@ def _compiled() -> Any:
             _constraint(model, data)
             _end_step(model, data, run)
 
-    with announced():
-        return during_step
+    return during_step
 
 
 @njit

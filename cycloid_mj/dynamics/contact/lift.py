@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from numba import njit, types
 
-from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.dynamics.contact import memory, teeth
 from cycloid_mj.dynamics.contact.layout import discover, discover_steps
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
@@ -68,8 +68,7 @@ def between_speeds_and_forces(where: Places) -> Any:
     def answer(model: int, data: int) -> None:
         take_off(at[0], model, data)
 
-    with announced():
-        return answer
+    return answer
 
 
 @njit

@@ -111,19 +111,20 @@ class Stepper:
         commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
         system = self._system
         lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
-        _compiled()(
-            system,
-            lobes,
-            self._contacts,
-            self._equations,
-            self._motion,
-            commands,
-            self._step,
-            self._pin_span,
-            self._due,
-            self._every,
-            rows,
-        )
+        with announced():  # the first steps compile
+            _compiled()(
+                system,
+                lobes,
+                self._contacts,
+                self._equations,
+                self._motion,
+                commands,
+                self._step,
+                self._pin_span,
+                self._due,
+                self._every,
+                rows,
+            )
         self._taken, self._due = self._taken + steps, self._every
         return rows
 
@@ -173,8 +174,7 @@ def _compiled() -> Any:
                 sample, most = sample + 1, 0
             _end(motion, size, step, pin_span, middle)
 
-    with announced():
-        return advance
+    return advance
 
 
 @njit
