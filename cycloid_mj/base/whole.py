@@ -61,7 +61,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
     except OSError as problem:
         reason = problem.strerror or problem
         raise CycloidError(
-            f"cannot write {at}: {reason}; give a file in a folder that exists and can be written"
+            f"cannot write {at}: {reason}; give a file in a folder that exists, can be written and has room"
         ) from problem
     finally:
         with unbroken():

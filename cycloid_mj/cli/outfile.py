@@ -133,5 +133,5 @@ def _written(file: str) -> Iterator[TextIO]:
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or problem
         raise CycloidError(
-            f"cannot write {file}: {reason}; give a file in a folder that exists and can be written"
+            f"cannot write {file}: {reason}; give a file in a folder that exists, can be written and has room"
         ) from problem

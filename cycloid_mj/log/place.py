@@ -168,4 +168,4 @@ def _taken(path: Path) -> LogError:
 def unwritable(path: Path, problem: OSError) -> LogError:
     """Return the error for a log that cannot be written."""
     reason = problem.strerror or problem
-    return LogError(f"cannot write log {path}: {reason}; choose a folder that exists and can be written")
+    return LogError(f"cannot write log {path}: {reason}; choose a folder that exists, can be written and has room")

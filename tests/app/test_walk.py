@@ -62,6 +62,26 @@ def test_keys_undo_and_redo_and_the_address_holds_the_design(page: Tab) -> None:
     page.wait(f"location.hash === {after!r} && document.title.includes('15:1')", "opened by its address")
 
 
+def test_the_keyboard_keeps_its_place(page: Tab) -> None:
+    page.run("document.getElementById('skip').focus()")
+    page.key("Enter")
+    assert page.run("document.activeElement.id") == "tab-figures"
+    page.key("End")
+    page.key("ArrowLeft")
+    page.run("document.querySelector('#panel .strong').focus()")
+    page.key("Enter")
+    page.wait("document.querySelector('#panel table')", "A stands beside B")
+    assert page.run("document.getElementById('panel').contains(document.activeElement)")
+    page.run("document.getElementById('k-gear.bore_radius_mm').focus()")
+    page.key("End")
+    page.wait("document.querySelector('#wrong .remedy')", "it cannot be built")
+    page.run("document.querySelector('#wrong .remedy').focus()")
+    page.key("Enter")
+    page.wait("document.querySelector('#wrong').hidden", "a button mends it")
+    assert page.run("document.getElementById('checks').contains(document.activeElement)")
+    solved(page)
+
+
 def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
     page.run("document.querySelector('[data-key=\"ring.teeth\"] [type=number]').select()")
     page.type("3")

@@ -1,7 +1,7 @@
 // The page: its state, which stands in the address, what follows a change, undo and redo, files.
 
 import { ask, newest, work, download } from "./net.js";
-import { el, byId, number, toast, fill } from "./dom.js";
+import { el, byId, number, toast, fill, refill } from "./dom.js";
 import { Section } from "./section.js";
 import { showKnobs, markKnob } from "./knobs.js";
 import { Tabs } from "./tabs.js";
@@ -114,10 +114,11 @@ function showHead() {
 
 function showWrong(errors) {
   const box = byId("wrong");
+  if (!errors.length && box.contains(document.activeElement)) byId("checks").focus();
   box.hidden = !errors.length;
   if (!errors.length) return;
   const [first, ...others] = errors;
-  fill(box,
+  refill(box,
     el("b", {}, "This cannot be built."), el("p", {}, `${first.what}: ${first.why}`),
     remedies(first), others.length ? el("small", {}, `and ${others.length} more, beside`) : null);
 }
@@ -140,7 +141,7 @@ function showChecks(failed, count, words = "") {
   const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
     : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
   byId("checks").classList.remove("old");
-  fill(byId("checks"),
+  refill(byId("checks"),
     el("h2", { class: errors ? "fails" : failed.length ? "near" : "holds" }, el("span", { class: "mark" }, errors ? "✗" : failed.length ? "!" : "✓"), title),
     words ? el("p", {}, words) : null,
     ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
@@ -241,6 +242,7 @@ byId("save").addEventListener("click", save);
 byId("new").addEventListener("click", () => start.open(state.asked));
 byId("undo").addEventListener("click", () => back(-1));
 byId("redo").addEventListener("click", () => back(1));
+byId("skip").addEventListener("click", () => byId("tabs").querySelector("[aria-selected=true]").focus());
 byId("name").addEventListener("change", event => apply({ name: event.target.value.trim() }));
 section.changedPlay = () => apply({}, { step: false });
 

@@ -17,6 +17,16 @@ const there = children => children.flat(3).filter(one => one !== null && one !==
 export const el = (tag, attributes, ...children) => filled(document.createElement(tag), attributes, children);
 export const svg = (tag, attributes, ...children) => filled(document.createElementNS(SVG, tag), attributes, children);
 export const fill = (element, ...children) => element.replaceChildren(...there(children));
+
+// Fill anew what may have the focus: it stays on what has the same id or words, else on the element.
+export function refill(element, ...children) {
+  const held = element.contains(document.activeElement) && document.activeElement;
+  fill(element, ...children);
+  if (!held || held === element) return;
+  const same = one => one.tagName === held.tagName && !one.disabled && (held.id ? one.id === held.id : one.textContent === held.textContent);
+  ([...element.querySelectorAll("a, button, input, summary")].find(same) || element).focus({ preventScroll: true });
+}
+
 export const byId = id => document.getElementById(id);
 
 // A number with some digits, without an exponent where people would write none.

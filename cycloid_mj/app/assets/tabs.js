@@ -1,7 +1,7 @@
 // The tabs beside the section: figures and charts of the design, long studies, A against B, and what can be made.
 
 import { ask, newest, work, stop, download } from "./net.js";
-import { el, number, toast, fill } from "./dom.js";
+import { el, number, toast, refill } from "./dom.js";
 import { lines, spikes, histogram, bars } from "./charts.js";
 import { Solid } from "./solid.js";
 
@@ -53,7 +53,7 @@ export class Tabs {
     for (const key of ["scatter", "stress"]) if (this.last[key]) this.last[key].old = true;
     this.#want();
     if (["scatter", "stress", "compare", "make"].includes(this.open)) this.#draw();
-    else this.panel.classList.add("old");
+    this.panel.classList.toggle("old", !["scatter", "stress", "make"].includes(this.open));
   }
 
   another() { this.last = {}; this.errors = null; this.#draw(); }
@@ -83,10 +83,10 @@ export class Tabs {
     if (this.open !== "solid" && this.solid) { this.solid.end(); this.solid = null; }
     const draws = { figures: this.#figures, turn: this.#turn, error: this.#error, losses: this.#losses, life: this.#life, scatter: this.#scatter, stress: this.#stress, solid: this.#solid, compare: this.#compare, make: this.#make };
     if (this.errors && !["compare", "make"].includes(this.open)) {
-      fill(this.panel, el("p", { class: "soft" }, "No figures: what cannot be built has none. What is wrong, and what mends it, stands above."));
+      refill(this.panel, el("p", { class: "soft" }, "No figures: what cannot be built has none. What is wrong, and what mends it, stands above."));
       return;
     }
-    fill(this.panel, ...[draws[this.open].call(this)].flat(3).filter(Boolean));
+    refill(this.panel, ...[draws[this.open].call(this)].flat(3).filter(Boolean));
   }
 
   #of(key, draw) {
