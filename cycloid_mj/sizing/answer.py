@@ -77,6 +77,9 @@ NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bear
 MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 """Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
 
+SEVERAL = 61
+"""Crank angles of a shortlist's rated torque; that the torque asked for is held is seen at all of a data sheet's."""
+
 TOLD = 3e-2
 """Relative: how near to the rated torque of a shortlist a drive is rated; the law of its weakest item does the rest."""
 
@@ -457,20 +460,32 @@ def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
     """Yield the lightest, the stiffest and the longest living of some drives that hold the torque, if they differ."""
     asked = asked.but(covered=covers_fit(step[1].reducer))
     narrowed = _narrowed(asked, step)
-    others = _others(asked, narrowed) if _effort(narrowed[1]) < HARD else ()
+    hard = _effort(narrowed[1]) >= HARD
+    others = [] if hard else _others(asked, narrowed)
     drives: dict[Design, Step] = {}
     for of, trial in (narrowed, *others):
         drives.setdefault(trial.reducer.design, (of, trial))  # some round to the same parts in stock
     lightest, *rest = _lightest_first(asked, list(drives.values()))
-    yield _drive(asked, *lightest, "lightest", "the least mass of those tried, none of it saved by a softer drive")
-    if rest:
-        yield from (_drive(asked, *one) for one in _beside(asked, lightest[1], rest))
+    beside = list(_beside(asked, lightest[1], rest))
+    why = f"the least mass of those tried, none of it saved by a softer drive{_why_so_few(hard, len(beside))}"
+    yield _drive(asked, *lightest, "lightest", why)
+    yield from (_drive(asked, *one) for one in beside)
+
+
+def _why_so_few(hard: bool, beside: int) -> str:
+    """Tell why fewer than two drives are shown beside the lightest; nothing where two are."""
+    if hard:
+        return "; shown alone, as drives of so much play, or so many teeth, are slow to balance and to compare"
+    differs = f"is {DIFFERENT - 1.0:.0%} stiffer or lives {DIFFERENT - 1.0:.0%} longer"
+    return {0: f"; shown alone, as no other {differs}", 1: f"; of the others one alone {differs}"}.get(beside, "")
 
 
 def _beside(
     asked: Requirement, lightest: TorqueTrial, rest: list[Step]
 ) -> Iterator[tuple[Proportions, TorqueTrial, str, str]]:
-    """Yield the stiffest and the longest living; or the one that is both, and the lightest that is stiffer."""
+    """Yield the stiffest and the longest living; or beside one of these alone another that beats the lightest."""
+    if not rest:
+        return
     stiffer, longer = DIFFERENT * _first_stiffness(lightest.reducer), DIFFERENT * lightest.life
     longest = _best(asked, rest, lambda trial: trial.life, longer)
     others = [one for one in rest if not longest or one[0] != longest[0]]
@@ -478,13 +493,23 @@ def _beside(
     stiffest = _best(asked, others, lambda trial: _first_stiffness(trial.reducer), max(reached, stiffer))
     if stiffest:
         yield *stiffest, "stiffest", "the stiffest of those tried"
-    if longest and not (stiffest or reached < stiffer):
-        yield *longest, "stiffest", "the stiffest of those tried, and its first part to wear out lasts the longest"
-        some = [one for one in others if _first_stiffness(one[1].reducer) > stiffer]
-        if between := _best(asked, some, lambda trial: -figure("mass_kg").value(trial.reducer), -math.inf):
-            yield *between, "in between", "stiffer than the lightest, for the least mass more of those tried"
-    elif longest:
+    if longest and (stiffest or reached < stiffer):
         yield *longest, "longest life", "its first part to wear out lasts the longest of those tried"
+    elif longest:
+        yield *longest, "stiffest", "the stiffest of those tried, and its first part to wear out lasts the longest"
+    one = stiffest or longest
+    if one and not (stiffest and longest):
+        some = [
+            (of, trial)
+            for of, trial in rest
+            if of != one[0] and (trial.life > longer or _first_stiffness(trial.reducer) > stiffer)
+        ]
+        if between := _best(asked, some, lambda trial: -figure("mass_kg").value(trial.reducer), -math.inf):
+            yield (
+                *between,
+                "in between",
+                "stiffer or longer living than the lightest, for the least mass more of those tried",
+            )
 
 
 def _best(asked: Requirement, steps: list[Step], merit: Callable[[TorqueTrial], float], least: float) -> Step | None:
@@ -581,7 +606,7 @@ def _figures(trial: TorqueTrial) -> Figures:
     design = reducer.design
     speed, life = design.drive.speed, design.service.life
     about, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=FEW, exact=TOLD)
-    lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), exact=TOLD)
+    lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), poses=SEVERAL, exact=TOLD)
     stops = [item.safety or 0.0 for item in rating.items.values() if item.key.startswith("peak_")] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
     return {

@@ -58,6 +58,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
         stronger=("steel",),
         changes={**_BOUGHT, "ring": {"pins": "fixed"}},
         reasons={
+            "ring.pins": "pressed in: no sockets to mill",
             "material.name": "milled or wire-cut from the tempered bar",
             "pin_material.name": "pins are bought: dowels, pressed in",
             "clearance.pin_gear": "milled parts keep a hundredth of a millimetre or two",
@@ -77,7 +78,9 @@ PROCESSES: dict[Process, ProcessLimits] = {
             "friction": {"pin_gear": 0.12},
         },
         reasons={
+            "ring.pins": "pressed in: in a socket of plastic they would dig in",
             "material.name": "printed; use the numbers of your own filament",
+            "shaft_material.name": "turned: a printed crank twists and creeps",
             "pin_material.name": "steel dowels, pressed in",
             "output_material.name": "steel dowels with rollers; the disc is taken with them",
             "clearance.pin_gear": "what a printer needs for parts that move",

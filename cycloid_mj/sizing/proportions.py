@@ -48,6 +48,9 @@ DISC_SHARE = 0.15
 OVERRATED = 1.1
 """Power of the motor over that which torque and speed ask for."""
 
+FITTED = ("mesh", "seat", "cam", "output")
+"""Tolerances that a fit gives."""
+
 STEPS = tuple(digit * 10.0**power for power in range(-3, -7, -1) for digit in (5.0, 2.5, 1.0))
 """Of dimensions [m], from 5 mm to 1 um."""
 
@@ -207,7 +210,7 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                     "pin_radius": stud,
                     "core_radius": sizes.core,
                     "pin_circle_radius": rounded(middle),
-                    "hole_radius": stud + eccentricity,
+                    "hole_radius": _as_told(stud + eccentricity),
                     "disc_thickness": rounded(DISC_SHARE * outer),
                     "support": "both_ends",
                 },
@@ -221,7 +224,7 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                 housing={"outer_radius": outer, **clamping},
                 clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
                 | {"cam": asked.clearance_at(2.0 * bore), "output": asked.clearance_at(2.0 * stud)},
-                tolerance=dict.fromkeys(("mesh", "seat", "cam", "output"), asked.fit),
+                tolerance=dict.fromkeys(FITTED, asked.fit),
                 drive={
                     "torque": torque / asked.ratio,
                     "speed": asked.speed,
@@ -248,10 +251,15 @@ def _balanced(reducer: Reducer) -> Reducer:
 def rounded(length: float) -> float:
     """Round a length [m] down to the largest of the usual steps that changes it by 2 % at most."""
     step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
-    return round(math.floor(length / step + 1e-9) * step, 9)
+    return _as_told(math.floor(length / step + 1e-9) * step)
 
 
 def rounded_up(length: float) -> float:
     """Round a length [m] up, to the same steps."""
     step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
-    return round(math.ceil(length / step - 1e-9) * step, 9)
+    return _as_told(math.ceil(length / step - 1e-9) * step)
+
+
+def _as_told(length: float) -> float:
+    """Return the length [m] that the design file tells by the fewest digits."""
+    return round(MILLIMETRES * length, 6) / MILLIMETRES

@@ -6,13 +6,18 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.units import RPM
+from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import PROCESSES, Process
 
 LEAST_RATIO, MOST_RATIO = 3, 150
 MOST_DISCS = 4
+
+DIAMETERS_MM, TORQUES_NM = (5.0, 3000.0), (1e-4, 1e6)
+LIVES_H, SPEEDS_RPM = (1.0, 1e6), (0.1, 50e3)
+BACKLASHES_ARCMIN, CLEARANCES_UM = (0.01, 600.0), (0.1, 1000.0)
+"""Least and most of each size that is asked for, lengths as diameters: beyond, no drive of one stage is made."""
 
 PIN_SIZE = 0.06
 """Diameter of a ring pin over that of a drive, about: where one clearance stands for those of a fit."""
@@ -133,9 +138,9 @@ class Requirement:
             raise UsageError(f"the ratio is {self.ratio}; one stage of pins has from {LEAST_RATIO} to {MOST_RATIO}")
         if not 0 <= self.discs <= MOST_DISCS:
             raise UsageError(f"{self.discs} discs are asked for; a crank has from 1 to {MOST_DISCS}")
-        for what, value, unit in self._sizes():
-            if not 0.0 < value < math.inf:
-                raise UsageError(f"the {what} is {value:g} {unit}; it must be more than 0")
+        for what, value, unit, least, most in self._sizes():
+            if not least <= value <= most:
+                raise UsageError(f"the {what} is {value:.10g} {unit}; it is to be from {least:g} to {most:g} {unit}")
         if self.material and self.material not in MATERIALS:
             raise UsageError(f"there is no material {self.material!r}; it is one of {', '.join(MATERIALS)}")
         if self.fit:
@@ -153,16 +158,18 @@ class Requirement:
         if tightest < 0.0:
             raise UsageError(f"the fit {self.fit} jams: its parts move in each other; take one such as H7/g6")
 
-    def _sizes(self) -> Iterator[tuple[str, float, str]]:
-        yield "diameter", 1e3 * self.diameter, "mm"
-        yield "torque", self.torque, "N m"
-        yield "life", self.life, "h"
-        yield "speed", self.speed / RPM, "rpm"
-        for what, value, unit in (("length", 1e3 * self.length, "mm"), ("backlash", self.backlash, "arcmin")):
-            if value != math.inf:
-                yield what, value, unit
+    def _sizes(self) -> Iterator[tuple[str, float, str, float, float]]:
+        """Yield what has a unit: its name, value and unit, and the least and the most that it may be."""
+        yield "diameter", MILLIMETRES * self.diameter, "mm", *DIAMETERS_MM
+        yield "torque", self.torque, "N m", *TORQUES_NM
+        yield "life", self.life, "h", *LIVES_H
+        yield "speed", self.speed / RPM, "rpm", *SPEEDS_RPM
+        if self.length != math.inf:
+            yield "length", MILLIMETRES * self.length, "mm", *DIAMETERS_MM
+        if self.backlash != math.inf:
+            yield "backlash", self.backlash, "arcmin", *BACKLASHES_ARCMIN
         if self.clearance:
-            yield "clearance", 1e6 * self.clearance, "um"
+            yield "clearance", MICROMETRES * self.clearance, "um", *CLEARANCES_UM
 
     def but(self, **changes: Any) -> Self:
         """Return the requirement with other values."""
@@ -181,5 +188,5 @@ class Requirement:
     def clearance_at(self, size: float) -> float:
         """Compute the clearance of a pair [m], normal to its surfaces, at its diameter [m]: of a fit the mean."""
         if self.fit:
-            return 0.25 * sum(clearances(self.fit, size))
+            return round(0.25 * sum(clearances(self.fit, size)), 9)
         return self.clearance or PROCESSES[self.process].clearance

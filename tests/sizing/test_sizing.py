@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
-from cycloid_mj.design import Design, load, loads, stock
+from cycloid_mj.design import PRESETS, Design, load, loads, stock
 from cycloid_mj.design.file import dump
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.life.datasheet import datasheet, momentary_torque
@@ -23,7 +23,9 @@ from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered, best_ratio
 from cycloid_mj.sizing.proportions import Proportions, rounded, shaped
+from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement, required
+from cycloid_mj.sizing.trial import tried
 from cycloid_mj.statics.sheet import sheet
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
@@ -178,6 +180,12 @@ def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
         ({"discs": 5}, "a crank has from 1 to 4"),
         ({"material": "cheese"}, "there is no material 'cheese'"),
         ({"length": 0.0}, "the length is 0 mm"),
+        ({"diameter": 6e6}, "the diameter is 6000000000 mm; it is to be from 5 to 3000 mm"),
+        ({"torque": 1e-9}, "the torque is 1e-09 N m; it is to be from 0.0001 to 1e"),
+        ({"life": 1e12}, "the life is 1e"),
+        ({"speed": 1e7}, "the speed is .* to be from 0.1 to 50000 rpm"),
+        ({"clearance": 0.1}, "the clearance is 100000 um; it is to be from 0.1 to 1000 um"),
+        ({"backlash": math.nan}, "the backlash is nan arcmin"),
         ({"fit": "H7"}, "a fit is a hole's zone and a shaft's, as in H7/g6"),
         ({"fit": "H7/p6"}, "the fit H7/p6 jams"),
         ({"fit": "H7/g6", "clearance": 1e-5}, "leave one of them out"),
@@ -333,6 +341,31 @@ def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
     text = dump(drive.design, drive.reasons)
     assert loads(text) == drive.design
     assert all(f"({reason})" in text for reason in drive.reasons.values())
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        SMALL,
+        Requirement(15, 0.075, 1.0, process="printed", fit="H7/f7"),
+        Requirement(30, 0.1, 20.0, process="milled", discs=2, clearance=2e-5),
+    ],
+    ids=str,
+)
+def test_each_value_that_is_chosen_has_its_reason(asked: Requirement) -> None:
+    reducer = shaped(asked, Proportions(), asked.torque)
+    assert reducer is not None
+    trial = tried(reducer, asked.torque)
+    reasons, design = dict(reasons_of(asked, Proportions(), trial)), trial.reducer.design
+    for table, values in design.model_dump(exclude={"name"}).items():
+        usual = getattr(PRESETS["pin"], table)
+        if not isinstance(values, dict):
+            assert values == usual or table in reasons
+            continue
+        for key, value in values.items():
+            assert value == getattr(usual, key, None) or f"{table}.{key}" in reasons, f"{table}.{key}"
+    text = dump(design, reasons)
+    assert max(len(number) for number in re.findall(r"_mm = ([\d.]+)", text)) < 10
 
 
 @pytest.mark.parametrize("length", [0.0123456, 1.9999e-3, 0.5])

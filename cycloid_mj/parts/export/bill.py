@@ -16,13 +16,18 @@ from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
+    FLANGE_INSERT,
     FLANGE_SCREW,
+    LOAD_INSERT,
+    MOTOR_INSERT,
     OUTPUT_BEARING,
     SCREW,
+    SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
     casing_places,
     flange_screw_length,
+    insert_in,
 )
 from cycloid_mj.parts.export.printing import (
     OUTPUT_PIN,
@@ -115,10 +120,11 @@ def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         size = f"thread {_mm(bolt.thread)} x length {_mm(length)} mm"
         name = f"{bolt.designation} x {_mm(length)}"
         yield BillLine(item, places.count(item), size, "steel 8.8", "bought", name)
-        insert = stock.insert_of(bolt.thread)
-        if insert and is_printed(reducer, names.HOUSING):
+    bolt_and_motor = sizes.screws.bolt.thread, sizes.flange_bolt.thread, sizes.flange_bolt.thread, sizes.motor.thread
+    for item, thread in zip((SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT), bolt_and_motor, strict=True):
+        if insert := insert_in(reducer, thread):
             size = f"hole {_mm(insert.hole)} x length {_mm(insert.length)} mm"
-            yield BillLine(f"{item}_insert", places.count(item), size, "brass", "bought", insert.designation)
+            yield BillLine(item, places.count(item), size, "brass", "bought", insert.designation)
     if dowel := sizes.dowel:
         size = _round(("diameter", 0.5 * dowel.diameter), length=dowel.length)
         yield BillLine(DOWEL, places.count(DOWEL), size, "steel", "bought", dowel.designation, PRESSED)

@@ -17,6 +17,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
+from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Prism, Solid, circle, crank_stretches
 from cycloid_mj.parts.export.curve import Circle, Curve
@@ -28,6 +29,8 @@ from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
 SCREW, FLANGE_SCREW, DOWEL = "screw", "flange_screw", "dowel"
+SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
+LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
 
 Motor = Literal["auto", "nema17", "nema23", "circle"]
@@ -190,11 +193,13 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     second = -half - AXIAL_GAP - output.disc_thickness if output.support == "both_ends" else -half
     cavity = _cavity(reducer, screws, rim if second < -half else 0.0, wall)
     floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
-    flange = _motor_flange(motor, outer, seat, wall)
-    tapped, first = ENGAGED * flange.thread + wall, near[0] if straddles else far[0]
+    flange = _motor_flange(reducer, motor, outer, seat, wall)
+    tapped = _depth(reducer, flange.thread, ENGAGED * flange.thread) + wall
+    first = near[0] if straddles else far[0]
     through = _grip(screws.bolt, wall) + (0.0 if screws.outside else 2.0 * half)
-    tip = (half if screws.outside else -half) - (screws.length - through) - wall
-    face = min(prisms["journal"].z0 - AXIAL_GAP, first - PILOT - wall, floor - tapped, tip - tapped)
+    tip = (half if screws.outside else -half) - _depth(reducer, screws.bolt.thread, screws.length - through) - wall
+    bored = _bore_end(reducer) - flange.shaft_length
+    face = min(min(prisms["journal"].z0, first - wall) - PILOT, floor - tapped, tip - tapped, bored)
     dowel, dowel_angles = _dowel(reducer, screws, wall)
     room = screws.circle - 0.5 * screws.bolt.head - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
@@ -219,7 +224,7 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
         rim=rim,
         flange_bolt=bolt,
-        flange_thickness=bolt.head_height + max(bolt.thread, wall),
+        flange_thickness=_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
     )
 
 
@@ -326,7 +331,7 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> flo
     design = reducer.design
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
     cavity = max(weight, second) + wall
-    room = screws.circle - 0.5 * screws.bolt.thread if not screws.outside else design.housing.outer_radius
+    room = screws.circle - _core(reducer, screws.bolt.thread) if not screws.outside else design.housing.outer_radius
     most = min(room - wall, design.ring_root_radius)
     if not cavity <= most:
         raise DesignError(
@@ -336,25 +341,56 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> flo
     return cavity
 
 
-def _motor_flange(motor: Motor, outer: float, seat: float, wall: float) -> MotorFlange:
-    """Choose a flange: that asked for, or the largest of NEMA's that fits, or a circle of bolts."""
+def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float) -> MotorFlange:
+    """Choose a flange: that asked for, or the largest of NEMA's that fits with its shaft, or a circle of bolts."""
 
     def fits(one: MotorFlange) -> bool:
-        return one.circle - 0.5 * one.thread - wall >= seat and one.circle + 0.5 * one.thread + wall <= outer
+        core = _core(reducer, one.thread)
+        return one.circle - core - wall >= seat and one.circle + core + wall <= outer and _takes(reducer, one, wall)
 
     if motor in NEMA and not fits(NEMA[motor]):
         one = NEMA[motor]
         raise DesignError(
-            f"a flange {one.name} needs a cover with an outer radius of {1e3 * (one.circle + one.thread):.4g} mm and a "
-            f"bearing of {2e3 * (one.circle - one.thread):.4g} mm; the cover has {1e3 * outer:.4g} mm, the bearing "
-            f"{2e3 * seat:.4g} mm: take another motor"
+            f"a flange {one.name} needs a cover with an outer radius of {1e3 * (one.circle + one.thread):.4g} mm, a "
+            f"bearing of {2e3 * (one.circle - one.thread):.4g} mm and a shaft of {2e3 * one.shaft + 4e3 * wall:.4g} mm "
+            f"around its own; the cover has {1e3 * outer:.4g} mm, the bearing {2e3 * seat:.4g} mm, the shaft "
+            f"{2e3 * reducer.design.shaft.radius:.4g} mm: take another motor"
         )
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
     if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
         return frame
     thread = _thickest(THREAD_SHARE * outer).thread
-    circle = outer - 0.5 * thread - 2.0 * wall
+    circle = outer - _core(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
+
+
+def _takes(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
+    """Tell whether the crank is thick enough for a bore for a motor's shaft."""
+    return motor.shaft <= reducer.design.shaft.radius - 2.0 * wall
+
+
+def _bore_end(reducer: Reducer) -> float:
+    """Compute how far a bore for the motor's shaft may reach along the crank [m]: to the cam, which is one piece."""
+    prisms = crank_stretches(reducer)
+    return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
+
+
+def insert_in(reducer: Reducer, thread: float) -> stock.Insert | None:
+    """Choose the heat-set insert of a thread [m] in covers and hub; none in a metal, or where none is in stock."""
+    printed = reducer.design.material_of(names.HOUSING).youngs_modulus < SOFTEST_METAL
+    return stock.insert_of(thread) if printed else None
+
+
+def _core(reducer: Reducer, thread: float) -> float:
+    """Compute the radius of the hole of a thread, or of its insert [m]."""
+    insert = insert_in(reducer, thread)
+    return 0.5 * (insert.hole if insert else thread)
+
+
+def _depth(reducer: Reducer, thread: float, reach: float) -> float:
+    """Compute the depth of the hole of a thread, or of its insert, which a screw is to reach into [m]."""
+    insert = insert_in(reducer, thread)
+    return max(reach, insert.length) if insert else reach
 
 
 def _hub(room: float, most: float, least: float) -> stock.StockBearing:
@@ -405,7 +441,7 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
         names.OUTPUT: _output(reducer, sizes),
         MOTOR_COVER: _motor_cover(reducer, sizes),
         OUTPUT_COVER: _output_cover(reducer, sizes),
-        FLANGE: _flange(sizes),
+        FLANGE: _flange(reducer, sizes),
         SCREW: _screw(bolt, screws.length),
         FLANGE_SCREW: _screw(sizes.flange_bolt, flange_screw_length(sizes)),
         OUTPUT_BEARING: tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
@@ -413,6 +449,11 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
     }
     if bore := _motor_bore(reducer, sizes):
         parts[names.SHAFT] = bore
+    threads = {SCREW_INSERT: bolt.thread, FLANGE_INSERT: sizes.flange_bolt.thread}
+    threads |= {LOAD_INSERT: sizes.flange_bolt.thread, MOTOR_INSERT: sizes.motor.thread}
+    for name, thread in threads.items():
+        if insert := insert_in(reducer, thread):
+            parts[name] = tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length)
     if sizes.dowel:
         half = 0.5 * sizes.dowel.length
         parts[DOWEL] = CasingPart(names.PIN, ((0.5 * sizes.dowel.diameter, -half, half),), bought=True)
@@ -438,11 +479,28 @@ def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
         yield CasingPlace(
             names.numbered(SHAFT_BEARING, number), SHAFT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.SHAFT
         )
+    yield from _inserts(reducer, sizes)
     if sizes.dowel:
         faces = (half,) if screws.outside else (-half, half)
         spots = [(centre, z) for z in faces for centre in _dowel_centres(sizes)]
         for number, (centre, z) in enumerate(spots, start=1):
             yield CasingPlace(names.numbered(DOWEL, number), DOWEL, _place(centre, z), names.HOUSING)
+
+
+def _inserts(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
+    """Yield where the inserts are, each in the mouth of its hole."""
+    half, screws, bolt = reducer.design.gear.stack_width / 2.0, sizes.screws, sizes.flange_bolt
+    centres, end = _flange_centres(sizes), sizes.top + sizes.flange_thickness
+    for name, thread, at, mouth, inwards, body in (
+        (SCREW_INSERT, screws.bolt.thread, screws.centres(), half if screws.outside else -half, -1.0, names.HOUSING),
+        (FLANGE_INSERT, bolt.thread, centres[::2], sizes.top, -1.0, names.OUTPUT),
+        (LOAD_INSERT, bolt.thread, centres[1::2], end, -1.0, names.OUTPUT),
+        (MOTOR_INSERT, sizes.motor.thread, _motor_centres(sizes), sizes.face, 1.0, names.HOUSING),
+    ):
+        if insert := insert_in(reducer, thread):
+            for number, centre in enumerate(at, start=1):
+                place = _place(centre, mouth + inwards * 0.5 * insert.length)
+                yield CasingPlace(names.numbered(name, number), name, place, body)
 
 
 def bearing_width_of(reducer: Reducer) -> float:
@@ -506,14 +564,11 @@ def _cut(
 
 
 def _motor_bore(reducer: Reducer, sizes: Casing) -> CasingPart | None:
-    """Build the bore of the journal for the motor's shaft, up to what carries the crank; none in too thin a shaft."""
-    radius, motor = reducer.design.shaft.radius, sizes.motor
-    if not motor.shaft or motor.shaft > radius - 2.0 * sizes.wall:
+    """Build the bore of the crank for the motor's shaft; none where no motor is chosen."""
+    motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
+    if not motor.shaft:
         return None
-    journal = crank_stretches(reducer)["journal"]
-    return CasingPart(
-        names.SHAFT, holes=((AXIS, motor.shaft, journal.z0, min(sizes.face + motor.shaft_length, journal.z1)),)
-    )
+    return CasingPart(names.SHAFT, holes=((AXIS, motor.shaft, start, sizes.face + motor.shaft_length),))
 
 
 def _ring(reducer: Reducer, sizes: Casing) -> CasingPart:
@@ -532,14 +587,15 @@ def _motor_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
     half, (first, _) = design.gear.stack_width / 2.0, sizes.near
     end = half if screws.outside else -half
     depth = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
-    corners = motor.circle * unit(np.array([0.25, 0.75, 1.25, 1.75]) * math.pi)
+    in_cover = _depth(reducer, screws.bolt.thread, depth)
+    in_face = _depth(reducer, motor.thread, ENGAGED * motor.thread)
     holes: list[Hole] = [
         (AXIS, motor.pilot, sizes.face, sizes.face + PILOT),
         (AXIS, _shoulder(sizes.seat, design.shaft.radius), sizes.face + PILOT, first),
         (AXIS, sizes.seat, first, sizes.floor),
         (AXIS, sizes.cavity, sizes.floor, -half),
-        (screws.centres(), 0.5 * screws.bolt.thread, end - depth, end),
-        (corners, 0.5 * motor.thread, sizes.face, sizes.face + ENGAGED * motor.thread),
+        (screws.centres(), _core(reducer, screws.bolt.thread), end - in_cover, end),
+        (_motor_centres(sizes), _core(reducer, motor.thread), sizes.face, sizes.face + in_face),
     ]
     if screws.outside:
         holes.append((AXIS, design.housing.outer_radius, -half, half))
@@ -582,21 +638,21 @@ def _output(reducer: Reducer, sizes: Casing) -> CasingPart:
         (hub, sizes.hub_floor, sizes.top),
     )
     bolt = sizes.flange_bolt
-    depth = flange_screw_length(sizes) - sizes.flange_thickness + bolt.head_height
-    holes: list[Hole] = [(_flange_centres(sizes)[::2], 0.5 * bolt.thread, sizes.top - depth, sizes.top)]
+    depth = _depth(reducer, bolt.thread, flange_screw_length(sizes) - sizes.flange_thickness + bolt.head_height)
+    holes: list[Hole] = [(_flange_centres(sizes)[::2], _core(reducer, bolt.thread), sizes.top - depth, sizes.top)]
     if sizes.far:
         holes.append((AXIS, sizes.seat, disc, sizes.far[1]))
     return CasingPart(names.OUTPUT, rounds, tuple(holes))
 
 
-def _flange(sizes: Casing) -> CasingPart:
+def _flange(reducer: Reducer, sizes: Casing) -> CasingPart:
     """Build the output's flange: it clamps the inner rings, and has threads for the load between its screws."""
     bolt, top, thickness = sizes.flange_bolt, sizes.top, sizes.flange_thickness
     under, centres = top + thickness - bolt.head_height, _flange_centres(sizes)
     holes: tuple[Hole, ...] = (
         (centres[::2], 0.5 * stock.bolt_hole(bolt.thread), top, under),
         (centres[::2], 0.5 * bolt.head, under, top + thickness),
-        (centres[1::2], 0.5 * bolt.thread, top, top + thickness),
+        (centres[1::2], _core(reducer, bolt.thread), top, top + thickness),
     )
     radius = _shoulder(0.5 * sizes.hub.bore, 0.5 * sizes.hub.outside)
     return CasingPart(names.OUTPUT, ((radius, top, top + thickness),), holes)
@@ -633,6 +689,10 @@ def _shoulder(ring: float, other: float) -> float:
 def _flange_centres(sizes: Casing) -> Array:
     """Compute the middles of the flange's holes (n, 2) [m]: its screws, and between them the threads for the load."""
     return FLANGE_CIRCLE * 0.5 * sizes.hub.bore * unit(math.pi * np.arange(2 * FLANGE_SCREWS) / FLANGE_SCREWS)
+
+
+def _motor_centres(sizes: Casing) -> Array:
+    return sizes.motor.circle * unit(np.array([0.25, 0.75, 1.25, 1.75]) * math.pi)
 
 
 def _dowel_centres(sizes: Casing) -> Array:

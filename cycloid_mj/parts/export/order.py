@@ -6,12 +6,16 @@ from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
     FLANGE,
+    FLANGE_INSERT,
     FLANGE_SCREW,
     FLANGE_SCREWS,
+    LOAD_INSERT,
     MOTOR_COVER,
+    MOTOR_INSERT,
     OUTPUT_BEARING,
     OUTPUT_COVER,
     SCREW,
+    SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
 )
@@ -19,7 +23,9 @@ from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUT
 from cycloid_mj.reducer import Reducer
 
 ALONG = (
+    MOTOR_INSERT,
     MOTOR_COVER,
+    SCREW_INSERT,
     SHAFT_BEARING,
     names.SHAFT,
     names.SPACER,
@@ -33,10 +39,12 @@ ALONG = (
     names.ROLLER,
     OUTPUT_PIN,
     names.OUTPUT,
+    FLANGE_INSERT,
     OUTPUT_BEARING,
     OUTPUT_COVER,
     SCREW,
     FLANGE,
+    LOAD_INSERT,
     FLANGE_SCREW,
 )
 """Families of parts from the motor to the load; the second disc of the output counts with the first."""
@@ -61,7 +69,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"Press the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten {len(screws.angles)} x "
         f"{screws.bolt.designation} x {MILLIMETRES * screws.length:g} crosswise from the output's side.",
         f"Turn the crank by hand for a turn of it; bolt the motor on ({sizes.motor.name}, 4 x "
-        f"M{MILLIMETRES * sizes.motor.thread:g} on a circle of {2.0 * MILLIMETRES * sizes.motor.circle:.4g} mm).",
+        f"M{MILLIMETRES * sizes.motor.thread:g} on a circle of {2.0 * MILLIMETRES * sizes.motor.circle:.4g} mm), "
+        f"its shaft {'glued into the bore' if sizes.motor.shaft else 'coupled to the end'} of the crank.",
     )
 
 

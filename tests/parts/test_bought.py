@@ -1,0 +1,91 @@
+"""What a drive buys: each size in its bill of materials is one of the standard that its designation names."""
+
+import random
+import re
+
+import pytest
+
+from cycloid_mj.design import stock
+from cycloid_mj.parts.export import BillLine, bill, casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
+from cycloid_mj.sizing.requirement import Requirement
+
+THREE = {
+    "steel": Requirement(20, 0.06, 10.0),
+    "printed": Requirement(15, 0.075, 1.0, process="printed"),
+    "milled": Requirement(35, 0.12, 20.0, process="milled", discs=2),
+}
+
+
+def drives() -> dict[str, Reducer]:
+    """Draw a steel, a printed and a milled drive, and ten at random."""
+    found = {name: shaped(asked, Proportions(), asked.torque) for name, asked in THREE.items()}
+    draw = random.Random(34)
+    while len(found) < 13:
+        asked = Requirement(
+            ratio=draw.randint(5, 119),
+            diameter=round(draw.uniform(0.03, 0.3), 4),
+            torque=1.0,
+            process=draw.choice(("steel", "printed", "milled")),
+            discs=draw.choice((1, 1, 2, 3)),
+        )
+        of = Proportions(**{name: draw.choice(LEVELS[name]) for name in ("bore", "shaft", "width", "output_pins")})
+        if reducer := shaped(asked, of, asked.torque):
+            found[f"{asked.process} {asked.ratio}:1, {1e3 * asked.diameter:g} mm, {asked.discs}"] = reducer
+    return {name: reducer for name, reducer in found.items() if reducer}
+
+
+DRIVES = drives()
+
+
+def measures(line: BillLine) -> dict[str, float]:
+    """Read the sizes of a line, as "outside diameter 22 x bore 16 x length 12 mm", in mm."""
+    read = {
+        what: float(value) for what, value in re.findall(r"([a-z][a-z ]*) ([\d.]+)", line.size.replace(" x ", "; "))
+    }
+    assert read, line
+    return read
+
+
+def sizes_in_stock(designation: str) -> dict[str, float]:
+    """Look up the sizes of a designation in the tables of stock, in mm."""
+    bearings = (*stock.needle_bearings(), *stock.ball_bearings(), *stock.thin_ball_bearings())
+    for one in bearings:
+        if one.designation == designation:
+            return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.width}
+    for insert in stock.inserts():
+        if insert.designation == designation:
+            return {"hole": 1e3 * insert.hole, "length": 1e3 * insert.length}
+    if dowel := re.fullmatch(r"ISO 8734 - ([\d.]+) x ([\d.]+) - A|DIN 2269 - ([\d.]+) x ([\d.]+)", designation):
+        diameter, length = (float(number) for number in dowel.groups() if number)
+        assert 1e-3 * diameter in [pytest.approx(size) for size in stock.pin_diameters()]
+        in_stock = stock.pins(1e-3 * diameter, 1e-3 * length)
+        assert in_stock
+        assert in_stock[0].designation == designation
+        return {"diameter": diameter, "length": length}
+    if screw := re.fullmatch(r"(ISO 4762 - M([\d.]+)) x ([\d.]+)", designation):
+        bolt = next(one for one in stock.bolts() if one.designation == screw[1])
+        length = stock.bolt_length(bolt.thread, 1e-3 * float(screw[3]))
+        return {"thread": 1e3 * bolt.thread, "length": 1e3 * (length or 0.0)}
+    bar = re.fullmatch(r"ground bar ([\d.]+) h6", designation)
+    assert bar, f"{designation!r} is in no table"
+    assert 1e-3 * float(bar[1]) in [pytest.approx(size) for size in stock.bar_diameters()]
+    return {"diameter": float(bar[1])}
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_every_size_in_the_bill_is_in_the_tables_of_stock(name: str) -> None:
+    reducer = DRIVES[name]
+    lines = [line for line in bill(reducer, 0.0, casing(reducer)) if line.made_or_bought == "bought"]
+    assert {"output_bearing", "screw", "flange_screw", "shaft_bearing", "cam_bearing", "pin"} <= {
+        line.item for line in lines
+    }
+    for line in lines:
+        looked_up = sizes_in_stock(line.designation)
+        for what, value in measures(line).items():
+            if what in looked_up:  # a bar is cut to length
+                assert value == pytest.approx(looked_up[what], rel=1e-4), line
+        assert measures(line).keys() - looked_up.keys() <= {"length"}, line
+        assert line.fit or "ISO 4762" in line.designation or "insert" in line.item or "bar" in line.designation, line
+        assert line.count > 0
