@@ -134,8 +134,10 @@ def export(
     as thick as the bore of their bearing, or where none in stock has the gear's
     bore as its outside, and none is given, as that. Of plastics, coupon_block.stl
     and coupon_pin.stl come with the plate: the first of three sockets in which
-    the pin turns tells --offset-um; thin walls, small holes and faces in mid-air
-    are warnings.
+    the pin turns tells --offset-um. Under faces of plastic in mid-air stand rings
+    and discs that break away, 0.2 mm below and 0.4 mm beside; ends of holes up to
+    8 mm are bridged. Thin walls, small holes and faces that no such support can
+    hold are warnings.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
@@ -202,6 +204,8 @@ def export(
         say(f"plate of {size} mm")
         if prints_plastic(reducer):
             say(coupon_words())
+        if held := {place.part: len(one) for place, one in zip(printed.places, printed.supports, strict=True) if one}:
+            say(f"supports that break away, a layer below the faces that they hold: {', '.join(held)}")
         say_table("parts on the plate", ("part", "count"), [(part, str(n)) for part, n in printed.counts.items()])
         columns = ("item", "count", "size", "material", "made or bought", "designation")
         lines = [tuple(str(value) for value in asdict(item).values())[:-1] for item in items]

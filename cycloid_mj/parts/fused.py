@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts.inertia import mass_properties
 from cycloid_mj.parts.mesh import VOLUME_TOLERANCE, Mesh, check_watertight, crossed, triangulated
-from cycloid_mj.parts.polygon import crossing, signed_area
+from cycloid_mj.parts.polygon import crossing, signed_area, within
 from cycloid_mj.parts.prism import Prism, Solid
 
 NONE = np.empty((0, 2), dtype=np.int64)
@@ -75,7 +75,7 @@ def _caps(points: Array, below: Integers, above: Integers, name: str) -> Iterato
     if place is not None:
         raise crossed(name, place)
     holders = [
-        [j for j, other in enumerate(loops) if j != i and _within(points[loop[0]], points[other])]
+        [j for j, other in enumerate(loops) if j != i and within(points[loop[:1]], points[other])[0]]
         for i, loop in enumerate(loops)
     ]
     for i, loop in enumerate(loops):
@@ -103,14 +103,6 @@ def _chained(points: Array, edges: Integers, name: str) -> list[Integers]:
             at = following.pop(at)
         loops.append(np.array(loop))
     return loops
-
-
-def _within(point: Array, ring: Array) -> bool:
-    """Tell whether a point (2,) lies within a closed polygon (n, 2), by the crossings of a ray along x."""
-    (ax, ay), (bx, by) = ring.T, np.roll(ring, -1, axis=0).T
-    across = (ay > point[1]) != (by > point[1])
-    at = ax[across] + (point[1] - ay[across]) * (bx[across] - ax[across]) / (by[across] - ay[across])
-    return bool(np.count_nonzero(point[0] < at) % 2)
 
 
 def _volume(shape: Mesh) -> float:

@@ -85,6 +85,16 @@ def turned(points: Array, angle: float) -> Array:
     return points @ np.array([[cos, sin], [-sin, cos]])
 
 
+def within(points: Array, loop: Array) -> Mask:
+    """Tell which points (n, 2) lie within a closed polygon (m, 2), by the crossings of rays along x."""
+    (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
+    x, y = points[:, :1], points[:, 1:]
+    across = (ay > y) != (by > y)
+    at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
+    inside: Mask = (across & (x < at)).sum(axis=1) % 2 == 1
+    return inside
+
+
 def crossing(rings: Sequence[Array]) -> Array | None:
     """Compute a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
 

@@ -43,10 +43,13 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, doubts, faces_in_mid_air, thinnest_wall
+from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, doubts, thinnest_wall
 from cycloid_mj.parts.export.printing import made_parts, printed_parts
+from cycloid_mj.parts.export.supports import BESIDE, BRIDGED, LEDGE, UNDER, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
+from cycloid_mj.sizing.proportions import Proportions, shaped
+from cycloid_mj.sizing.requirement import Requirement
 
 CHORD_ERROR = 2e-5
 OFFSET = 8e-5
@@ -348,15 +351,86 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     assert thinnest_wall(block) > THINNEST
 
 
-def test_thin_walls_and_faces_in_mid_air_are_told() -> None:
+def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     disc = Prism(circle(10e-3, CHORD_ERROR), (circle(9.5e-3, CHORD_ERROR),), 0.0, 5e-3)
     assert thinnest_wall(disc) == pytest.approx(0.5e-3, abs=2.0 * CHORD_ERROR)
-    lid = Prism(circle(10e-3, CHORD_ERROR), (), 5e-3, 6e-3)
-    faces = faces_in_mid_air(fused(Solid("cup", (disc, lid), 1.0)))
-    assert list(faces) == [5e-3]
-    assert faces[5e-3] == pytest.approx(np.pi * 9.5e-3**2, rel=1e-2)
-    reducer = Reducer(DESIGNS["printed"])
+    reducer = Reducer(made_by_printing(Requirement(15, 0.075, 1.0, process="printed")))
     sizes = casing(reducer)
-    found = list(doubts(reducer, plate(reducer, CHORD_ERROR, 0.0, sizes), CHORD_ERROR, sizes))
-    assert any("motor_cover needs supports" in text for text in found)
+    laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
+    assert not list(doubts(reducer, laid, CHORD_ERROR, sizes))
+    monkeypatch.setattr("cycloid_mj.parts.export.printable.THINNEST", 2e-3)
+    assert any("output_cover has a wall of" in text for text in doubts(reducer, laid, CHORD_ERROR, sizes))
     assert not list(doubts(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None))
+
+
+def cup(hole: float) -> Solid:
+    """Draw a cup of 10 mm radius upside down, its lid with a hole of a radius [m]; 0: none."""
+    wall = Prism(circle(10e-3, CHORD_ERROR), (circle(9.5e-3, CHORD_ERROR),), 0.0, 5e-3)
+    lid = Prism(circle(10e-3, CHORD_ERROR), (circle(hole, CHORD_ERROR),) if hole else (), 5e-3, 6e-3)
+    return Solid("cup", (wall, lid), 1.0)
+
+
+def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
+    (face,) = overhangs(fused(cup(5e-3)))
+    assert (face.z, len(face.holes)) == (5e-3, 1)
+    assert face.area == pytest.approx(np.pi * (9.5e-3**2 - 5e-3**2), rel=1e-2)
+    below = support(cup(5e-3), face, CHORD_ERROR)
+    assert below is not None
+    radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
+    assert (radii.min(), radii.max()) == pytest.approx((5e-3 + BESIDE, 9.5e-3 - BESIDE), abs=1e-6)
+    assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - UNDER))
+    assert not list(overhangs(fused(cup(9.5e-3 - 0.9 * LEDGE))))
+
+
+def test_a_face_on_uneven_ground_has_no_support() -> None:
+    step = Prism(np.array([[1e-3, -1e-3], [3e-3, -1e-3], [3e-3, 1e-3], [1e-3, 1e-3]]), (), 0.0, 1e-3)
+    uneven = Solid("cup", (*cup(0.0).prisms, step), 1.0)
+    (face,) = overhangs(fused(uneven))
+    assert support(cup(0.0), face, CHORD_ERROR) is not None
+    corners = Prism(np.array([[-9e-3, 0.0], [0.0, -9e-3], [9.4e-3, 0.0], [0.0, 9.4e-3]]), (), 0.0, 1e-3)
+    assert support(Solid("cup", (*cup(0.0).prisms, corners), 1.0), face, CHORD_ERROR) is None
+
+
+PRINTED = PRESETS["printed"]
+
+
+def made_by_printing(asked: Requirement) -> Design:
+    reducer = shaped(asked, Proportions(), asked.torque)
+    assert reducer is not None
+    return reducer.design
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        PRINTED,
+        made_by_printing(Requirement(15, 0.075, 1.0, process="printed")),
+        made_by_printing(Requirement(24, 0.15, 3.0, process="printed", discs=2)),
+    ],
+    ids=["preset", "small", "of_two"],
+)
+def test_nothing_of_a_printed_drive_hangs_in_mid_air(design: Design) -> None:
+    """Each point of a face that looks down has a support a layer below it, or is near walls that it is bridged from."""
+    reducer = Reducer(design)
+    laid = plate(reducer, CHORD_ERROR, 0.0, casing(reducer))
+    assert not laid.hanging
+    assert sum(map(len, laid.supports)) > 2
+    for shape, place, supports in zip(laid.meshes, laid.places, laid.supports, strict=True):
+        body = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
+        assert body.is_watertight
+        assert body.body_count == 1
+        corners = shape.vertices[shape.faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        size = np.linalg.norm(normal, axis=1)
+        steep = (normal[:, 2] < -np.cos(np.radians(45.0)) * size) & (size > 1e-12)
+        walls = shape.vertices[:, :2]
+        for one in corners[steep & (corners[..., 2].max(axis=1) > 0.0)]:
+            for point in (one.mean(axis=0), *(0.6 * one + 0.4 * one.mean(axis=0))):
+                tops = [below.vertices[below.vertices[:, 2] > point[2] - 1.01 * UNDER] for below in supports]
+                held = any(len(top) and np.ptp(np.append(top[:, 2], point[2])) < 1.01 * UNDER for top in tops)
+                bridged = np.linalg.norm(walls - point[:2], axis=1).min() <= 0.5 * BRIDGED
+                assert held or bridged, f"{place.part} at {1e3 * point} mm"
+        for below in supports:
+            assert trimesh.Trimesh(below.vertices, below.faces, process=False).is_watertight
+            assert (below.vertices >= np.subtract(place.low, SINGLE)).all()
+            assert (below.vertices <= np.add(place.high, SINGLE)).all()

@@ -35,8 +35,8 @@ CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "ou
 
 Motor = Literal["auto", "nema17", "nema23", "circle"]
 
-WALL_SHARE, LEAST_WALL = 0.02, 0.5e-3
-"""Least wall around holes, as a share of the outer radius, and at least [m]."""
+WALL_SHARE, LEAST_WALL, LEAST_PRINTED_WALL = 0.02, 0.5e-3, 0.8e-3
+"""Least wall around holes, as a share of the outer radius, and at least [m]: two lines of a nozzle of 0.4 mm."""
 
 USUAL_OUTSIDE = 1.4
 """Radius of a shaft's bearing outside over the shaft's, where none in stock has its size (as its rollers are rated)."""
@@ -182,7 +182,7 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     """
     design = reducer.design
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
-    wall = least_wall(radius)
+    wall = least_wall(reducer)
     screws = _screws(reducer, wall)
     outer = screws.circle + 0.5 * screws.bolt.head + wall if screws.outside else radius
     rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
@@ -228,15 +228,16 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     )
 
 
-def least_wall(radius: float) -> float:
-    """Compute the least wall around holes of a drive with an outer radius [m]."""
-    return max(LEAST_WALL, WALL_SHARE * radius)
+def least_wall(reducer: Reducer) -> float:
+    """Compute the least wall around holes of a drive [m]."""
+    least = LEAST_PRINTED_WALL if _is_printed(reducer) else LEAST_WALL
+    return max(least, WALL_SHARE * reducer.design.housing.outer_radius)
 
 
 def covers_fit(reducer: Reducer) -> bool:
     """Tell whether the screws of the covers have room within the housing's outer radius."""
     try:
-        return not _screws(reducer, least_wall(reducer.design.housing.outer_radius)).outside
+        return not _screws(reducer, least_wall(reducer)).outside
     except DesignError:
         return False
 
@@ -265,15 +266,16 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
     """
     design = reducer.design
     ring, housing = design.ring, design.housing
+    around = wall if _is_printed(reducer) else 0.5 * wall
     for bolt in _candidates(housing.outer_radius):
         hole, head = 0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
-            outside = max(hole + wall, head + 0.5 * wall)
+            outside = max(hole + wall, head + around)
             fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside
         else:
-            circle, angles = housing.outer_radius - max(hole, head) - 0.5 * wall, _lands(ring.teeth)
+            circle, angles = housing.outer_radius - max(hole, head) - around, _lands(ring.teeth)
             apart = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
             fits = (
                 ring.kind == "pin"
@@ -377,8 +379,12 @@ def _bore_end(reducer: Reducer) -> float:
 
 def insert_in(reducer: Reducer, thread: float) -> stock.Insert | None:
     """Choose the heat-set insert of a thread [m] in covers and hub; none in a metal, or where none is in stock."""
-    printed = reducer.design.material_of(names.HOUSING).youngs_modulus < SOFTEST_METAL
-    return stock.insert_of(thread) if printed else None
+    return stock.insert_of(thread) if _is_printed(reducer) else None
+
+
+def _is_printed(reducer: Reducer) -> bool:
+    """Tell whether covers and hub are of a plastic, as the housing."""
+    return reducer.design.material_of(names.HOUSING).youngs_modulus < SOFTEST_METAL
 
 
 def _core(reducer: Reducer, thread: float) -> float:

@@ -1,6 +1,6 @@
 """A plate of all parts that are made: side by side, flat on z = 0, as one mesh for a printer."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,8 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, fused
 from cycloid_mj.parts.export.casing import Casing
-from cycloid_mj.parts.export.printing import printed_parts
+from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
+from cycloid_mj.parts.export.supports import overhangs, support
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
@@ -44,18 +45,24 @@ class PlatePosition:
 
 @dataclass(frozen=True)
 class PrintPlate:
-    """The mesh of each part as it lies on the plate [m], and where that is."""
+    """The mesh of each part as it lies on the plate [m], where that is, and what supports it there.
+
+    `hanging` has the area of faces in mid-air that no support can stand under [m2], by part and height [m].
+    """
 
     meshes: tuple[Mesh, ...]
     places: tuple[PlatePosition, ...]
+    supports: tuple[tuple[Mesh, ...], ...]
+    hanging: Mapping[str, Mapping[float, float]]
 
     @property
     def mesh(self) -> Mesh:
-        """All parts as one mesh [m]."""
-        first = np.cumsum([0, *(len(one.vertices) for one in self.meshes)])
+        """All parts and their supports as one mesh [m]."""
+        meshes = [*self.meshes, *(one for supports in self.supports for one in supports)]
+        first = np.cumsum([0, *(len(one.vertices) for one in meshes)])
         return Mesh(
-            np.concatenate([one.vertices for one in self.meshes]),
-            np.concatenate([one.faces + np.int32(at) for one, at in zip(self.meshes, first, strict=False)]),
+            np.concatenate([one.vertices for one in meshes]),
+            np.concatenate([one.faces + np.int32(at) for one, at in zip(meshes, first, strict=False)]),
         )
 
     @property
@@ -72,7 +79,7 @@ class PrintPlate:
 
 
 def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
-    """Lay all parts that are printed on a plate, each on its end with the larger face.
+    """Lay all parts that are printed on a plate, each on its end with the larger face, plastic ones with supports.
 
     Parameters
     ----------
@@ -92,7 +99,9 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     """
     printed = printed_parts(reducer, chord_error, cam_seat, sizes)
     lying = [(name, part.count, *_lying(part.solid)) for name, part in printed.items()]
-    meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [fused(solid)] * count]
+    shapes = {name: fused(solid) for name, _, solid, _ in lying}
+    meshes = [(name, shapes[name], over) for name, count, _, over in lying for _ in range(count)]
+    stood, hanging = _supported(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
     shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]
@@ -101,7 +110,27 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
         for (name, _, over), (low, high), shift in zip(meshes, boxes, shifts, strict=True)
     )
     laid = [Mesh(shape.vertices + shift, shape.faces) for (_, shape, _), shift in zip(meshes, shifts, strict=True)]
-    return PrintPlate(tuple(laid), places)
+    supports = [
+        tuple(Mesh(one.vertices + shift, one.faces) for one in stood[name])
+        for (name, _, _), shift in zip(meshes, shifts, strict=True)
+    ]
+    return PrintPlate(tuple(laid), places, tuple(supports), hanging)
+
+
+def _supported(
+    reducer: Reducer, solids: Mapping[str, Solid], shapes: Mapping[str, Mesh], chord_error: float
+) -> tuple[dict[str, list[Mesh]], dict[str, dict[float, float]]]:
+    """Draw supports under the plastic parts as they lie; collect the faces under which none can stand."""
+    stood: dict[str, list[Mesh]] = {name: [] for name in solids}
+    hanging: dict[str, dict[float, float]] = {}
+    for name, solid in solids.items():
+        faces = overhangs(shapes[name]) if is_printed(reducer, material_part(reducer, name)) else ()
+        for face in faces:
+            if below := support(solid, face, chord_error):
+                stood[name].append(below)
+            else:
+                hanging.setdefault(name, {})[face.z] = face.area
+    return stood, hanging
 
 
 def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:

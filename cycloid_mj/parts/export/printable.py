@@ -8,17 +8,14 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import Mesh, Prism, Solid, circle
-from cycloid_mj.parts.export.casing import Casing
+from cycloid_mj.parts import Prism, Solid, circle
+from cycloid_mj.parts.export.casing import LEAST_PRINTED_WALL, SAME, Casing
 from cycloid_mj.parts.export.plate import PrintPlate
 from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
 from cycloid_mj.reducer import Reducer
 
-THINNEST, SMALLEST = 0.8e-3, 2.0e-3
+THINNEST, SMALLEST = LEAST_PRINTED_WALL, 2.0e-3
 """Two lines of a nozzle of 0.4 mm, and the diameter below which holes close (both assumed) [m]."""
-
-LEAST_AREA = 2e-5
-"""Of a face in mid-air that is told of [m2]; less is bridged."""
 
 CLEARANCES = (50e-6, 100e-6, 200e-6)
 """Of the coupon's sockets around its pin [m]."""
@@ -63,15 +60,14 @@ def doubts(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < THINNEST:
+        if wall < THINNEST - SAME:
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * THINNEST:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
         if hole < SMALLEST:
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * SMALLEST:g} mm"
-        shape = next(mesh for mesh, place in zip(laid.meshes, laid.places, strict=True) if place.part == name)
-        if faces := faces_in_mid_air(shape):
+        if faces := laid.hanging.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
-            yield f"{name} needs supports, as it lies: {areas}"
+            yield f"{name} needs the slicer's supports, as it lies: {areas}"
 
 
 def thinnest_wall(prism: Prism) -> float:
@@ -80,15 +76,6 @@ def thinnest_wall(prism: Prism) -> float:
 
     pairs = combinations((prism.outline, *prism.holes), 2)
     return min((float(np.min(cKDTree(one).query(other)[0])) for one, other in pairs), default=np.inf)
-
-
-def faces_in_mid_air(shape: Mesh) -> dict[float, float]:
-    """Measure the faces that look down above the plate: height [m] -> area [m2], if more than `LEAST_AREA`."""
-    a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
-    across = np.cross(b - a, c - a)
-    down = (across[:, 2] < 0.0) & (np.ptp(shape.vertices[shape.faces][..., 2], axis=1) == 0.0) & (a[:, 2] > 0.0)
-    heights = {float(z): float(-0.5 * across[down & (a[:, 2] == z), 2].sum()) for z in np.unique(a[down, 2])}
-    return {z: area for z, area in heights.items() if area > LEAST_AREA}
 
 
 def _diameter(hole: Array) -> float:

@@ -30,17 +30,28 @@ def threemf_bytes(plate: PrintPlate) -> bytes:
 
 
 def _model(plate: PrintPlate) -> str:
-    """Write objects and where they lie: as their coordinates say."""
-    objects = "".join(
-        f'<object id="{number}" type="model" name="{name}">{_mesh(mesh)}</object>\n'
-        for number, (name, mesh) in enumerate(zip(_names(plate), plate.meshes, strict=True), start=1)
-    )
-    items = "".join(f'<item objectid="{number}"/>' for number in range(1, len(plate.meshes) + 1))
+    """Write objects and where they lie: as their coordinates say. A part and its supports are moved as one."""
+    objects: list[str] = []
+    built: list[int] = []
+    for name, mesh, supports in zip(_names(plate), plate.meshes, plate.supports, strict=True):
+        objects.append(_object(len(objects) + 1, name, _mesh(mesh)))
+        first = len(objects)
+        for number, support in enumerate(supports, start=1):
+            objects.append(_object(len(objects) + 1, f"{name}_support_{number}", _mesh(support)))
+        if supports:
+            components = "".join(f'<component objectid="{part}"/>' for part in range(first, len(objects) + 1))
+            objects.append(_object(len(objects) + 1, f"{name}_on_supports", f"<components>{components}</components>"))
+        built.append(len(objects))
+    items = "".join(f'<item objectid="{number}"/>' for number in built)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">\n'
-        f"<resources>\n{objects}</resources>\n<build>{items}</build>\n</model>\n"
+        f"<resources>\n{''.join(objects)}</resources>\n<build>{items}</build>\n</model>\n"
     )
+
+
+def _object(number: int, name: str, content: str) -> str:
+    return f'<object id="{number}" type="model" name="{name}">{content}</object>\n'
 
 
 def _names(plate: PrintPlate) -> Iterator[str]:

@@ -1,0 +1,116 @@
+"""Supports on the plate: under each face in mid-air a ring or a disc that breaks away, a layer lower."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.parts import Mesh, Prism, Solid, circle, mesh
+from cycloid_mj.parts.polygon import signed_area, within
+
+UNDER, BESIDE = 0.2e-3, 0.4e-3
+"""Gap of a support below its face, a layer, and beside walls, a line of a nozzle of 0.4 mm (both assumed) [m]."""
+
+BRIDGED, LEDGE = 8e-3, 0.5e-3
+"""Diameter of a hole whose end a printer bridges, and width of a ledge that it needs no support for (assumed) [m]."""
+
+SLIVER = 1e-12
+"""Twice the area of triangles that are corners in line [m2]: they face nowhere."""
+
+ROUND = 1e-8
+"""Within which all corners of a circle are as far from its middle [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overhang:
+    """A face that looks down in mid-air: its height [m], its outline, the outlines of holes in it, its area [m2]."""
+
+    z: float
+    outline: Array
+    holes: tuple[Array, ...]
+    area: float
+
+
+def overhangs(shape: Mesh) -> Iterator[Overhang]:
+    """Yield the faces of a part on the plate that look down above it; those that a printer bridges are left out."""
+    corners = shape.vertices[shape.faces]
+    a, b, c = corners.transpose(1, 0, 2)
+    level = np.ptp(corners[..., 2], axis=1) == 0.0
+    down = level & (np.cross(b - a, c - a)[:, 2] < -SLIVER) & (a[:, 2] > 0.0)
+    for z in np.unique(a[down, 2]):
+        loops = list(_loops(shape, shape.faces[down & (a[:, 2] == z)]))
+        outlines = [loop for loop in loops if signed_area(loop) > 0.0]
+        for outline in outlines:
+            holes = tuple(loop[::-1] for loop in loops if signed_area(loop) < 0.0 and within(loop[:1], outline)[0])
+            area = signed_area(outline) - sum(signed_area(hole) for hole in holes)
+            one = Overhang(float(z), outline, holes, area)
+            if not _is_bridged(one):
+                yield one
+
+
+def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
+    """Draw what stands under a round face of a part as it lies, on the plate or on the part; nothing where none can."""
+    outer = _circle_of(under.outline)
+    if not outer:
+        return None
+    (middle, radius), inner = outer, _largest(under.holes)
+    width = radius - (inner[1] if inner else 0.0)
+    gap = min(BESIDE, 0.25 * width)
+    outline = circle(radius - gap, chord_error, middle)
+    holes: tuple[Array, ...] = ()
+    if inner:
+        (x, y), bore = inner
+        if np.hypot(x - middle[0], y - middle[1]) + bore + 3.0 * gap > radius:
+            return None
+        holes = (circle(bore + gap, chord_error, inner[0]),)
+    floors = _floors(solid, np.concatenate([outline, *holes]), under.z)
+    if len(floors) > 1:
+        return None
+    floor = floors.pop()
+    low = floor + UNDER if floor else 0.0
+    return mesh(Prism(outline, holes, low, under.z - UNDER)) if low < under.z - UNDER else None
+
+
+def _loops(shape: Mesh, faces: Array) -> Iterator[Array]:
+    """Yield the closed borders (n, 2) of triangles (m, 3) that look down, the face on their left as seen from above."""
+    edges = {(int(end), int(start)) for face in faces for start, end in zip(face, np.roll(face, -1), strict=True)}
+    following = {start: end for start, end in edges if (end, start) not in edges}
+    while following:
+        start, at = following.popitem()
+        loop = [start]
+        while at != start:
+            loop.append(at)
+            at = following.pop(at)
+        yield shape.vertices[loop, :2]
+
+
+def _is_bridged(one: Overhang) -> bool:
+    """Tell whether a printer needs nothing under a face: the end of a small hole, or a narrow ledge."""
+    outer, inner = _circle_of(one.outline), _largest(one.holes)
+    if not outer:
+        return False
+    return outer[1] - inner[1] <= LEDGE if inner else 2.0 * outer[1] <= BRIDGED
+
+
+def _largest(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:
+    """Return middle and radius of the largest round hole of a face [m]; supports pass under smaller ones."""
+    circles = [one for hole in holes if (one := _circle_of(hole))]
+    return max(circles, key=lambda one: one[1], default=None)
+
+
+def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
+    """Return middle and radius of a closed loop [m], if it is a circle."""
+    x, y = loop.mean(axis=0)  # corners of circles are even
+    apart = np.hypot(loop[:, 0] - x, loop[:, 1] - y)
+    return ((float(x), float(y)), float(apart.mean())) if np.ptp(apart) < ROUND else None
+
+
+def _floors(solid: Solid, points: Array, z: float) -> set[float]:
+    """Collect the heights of what is below points (n, 2) at a height [m]: 0, the plate, or a face of the part."""
+    heights = np.zeros(len(points))
+    for prism in solid.prisms:
+        if prism.z1 <= z:
+            covered = within(points, prism.outline) & ~np.any([within(points, hole) for hole in prism.holes], axis=0)
+            heights[covered] = np.maximum(heights[covered], prism.z1)
+    return set(heights.tolist())
