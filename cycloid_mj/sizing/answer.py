@@ -80,6 +80,9 @@ MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 SEVERAL = 61
 """Crank angles of a shortlist's rated torque; that the torque asked for is held is seen at all of a data sheet's."""
 
+TOUCHING = 1e-6
+"""Relative: covers that stand out by no more are as wide as the ring."""
+
 TOLD = 3e-2
 """Relative: how near to the rated torque of a shortlist a drive is rated; the law of its weakest item does the rest."""
 
@@ -597,8 +600,10 @@ def _narrowed(asked: Requirement, step: Step) -> Step:
 
 
 def _drive(asked: Requirement, of: Proportions, trial: TorqueTrial, title: str, why: str) -> SizedDrive:
-    design = trial.reducer.design
-    return SizedDrive(title, why, design, _figures(trial), dict(reasons_of(asked, of, trial)))
+    figures = _figures(trial)
+    if figures["drive_diameter_mm"] > (1.0 + TOUCHING) * figures["outer_diameter_mm"]:
+        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, as no screw in stock has room in the ring's wall"
+    return SizedDrive(title, why, trial.reducer.design, figures, dict(reasons_of(asked, of, trial)))
 
 
 def _figures(trial: TorqueTrial) -> Figures:
