@@ -235,8 +235,9 @@ def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
     if asked.tightened and asked.usual_clearance > finest:
         return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
     limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
-    needed = asked.but(clearance=TIGHTER * share * asked.usual_clearance, fit="")
-    ways = [Way(f"clearances of {1e6 * needed.clearance:.2g} um", needed)] if needed.clearance >= finest else []
+    ways = []
+    if (clearance := TIGHTER * share * asked.usual_clearance) >= finest:
+        ways.append(Way(f"clearances of {1e6 * clearance:.2g} um", asked.but(clearance=clearance, fit="")))
     if larger := _of_diameter(asked, asked.diameter / (TIGHTER * share)):
         ways.append(Way(f"{1e3 * larger.diameter:g} mm", larger))
     looser = asked.but(backlash=math.ceil(100.0 * least) / 100.0)

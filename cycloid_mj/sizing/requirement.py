@@ -16,7 +16,7 @@ MOST_DISCS = 4
 
 DIAMETERS_MM, TORQUES_NM = (5.0, 3000.0), (1e-4, 1e6)
 LIVES_H, SPEEDS_RPM = (1.0, 1e6), (0.1, 50e3)
-BACKLASHES_ARCMIN, CLEARANCES_UM = (0.01, 600.0), (0.1, 1000.0)
+BACKLASHES_ARCMIN, CLEARANCES_UM = (0.01, 6000.0), (0.1, 1000.0)
 """Least and most of each size that is asked for, lengths as diameters: beyond, no drive of one stage is made."""
 
 PIN_SIZE = 0.06
