@@ -149,6 +149,13 @@ def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> 
     assert run.plot("fig6_gear_speed").axes
     assert list(run.frame.columns)[:1] == ["time"]
     assert run.frame.rows == len(run)
+    page = cm.report({"run <1>": run})
+    assert page.startswith("<!doctype html>")
+    assert len(repr(page)) < 80
+    assert page._repr_html_().count("<") == 2
+    model = repr(cm.build(still))
+    assert model.startswith("<ReducerModel: 113 freedoms, 81 mating pairs")
+    assert len(model) < 100
     (axes,) = cm.analyze(run, settle=0.001).plot().axes
     assert axes.get_xlabel() == "power that a kind of contact takes [W]"
     backlash = cm.measure.Measurement(

@@ -6,6 +6,7 @@ carries (``page.js`` and its neighbours), so that they can be zoomed and share o
 
 import sys
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
 
 import numpy.typing as npt
@@ -16,10 +17,22 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, review
 
-__all__ = ["MOST_RUNS", "main", "report", "review_page"]
+__all__ = ["MOST_RUNS", "ReportPage", "main", "report", "review_page"]
 
 MOST_RUNS = len(PALETTE)
 """Runs that can be told apart in one figure."""
+
+
+class ReportPage(str):
+    """A page as HTML text: `repr` tells it in a line, and a notebook shows it in a frame of its own."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"<ReportPage: {len(self) // 1000} kB of HTML, to be written to a file>"
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{escape(self)}" style="width: 100%; height: 45em; border: 0"></iframe>'
 
 
 def review_page(log: Path) -> str:
@@ -29,7 +42,7 @@ def review_page(log: Path) -> str:
     return report({str(log): read(log)})
 
 
-def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
+def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> ReportPage:
     """Write the review of runs as one self-contained HTML page; several are set side by side.
 
     Parameters
@@ -56,7 +69,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
     reviewed = review(runs, q)
     for item in reviewed:
         warn(item.name, item.findings.warnings)
-    return page(reviewed)
+    return ReportPage(page(reviewed))
 
 
 main = report

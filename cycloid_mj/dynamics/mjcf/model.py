@@ -63,6 +63,10 @@ class ReducerModel:
     crank_inertia: float
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        freedoms, contacts = self.model.nv, len(self.pairs)
+        return f"<ReducerModel: {freedoms} freedoms, {contacts} mating pairs, steps of {1e6 * self.timestep:.3g} us>"
+
     @property
     def timestep(self) -> float:
         """Time step [s]."""
