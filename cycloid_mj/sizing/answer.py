@@ -191,17 +191,19 @@ def _none_fits(asked: Requirement) -> Answer:
 
 
 def _beyond(asked: Requirement) -> Iterator[Way]:
-    """Yield a diameter into which a gear fits, with its parts in stock, and what that needs more."""
+    """Yield the least diameter tried into which a gear fits with its parts in stock, and what that needs more."""
     larger = _of_diameter(asked, FAR * asked.diameter)
-    while larger and not next(climbed(larger, Budget()), None):
+    while larger:
+        answer = answered(larger) if next(climbed(larger, Budget()), None) else None
+        size = f"{1e3 * larger.diameter:g} mm"
+        if answer and answer.drives:
+            yield Way(size, larger)
+            return
+        if answer and answer.ways:
+            way = answer.ways[0]
+            yield Way(way.words if way.asked.diameter != larger.diameter else f"{size} and {way.words}", way.asked)
+            return
         larger = _of_diameter(larger, FAR * larger.diameter)
-    if not larger:
-        return
-    size, answer = f"{1e3 * larger.diameter:g} mm", answered(larger)
-    if answer.drives:
-        yield Way(size, larger)
-    for way in answer.ways[:1]:
-        yield Way(way.words if way.asked.diameter != larger.diameter else f"{size} and {way.words}", way.asked)
 
 
 def _longer(asked: Requirement) -> Way | None:
@@ -434,9 +436,9 @@ def _together(asked: Requirement) -> Iterator[Way]:
         step, path = _held(changed, budget)
         for _ in range(SLOWER):
             speed = math.floor(COOLER * _borne(path) / asked.torque * slower.speed / RPM) * RPM
-            if step or not _is_heated(path) or speed < SLOWEST:
+            if step or not _is_heated(path) or slower.speed <= SLOWEST:
                 break
-            slower = changed.but(speed=speed)
+            slower = changed.but(speed=max(speed, SLOWEST))
             step, path = _held(slower, budget)
         if slower != changed:
             words.append(f"{slower.speed / RPM:.0f} rpm")

@@ -274,6 +274,14 @@ def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("diameter", [0.03, 0.06])
+def test_far_too_much_for_a_size_needs_a_larger_one_and_a_slow_crank(diameter: float) -> None:
+    refused = answered(Requirement(5, diameter, 500.0))
+    assert re.search(r"needs \d+ rpm and \d+ mm", refused.refusal), refused.refusal
+    require_kept(refused, ways=1)
+
+
+@pytest.mark.slow
 def test_a_fit_ends_where_the_standard_does() -> None:
     refused = answered(Requirement(5, 0.299, 500.0, process="milled", fit="H7/f7"))
     require_kept(refused)
