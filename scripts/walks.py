@@ -4,8 +4,8 @@ python scripts/walks.py          # of this tree
 python scripts/walks.py OLD      # and of another revision
 
 Three commands are run and every call between two modules of the package is watched that hands on a design, what is
-made of it, or a run: how many modules they are, how many pairs of functions, and how many pairs of modules hand on both
-ways. What is asked of the design or the run itself, by its own methods, is no step of its walk.
+made of it, or a run: how many rooms and modules they are, how many pairs of functions, and how many pairs of modules
+hand on both ways. What is asked of the design or the run itself, by its own methods, is no step of its walk.
 """
 
 import argparse
@@ -56,9 +56,11 @@ class Walk:
             self.functions.add((f"{home}:{caller.f_code.co_name}", f"{callee}:{code.co_name}"))
 
     def counted(self) -> dict[str, int]:
-        """Count modules, pairs of functions, and pairs of modules that hand on both ways."""
+        """Count rooms, modules, pairs of functions, and pairs of modules that hand on both ways."""
+        modules = {name for pair in self.modules for name in pair}
         return {
-            "modules": len({name for pair in self.modules for name in pair}),
+            "rooms": len({name.partition(os.sep)[0] for name in modules}),
+            "modules": len(modules),
             "calls": len(self.functions),
             "both ways": sum((there, here) in self.modules for here, there in self.modules) // 2,
         }

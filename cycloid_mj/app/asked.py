@@ -68,13 +68,7 @@ def form_of(asked: Requirement) -> dict[str, Any]:
 
 
 def size(told: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for a requirement; pass on a refusal as its ways out are found.
-
-    Raises
-    ------
-    UsageError
-        See `requirement_of`.
-    """
+    """Find drives for a requirement; pass on a refusal as its ways out are found."""
     told({"doing": "searching proportions that hold it"})
     return _answer(answered(requirement_of(form), lambda answer: told({"answer": _answer(answer)})))
 

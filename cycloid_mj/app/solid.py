@@ -17,13 +17,7 @@ MOVES = {SHAFT: "crank", OUTPUT: "output"}
 
 
 def assembly(reducer: Reducer) -> dict[str, Any]:
-    """Build the meshes of all bodies: float32 corners of triangles [mm] in base64, colour, how the body moves.
-
-    Raises
-    ------
-    DesignError
-        A part of the design cannot be made.
-    """
+    """Build the meshes of all bodies: float32 corners of triangles [mm] in base64, colour, how the body moves."""
     design, bodies = reducer.design, list[dict[str, Any]]()
     phases = dict(zip(gears(design.gear.discs), map(float, reducer.phases), strict=True))
     for name, pieces in shapes(reducer).items():

@@ -37,6 +37,8 @@ class Outcome:
     ----------
     title, condition
         What was computed, of which design; under what it holds.
+    text
+        What the terminal shows in place of these: paths of files that were made, a design file, a list, line by line.
     headline
         The figures that one looks for first, a dozen at most: name -> value with its unit.
     failures, warnings, passes
@@ -65,6 +67,7 @@ class Outcome:
 
     title: str
     condition: str = ""
+    text: Sequence[str] | None = None
     headline: Mapping[str, str] = field(default_factory=dict)
     failures: Sequence[str] = ()
     warnings: Sequence[str] = ()

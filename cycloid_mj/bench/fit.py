@@ -140,11 +140,6 @@ def fit(
     """Fit parameters to loops by robust least squares, from several starts or one; `on_step` is called at each trial.
 
     Without `intervals` they are those of the straight neighbourhood, which take no further search.
-
-    Raises
-    ------
-    RunError
-        The model has no balance where the search begins, or where it ends.
     """
     search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
     starts = search.starts() if start is None else [start]
@@ -199,7 +194,7 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
 
 
 def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
-    """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less.
+    """Put the ends of each interval where the loops are missed by too much; or return a place that misses them less.
 
     `valleys` are where searches ended, each with its cost, the fit itself first: in each of them that explains the
     loops as well as the interval allows, an end of its own is looked for, and the farthest one counts.

@@ -47,11 +47,6 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     """Compute torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
 
     The course before the loop is a loop as large, so that its first branch is that of a loop which closes.
-
-    Raises
-    ------
-    RunError
-        There is no balance.
     """
     ends = [end - shift for end in loop.turns]
     if model.rubs:

@@ -246,11 +246,6 @@ def model_loop(reducer: Reducer, rated: float, crank: float) -> MeasuredLoop:
 
     A run as `measure lost-motion` makes it; where the design has friction of its wind-up (`springs`), which no run has,
     by statics, that friction standing for all.
-
-    Raises
-    ------
-    RunError
-        There is no balance, or the run went wrong.
     """
     slips = slip_elements(reducer)
     if len(slips.limits):

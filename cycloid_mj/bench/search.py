@@ -177,7 +177,7 @@ class FitProblem:
     def run(
         self, start: Array, steps: int, method: Literal["trf", "dogbox"], held: int | None = None
     ) -> tuple[float, Array]:
-        """Search from a start, with the value at one place `held` if it is given; give the cost and where it ended."""
+        """Search from a start, with the value at one place `held` if it is given; return cost and end."""
         from scipy.optimize import least_squares
 
         low, high = self.bounds

@@ -219,13 +219,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
 
 
 def model_error(reducer: Reducer, torque: float) -> Array:
-    """Compute the output's error about its mean [rad] under a torque on it [N m], evenly all over its turn, shape (n,).
-
-    Raises
-    ------
-    RunError
-        No static balance was found.
-    """
+    """Compute the output's error about its mean [rad] under a torque on it [N m], evenly over its turn, shape (n,)."""
     lobes = reducer.design.lobes
     count = PER_MESH_PERIOD * reducer.design.ring.teeth * lobes
     crank = 2.0 * np.pi * lobes * np.arange(count) / count

@@ -39,7 +39,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    place, point_q = claimed(delivery, f"{Path(log).stem}-analysis"), point(q)
+    point_q, place = point(q), claimed(delivery, f"{Path(log).stem}-analysis")
     run = read(log)
     findings = judged(run, point_q, log=log)
     if not run.complete:

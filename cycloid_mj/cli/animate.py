@@ -7,8 +7,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, whole, within
-from cycloid_mj.cli.terminal import say_files
+from cycloid_mj.cli.delivery import claimed_page, deliver_files
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
 
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif
@@ -37,7 +37,14 @@ TurnsFlag = Annotated[
     ),
 ]
 RateFlag = Annotated[
-    int, Parameter(name="--fps", metavar="N", converter=whole, help=f"Frames per second, 1 to 50. Default: {RATE}.")
+    int,
+    Parameter(
+        name="--fps",
+        metavar="N",
+        converter=whole,
+        validator=within(1, 50),
+        help=f"Frames per second, 1 to 50. Default: {RATE}.",
+    ),
 ]
 DiscFlag = Annotated[
     int,
@@ -50,7 +57,13 @@ DiscFlag = Annotated[
     ),
 ]
 WidthFlag = Annotated[
-    int, Parameter(metavar="N", converter=whole, help=f"Width [pixels], 200 to 4000. Default: {WIDTH}.")
+    int,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        validator=within(200, 4000),
+        help=f"Width [pixels], 200 to 4000. Default: {WIDTH}.",
+    ),
 ]
 
 
@@ -65,9 +78,7 @@ def animate(
     fps: RateFlag = RATE,
     width: WidthFlag = WIDTH,
     disc: DiscFlag = 1,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Draw a logged run in motion, with forces and loads.
 
@@ -79,8 +90,8 @@ def animate(
     from cycloid_mj.plots.animation import film, take
     from cycloid_mj.plots.movie import write_movie
 
-    run = read(log)
-    claim(Path(out), force=force)
-    write_movie(film(take(run, magnify, frames, turns, disc - 1), width), out, fps)
-    say_files([out], json)
-    return 0
+    scene = take(read(log), magnify, frames, turns, disc - 1)
+    claim(Path(out), force=delivery.force)
+    page = claimed_page(delivery, f"{Path(out).stem}-film")
+    write_movie(film(scene, width), out, fps)
+    return deliver_files(f"film: {log}", [out], page, delivery)

@@ -14,7 +14,7 @@ from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
-from cycloid_mj.cli.flags import FLAT, LOAD, Delivery, DesignOptions, out_flag
+from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.reducer import Reducer
 
@@ -70,7 +70,9 @@ TeFlag = Annotated[
 ]
 LoadFlag = Annotated[
     float | None,
-    LOAD.flag("Torque on the output under which it was measured", ". Default: load.torque_nm, or 1 % of the rated."),
+    DesignValue("load", "torque", nonzero=True).flag(
+        "Torque on the output under which it was measured", ". Default: load.torque_nm, or 1 % of the rated."
+    ),
 ]
 
 EXAMPLES = """Examples:
@@ -127,7 +129,7 @@ def calibrate(
     from cycloid_mj.bench import calibrate as calibrated
     from cycloid_mj.bench import compare_losses, read_loop
     from cycloid_mj.bench.calibration import calibrated_name
-    from cycloid_mj.bench.parameters import DEFAULT
+    from cycloid_mj.bench.parameters import DEFAULT, parameters
 
     if not math.isfinite(crank_deg):
         raise UsageError(f"--crank-deg {crank_deg:g}: give an angle in degrees")
@@ -137,6 +139,7 @@ def calibrate(
     if len(set(names)) < len(names):
         raise UsageError(f"two loops are called {max(names, key=names.count)}: give their files names of their own")
     design = chosen.sound()
+    parameters(Reducer(design), keys, loops)  # refuses a wrong one
     name = calibrated_name(Reducer(design))
     place = claimed(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
     progress = _Trials(delivery.quiet)

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
-from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonFlag, QuietFlag, whole, within
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import COMMON, FLAT, TIMESTEP, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import note, say, say_json, say_table
+from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -53,9 +56,7 @@ def build(
     chord_error_um: ChordFlag = 0.1,
     seed: SeedFlag = 0,
     plain_coacd: PlainFlag = False,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Make a model folder that any MuJoCo opens: DIR/scene.xml.
 
@@ -74,22 +75,25 @@ def build(
 
     reducer = Reducer(chosen.sound([(TIMESTEP, timestep_us)]))
     _require_room(out)
-    claim(Path(out) / SCENE, Path(out) / MANIFEST, force=force)
+    claim(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
+    page = claimed_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     note("cutting the parts into convex pieces")
     files = model_files(reducer, settings)
-    into = folder(out, "the model", files, force)
+    into = folder(out, "the model", files, delivery.force)
     write_folder(files, into)
     figures = _surface_figures(files[MANIFEST])
     if plain_coacd:
         figures |= _plain_figures(reducer, seed)
-    if json:
-        say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": figures})
-        return 0
-    say(str(into / SCENE))
-    say_table("convex pieces against the true surfaces [um]", HEADER, [_row(*item) for item in figures.items()])
-    return 0
+    rows = tuple(_row(*item) for item in figures.items())
+    outcome = Outcome(
+        title=f"model: {reducer.design.name}",
+        text=[str(into / SCENE)],
+        tables=[Table("convex pieces against the true surfaces [um]", HEADER, rows)],
+        result={"scene": str(into / SCENE), "files": sorted(files), "quality": figures},
+    )
+    return deliver(outcome, Destination("model", None, page), delivery)
 
 
 def _require_room(out: str) -> None:

@@ -9,10 +9,11 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.result import Table
 from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import Delivery
-from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import json_text, say, say_json, say_table, show, tell
+from cycloid_mj.cli.flags import CommonFlags, Delivery
+from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
+from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell
 from cycloid_mj.design import PRESETS
 
 RUNS = "runs"
@@ -95,7 +96,7 @@ def claimed(
 
 
 def claimed_page(
-    wanted: Delivery, stem: str, into: Path | None, paged: bool = False, resumed: bool = False
+    wanted: CommonFlags, stem: str, into: Path | None = None, paged: bool = False, resumed: bool = False
 ) -> Path | None:
     """Claim the name of the page, None where there is none; parameters and errors are those of `claimed`."""
     if wanted.html is None and not paged:
@@ -112,7 +113,7 @@ def claimed_page(
     return path
 
 
-def deliver(outcome: Outcome, place: Destination, wanted: Delivery) -> int:
+def deliver(outcome: Outcome, place: Destination, wanted: CommonFlags) -> int:
     """Write the files of an outcome, print it, and return its exit code."""
     write(outcome, place, wanted)
     if wanted.json:
@@ -122,14 +123,43 @@ def deliver(outcome: Outcome, place: Destination, wanted: Delivery) -> int:
     return outcome.code
 
 
-def write(outcome: Outcome, place: Destination, wanted: Delivery) -> None:
-    """Write the files of an outcome, all of them or none."""
+def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, wanted: CommonFlags) -> int:
+    """Tell of files that a command has made: their paths, one in a line."""
+    paths = list(map(str, files))
+    outcome = Outcome(title=title, text=paths, result={"files": paths})
+    return deliver(outcome, Destination(title, None, page), wanted)
+
+
+def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, wanted: CommonFlags) -> int:
+    """Write columns, shape (n,) each, to a CSV file or stdout; as JSON, their numbers where stdout is the file."""
+    place, files = Destination(title, None, page), [] if file == STDOUT else [file]
+    rows = len(next(iter(columns.values())))
+    if files or not wanted.json:
+        write_csv(file, columns)
+    if files:
+        note(f"wrote {rows} rows of {len(columns)} columns to {file}")
+    numbers = {name: column for name, column in columns.items() if column.dtype.kind == "f"}
+    ranges = tuple((name, f"{column.min():.6g}", f"{column.max():.6g}") for name, column in numbers.items())
+    values = {name: column.tolist() for name, column in columns.items()} if wanted.json and not files else None
+    outcome = Outcome(
+        title=title,
+        tables=[Table(f"{rows} rows of {len(columns)} columns", ("column", "least", "most"), ranges)],
+        result={"files": files, "rows": rows, "columns": list(columns)} | ({"values": values} if values else {}),
+    )
+    if wanted.json or (wanted.all and files):
+        return deliver(outcome, place, wanted)
+    write(outcome, place, wanted)
+    return 0
+
+
+def write(outcome: Outcome, place: Destination, wanted: CommonFlags) -> None:
+    """Write the files of an outcome, all of them or none, and name those that its text does not."""
     files = dict(_files(outcome, place))
     if files:
         with unbroken():
             write_whole(files)
-        if not wanted.quiet:
-            tell(f"wrote {_named(files)}")
+        if not wanted.quiet and (unnamed := [path for path in files if str(path) not in (outcome.text or ())]):
+            tell(f"wrote {_named(unnamed)}")
 
 
 def _named(files: Collection[Path]) -> str:
@@ -161,7 +191,9 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
 def show_outcome(outcome: Outcome, everything: bool) -> None:
     """Print headline, failures and warnings first; the tables and notes where all is asked for, or all fits."""
     everything = everything or _lines(outcome) <= MOST_LINES
-    say(", ".join(filter(None, (outcome.title, outcome.condition))))
+    title = ", ".join(filter(None, (outcome.title, outcome.condition)))
+    for line in [title] if outcome.text is None else outcome.text:
+        say(line)
     if outcome.headline:
         say_table("", ("figure", "value"), list(outcome.headline.items()))
     for line in outcome.failures:

@@ -1,5 +1,6 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from math import degrees
@@ -10,9 +11,8 @@ from cyclopts import App
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions, QuietFlag
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
 from cycloid_mj.cli.new import new
-from cycloid_mj.cli.terminal import say
 from cycloid_mj.design import Design, dump, reasons
 from cycloid_mj.reducer import Reducer
 
@@ -41,15 +41,23 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def show(chosen: Annotated[DesignOptions, FLAT], *, _quiet: QuietFlag = False) -> int:
+def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print the complete, commented design file of a preset or of a file, with the changes of --set.
 
     Each value that the paper (Hsieh 2014) does not give is marked as
     assumed. A file may leave keys out: they keep the values of the preset pin.
+    JSON has its tables and keys; --out writes the file, too.
     """
     design = chosen.resolved()
-    say(dump(design, reasons(chosen.design, design)).rstrip("\n"))
-    return 0
+    text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
+    place = claimed(delivery, f"{design.name}-design", [file])
+    outcome = Outcome(
+        title=f"design: {design.name}",
+        text=text.splitlines(),
+        files={file: text.encode()},
+        result=tomllib.loads(text),
+    )
+    return deliver(outcome, place, delivery)
 
 
 def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:

@@ -6,12 +6,13 @@ import sys
 from collections.abc import Callable, Iterator
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from cycloid_mj import __version__
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.cli.flags import JsonFlag, QuietFlag
-from cycloid_mj.cli.terminal import say, say_json
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
@@ -42,23 +43,32 @@ class Finding(NamedTuple):
     needed: bool
     found: str
 
+    def __str__(self) -> str:
+        return f"{'ok' if self.well else 'FAIL' if self.needed else 'none':4}  {self.name}: {self.found}"
 
-def doctor(*, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
+
+def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Look at this installation, and test it.
 
     The self-test simulates a millisecond of a reducer and holds it against the
     closed form; the first one on a machine compiles the contact code for some
     seconds. The exit code is 1 if something that every command needs is missing.
     """
+    from cycloid_mj.base.frame import framed
+
+    place = claimed(delivery, "doctor")
     trials = _tried("self-test of MuJoCo", True, _self_tested), _tried("contact and simulation", True, _simulated)
     findings = [*_versions(), *_cache(), *trials, *_rendering(), *_extras()]
-    if json:
-        say_json({"version": __version__, "findings": [finding._asdict() for finding in findings]})
-    else:
-        say(f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}")
-        for one in findings:
-            say(f"{'ok' if one.well else 'FAIL' if one.needed else 'none':4}  {one.name}: {one.found}")
-    return 0 if all(finding.well for finding in findings if finding.needed) else 1
+    rows = [finding._asdict() for finding in findings]
+    title = f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}"
+    outcome = Outcome(
+        title=title,
+        text=[title, *map(str, findings)],
+        frame=framed(rows, Finding._fields, {}),
+        result={"version": __version__, "findings": rows},
+        code=0 if all(finding.well for finding in findings if finding.needed) else 1,
+    )
+    return deliver(outcome, place, delivery)
 
 
 def _versions() -> Iterator[Finding]:

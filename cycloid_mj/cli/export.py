@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, UsageError, warn
-from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag, within
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, within
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
@@ -107,9 +109,7 @@ def export(
     offset_um: OffsetFlag = 0.0,
     motor: MotorFlag = "auto",
     cam_bearing_bore_mm: CamFlag = None,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write every part of a design for CAD or printing.
 
@@ -144,7 +144,6 @@ def export(
     count, size, material, made_or_bought, designation, fit).
     """
     from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.parts import fused
     from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, drive_files, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
@@ -175,42 +174,50 @@ def export(
             warn(design.name, doubts(reducer, printed, chord_error, sizes))
     if assembly:
         parts |= _assembly(reducer, sizes)
-    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
-    files = {into / name: content for name, content in parts.items()}
-    write_whole(files)
-    if json:
-        summary = {
-            "files": [str(path) for path in files],
-            "clearances": [asdict(clearance) for clearance in files_and_clearances.clearances],
-            "offset": offset,
-        }
-        if printed:
-            summary["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
-            summary["bom"] = [asdict(item) for item in items]
-        say_json(summary)
-        return 0
-    for path in files:
-        say(str(path))
-    rows = [
+    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, delivery.force)
+    stem = f"{design.name}-parts"
+    place = Destination(stem, into, claimed_page(delivery, stem, into))
+    result = {
+        "files": place.paths(parts),
+        "clearances": [asdict(clearance) for clearance in files_and_clearances.clearances],
+        "offset": offset,
+    }
+    rows = tuple(
         (
             clearance.pair,
             *(f"{1e6 * value:.4f}" for value in (clearance.asked, offset, clearance.least, clearance.most)),
         )
         for clearance in files_and_clearances.clearances
-    ]
-    say_table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
+    )
+    tables = [Table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)]
+    notes = []
     if printed:
-        size = " x ".join(f"{MILLIMETRES * length:.1f}" for length in printed.size)
-        say(f"plate of {size} mm")
+        result["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
+        result["bom"] = [asdict(item) for item in items]
+        notes = [f"plate of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in printed.size)} mm"]
         if prints_plastic(reducer):
-            say(coupon_words())
-        if held := {place.part: len(one) for place, one in zip(printed.places, printed.supports, strict=True) if one}:
-            say(f"supports that break away, a layer below the faces that they hold: {', '.join(held)}")
-        say_table("parts on the plate", ("part", "count"), [(part, str(n)) for part, n in printed.counts.items()])
+            notes.append(coupon_words())
+        held = [place.part for place, one in zip(printed.places, printed.supports, strict=True) if one]
+        if held:
+            parts_held = ", ".join(dict.fromkeys(held))
+            notes.append(f"supports that break away, a layer below the faces that they hold: {parts_held}")
+        counts = tuple((part, str(number)) for part, number in printed.counts.items())
         columns = ("item", "count", "size", "material", "made or bought", "designation")
-        lines = [tuple(str(value) for value in asdict(item).values())[:-1] for item in items]
-        say_table("bill of materials", columns, lines, words=(2, 3, 4, 5))
-    return 0
+        lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in items)
+        tables += [
+            Table("parts on the plate", ("part", "count"), counts),
+            Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
+        ]
+    outcome = Outcome(
+        title=f"parts: {design.name}",
+        text=place.paths(parts),
+        tables=tables,
+        summary=notes,
+        files=parts,
+        result=result,
+        filed=False,
+    )
+    return deliver(outcome, place, delivery)
 
 
 def _casing(reducer: Reducer, motor: "Motor") -> "Casing | None":

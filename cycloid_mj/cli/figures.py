@@ -1,11 +1,14 @@
 """``cycloid-mj figures``: every figure by its key, with unit and definition."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import JsonFlag, QuietFlag
-from cycloid_mj.cli.terminal import say_json, say_table
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 
 if TYPE_CHECKING:
     from cycloid_mj.figures import Figure
@@ -21,7 +24,10 @@ EXAMPLES = """Examples:
   cycloid-mj figures --json"""
 
 
-def figures(*, need: NeedFlag = None, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
+HEADER = ("key", "unit", "needs", "definition")
+
+
+def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """List the figures that commands print, limit and vary, by key.
 
     A key ends in its unit, and means the same number in `statics`, `sweep
@@ -30,14 +36,20 @@ def figures(*, need: NeedFlag = None, json: JsonFlag = False, _quiet: QuietFlag 
     second, stress (finite elements) and a run minutes. JSON has the older keys
     of each figure too, which flags still take.
     """
+    from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import FIGURES
 
+    place = claimed(delivery, "figures")
     rows = [row for row in FIGURES.values() if need is None or row.need == need]
-    if json:
-        say_json({"figures": {row.key: row.as_json() for row in rows}})
-    else:
-        say_table("figures", ("key", "unit", "needs", "definition"), [_cells(row) for row in rows], words=range(4))
-    return 0
+    cells = tuple(map(_cells, rows))
+    outcome = Outcome(
+        title=f"{len(rows)} figures",
+        tables=[Table("figures", HEADER, cells, words=range(len(HEADER)))],
+        frame=framed([dict(zip(HEADER, row, strict=True)) for row in cells], HEADER, {}),
+        result={"figures": {row.key: row.as_json() for row in rows}},
+    )
+    # the list is what was asked for, however long
+    return deliver(outcome, place, replace(delivery, all=True))
 
 
 def _cells(row: "Figure") -> tuple[str, ...]:

@@ -75,7 +75,7 @@ ForceFlag = Annotated[
 ]
 AllFlag = Annotated[bool, Parameter(name="--all", help="Show all tables and notes, not the headline alone.")]
 QuietFlag = Annotated[bool, Parameter(name="--quiet", help="No progress and no messages but errors on stderr.")]
-"""Of every command; `cycloid_mj.cli.app.main` keeps back what `note` writes, and warnings."""
+"""`cycloid_mj.cli.app.main` keeps back what `note` writes, and warnings."""
 HtmlFlag = Annotated[
     tuple[str, ...] | None,
     Parameter(
@@ -151,6 +151,7 @@ class DesignValue:
     table: str
     name: str
     nonzero: bool = False
+    positive: bool = False
 
     @property
     def field(self) -> FieldInfo:
@@ -196,7 +197,8 @@ class DesignValue:
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
     def _bounds(self) -> list[tuple[str, float]]:
-        return [(side, getattr(limit, side)) for limit in self.field.metadata for side in SIDES if hasattr(limit, side)]
+        limits = [(side, getattr(one, side)) for one in self.field.metadata for side in SIDES if hasattr(one, side)]
+        return [("gt", 0.0), *(limit for limit in limits if limit[0][0] == "l")] if self.positive else limits
 
 
 TIMESTEP = DesignValue("settings", "timestep")
@@ -204,6 +206,8 @@ SPEED = DesignValue("drive", "speed", nonzero=True)
 RAMP = DesignValue("drive", "ramp")
 HOLD = DesignValue("drive", "hold")
 LOAD = DesignValue("load", "torque")
+LOADED = DesignValue("load", "torque", positive=True)
+"""The same for what is computed under a load alone."""
 
 
 Values = Sequence[tuple[DesignValue, float | None]]
@@ -271,16 +275,25 @@ def out_flag(files: str, usual: str = "") -> Parameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Delivery:
-    """Where results go and how much of them is shown: the flags of every command that gives results."""
+class CommonFlags:
+    """How results are given, and how much of them is shown: the flags of every command."""
 
-    out: Annotated[str | None, out_flag("the figures as JSON and CSV")] = None
     html: HtmlFlag = None
     json: JsonFlag = False
     all: AllFlag = False
     force: ForceFlag = False
     quiet: QuietFlag = False
     workers: WorkersFlag = None
+
+
+COMMON = CommonFlags()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delivery(CommonFlags):
+    """The same, and the folder of the results; commands that make one file have ``--out`` for its name."""
+
+    out: Annotated[str | None, out_flag("the results as JSON and CSV")] = None
 
 
 DELIVERY = Delivery()

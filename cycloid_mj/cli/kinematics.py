@@ -6,20 +6,20 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.cli.delivery import claimed_page, deliver_columns
 from cycloid_mj.cli.flags import (
+    COMMON,
     FLAT,
     MOST_ROWS,
     RAMP,
     SPEED,
+    CommonFlags,
     DesignOptions,
-    ForceFlag,
     PointFlag,
-    QuietFlag,
     point,
     within,
 )
-from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
-from cycloid_mj.cli.terminal import note
+from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.design import Design
 
 EXAMPLES = """Examples:
@@ -60,8 +60,7 @@ def kinematics(
     until_s: UntilFlag = None,
     step_s: StepFlag = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the ideal motion of a point q of the gear as CSV.
 
@@ -73,13 +72,11 @@ def kinematics(
     Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
     digit.
     """
-    claim_csv(csv, force)
     design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
-    write_csv(csv, columns)
-    if csv != STDOUT:
-        note(f"wrote {len(columns['t_s'])} samples to {csv}")
-    return 0
+    claim_csv(csv, delivery.force)
+    page = claimed_page(delivery, f"{design.name}-kinematics")
+    return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
 
 
 def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:

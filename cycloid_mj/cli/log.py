@@ -1,18 +1,22 @@
 """``cycloid-mj log``: what is in a log, out of it, and a cut log made whole."""
 
-import json as text_of
+import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, within
-from cycloid_mj.cli.outfile import STDOUT, claim_csv, write_csv
-from cycloid_mj.cli.terminal import note, say, say_files, say_json, say_table
+from cycloid_mj.cli.delivery import claimed, claimed_page, deliver, deliver_columns, deliver_files
+from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, within
+from cycloid_mj.cli.outfile import STDOUT, claim_csv
+from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -56,7 +60,7 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def info(log: LogName, /, *, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
+def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print what a log holds: its run, topics, attachments and provenance.
 
     A cut log tells how far it could be read.
@@ -64,33 +68,47 @@ def info(log: LogName, /, *, json: JsonFlag = False, _quiet: QuietFlag = False) 
     from cycloid_mj.log import load
 
     contents = load(log)
-    if json:
-        say_json({"log": log, **_described(contents)})
-        return 0
+    place = claimed(delivery, f"{Path(log).stem}-info")
     run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
-    say(f"{log}: {contents.size:,} bytes, {state}")
-    say(f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second")
+    span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second"
     topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
     topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in contents.viewers.items()]
-    say_table("topics", ("topic", "holds", "messages"), topics)
-    say_table("attachments", ("file", "bytes"), [(name, f"{len(data):,}") for name, data in run.attachments.items()])
-    say_table("provenance", ("what", "value"), sorted(run.provenance.items()))
-    return 0
+    attached = tuple((name, f"{len(data):,}") for name, data in run.attachments.items())
+    outcome = Outcome(
+        title=f"log: {log}",
+        condition=f"{contents.size:,} bytes, {state}",
+        text=[f"{log}: {contents.size:,} bytes, {state}", span],
+        tables=[
+            Table("topics", ("topic", "holds", "messages"), tuple(topics)),
+            Table("attachments", ("file", "bytes"), attached),
+            Table("provenance", ("what", "value"), tuple(sorted(run.provenance.items()))),
+        ],
+        result={"log": log, **_described(contents)},
+    )
+    # the tables are what was asked for, however long
+    return deliver(outcome, place, replace(delivery, all=True))
 
 
-def columns(log: LogName, /, *, json: JsonFlag = False, _quiet: QuietFlag = False) -> int:
+def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """List the columns of a log: topic, name and unit."""
+    from cycloid_mj.base.frame import framed
     from cycloid_mj.log import load
 
     groups = load(log).run.groups
-    rows = [(topic, name, unit) for topic, units in groups.items() for name, unit in units.items()]
-    if json:
-        say_json([dict(zip(("topic", "column", "unit"), row, strict=True)) for row in rows])
-    else:
-        for row in rows:
-            say("\t".join(row))
-    return 0
+    place = claimed(delivery, f"{Path(log).stem}-columns")
+    rows = [
+        {"topic": topic, "column": name, "unit": unit}
+        for topic, units in groups.items()
+        for name, unit in units.items()
+    ]
+    outcome = Outcome(
+        title=f"columns: {log}",
+        text=["\t".join(row.values()) for row in rows],
+        frame=framed(rows, ("topic", "column", "unit"), {}),
+        result={"columns": rows},
+    )
+    return deliver(outcome, place, delivery)
 
 
 def csv(
@@ -99,17 +117,14 @@ def csv(
     out: Annotated[str, Parameter(name="--out", metavar="FILE", help="CSV file. Default: stdout.")] = STDOUT,
     *,
     columns: ColumnsFlag = None,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the time [s] and columns of a log as CSV, every digit of every number."""
     run = _read(log)
-    claim_csv(out, force)
-    names = _names(columns) or list(run.columns)
-    write_csv(out, {"time": run.time, **{name: run[name] for name in names}})
-    if out != STDOUT:
-        note(f"wrote {len(run)} rows of {len(names) + 1} columns to {out}")
-    return 0
+    written = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
+    claim_csv(out, delivery.force)
+    page = claimed_page(delivery, f"{Path(log).stem}-columns")
+    return deliver_columns(f"columns: {log}", written, out, page, delivery)
 
 
 def parquet(
@@ -120,9 +135,7 @@ def parquet(
     ] = None,
     *,
     columns: ColumnsFlag = None,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the time [s] and columns of a log as Parquet; units and provenance are its metadata.
 
@@ -130,10 +143,9 @@ def parquet(
     """
     from cycloid_mj.log.parquet import write_parquet
 
-    run, path = _read(log), _named(log, out, ".parquet", force)
+    run, (path, page) = _read(log), _named(log, out, ".parquet", delivery)
     write_parquet(run, path, _names(columns))
-    say_files([path], json)
-    return 0
+    return deliver_files(f"columns: {log}", [path], page, delivery)
 
 
 def repair(
@@ -144,9 +156,7 @@ def repair(
     ] = None,
     *,
     scene_hz: SceneFlag = None,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write a cut log anew and whole, up to its last whole chunk, with every topic and attachment.
 
@@ -158,15 +168,14 @@ def repair(
     contents = load(log)
     if contents.whole and scene_hz is None:
         note(f"{log} is whole: there is nothing to repair")
-        say_files([], json)
-        return 0
+        return deliver_files(f"nothing to repair: {log}", [], claimed_page(delivery, "repaired"), delivery)
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
-    claim(path, force=force)
-    write(contents.run, path, _scene(contents, scene_hz), force=force)
+    claim(path, force=delivery.force)
+    page = claimed_page(delivery, path.stem)
+    write(contents.run, path, _scene(contents, scene_hz), force=delivery.force)
     note(contents.run.note or f"wrote all {len(contents.run)} samples")
-    say_files([path], json)
-    return 0
+    return deliver_files(f"repaired: {log}", [path], page, delivery)
 
 
 def rerun(
@@ -176,9 +185,7 @@ def rerun(
         str | None, Parameter(name="--out", metavar="FILE", help="Recording to write. Default: RUN.rrd.")
     ] = None,
     *,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write a recording for Rerun (.rrd): the moving parts, the forces and every column.
 
@@ -189,13 +196,12 @@ def rerun(
     from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    run, path = read(log), _named(log, out, ".rrd", force)
+    run, (path, page) = read(log), _named(log, out, ".rrd", delivery)
     write_rerun(run, Reducer(design_of(run)), path)
-    say_files([path], json)
-    return 0
+    return deliver_files(f"recording: {log}", [path], page, delivery)
 
 
-def layout(log: LogName, /, *, _quiet: QuietFlag = False) -> int:
+def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print a layout for Foxglove and Lichtblick, with the mechanism and three plots.
 
     Import it there once: their own 3-D view starts 20 m away and cuts off what
@@ -204,16 +210,18 @@ def layout(log: LogName, /, *, _quiet: QuietFlag = False) -> int:
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene.layout import layout as arranged
 
-    say(text_of.dumps(arranged(Reducer(design_of(_read(log)))), indent=2))
-    return 0
+    arrangement = arranged(Reducer(design_of(_read(log))))
+    place = claimed(delivery, f"{Path(log).stem}-layout")
+    text = json.dumps(arrangement, indent=2).splitlines()
+    return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), place, delivery)
 
 
-def _named(log: str, out: str | None, ending: str, force: bool) -> Path:
-    """Claim the name of a file made from a log: the one asked for, or the log's with another ending."""
+def _named(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
+    """Claim the name of a file made from a log, by default the log's with another ending, and that of the page."""
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
-    claim(path, force=force)
-    return path
+    claim(path, force=wanted.force)
+    return path, claimed_page(wanted, f"{path.stem}-{ending[1:]}")
 
 
 def _read(log: str) -> "Run":

@@ -18,6 +18,7 @@ from cycloid_mj.cli.delivery import Destination, claimed, show_outcome, write
 from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
+    LOADED,
     NAMES,
     PRESET,
     SPEED,
@@ -195,7 +196,7 @@ class LostMotionOptions(MeasureOptions):
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --json"""
 
     load_nm: Annotated[
-        float | None, LOAD.flag("Largest torque of the loop, of which lost motion is read at 3 %", RATED)
+        float | None, LOADED.flag("Largest torque of the loop, of which lost motion is read at 3 %", RATED)
     ] = None
     quick: Annotated[bool, Parameter(help="2 crank angles instead of 6.")] = False
 
@@ -215,7 +216,7 @@ class LoadsOptions(MeasureOptions):
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-    load_nm: Annotated[float | None, LOAD.flag("Torque on the output", RATED)] = None
+    load_nm: Annotated[float | None, LOADED.flag("Torque on the output", RATED)] = None
     quick: Annotated[bool, Parameter(help="Two mesh periods instead of a whole turn of the crank.")] = False
 
 

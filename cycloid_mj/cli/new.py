@@ -1,16 +1,20 @@
 """``cycloid-mj design new``: a design file from a preset, or drives from what is asked of them."""
 
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
-from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, QuietFlag, SetFlag, designed, whole, whole_number
-from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.base.result import Table
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, designed, out_flag, whole, whole_number
+from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import PRESETS, dump, override, reasons
 
 if TYPE_CHECKING:
@@ -63,6 +67,16 @@ DiscsFlag = Annotated[
     str, Parameter(metavar="N|auto", help="Discs on the crank, 1 to 4, or auto: two where one is too few. Default: 1.")
 ]
 
+
+@dataclass(frozen=True, kw_only=True)
+class NewDelivery(Delivery):
+    """The same; design files are always written."""
+
+    out: Annotated[str | None, out_flag("NAME.toml", "this one")] = None
+
+
+DELIVERED = NewDelivery()
+
 COLUMNS = {
     "mass_kg": "mass [kg]",
     "drive_length_mm": "length [mm]",
@@ -96,9 +110,7 @@ def new(
     custom: CustomFlag = False,
     discs: DiscsFlag = "",
     set_: SetFlag = (),
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[NewDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Write NAME.toml, a complete, commented design file to edit.
 
@@ -123,12 +135,14 @@ def new(
         raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
     if stem in PRESETS:
         raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
-    claim(Path(f"{stem}.toml"), force=force)
     asked = {"--ratio": ratio or ratio_range or None, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
     if all(value is None for value in asked.values()):
         if discs:
             raise UsageError(f"--discs {discs} is for a new size; of another design it is --set gear.discs={discs}")
-        return _started(stem, source or "pin", set_, json)
+        started = designed(source or "pin", set_, ()).but(name=stem)
+        files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}
+        copied = {"figures": {}, "why": f"a copy of {source or 'pin'}"}
+        return _written(files, [copied], _claimed(stem, delivery), delivery)
     if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
         missing = " and ".join(flag for flag, value in asked.items() if value is None)
         raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
@@ -157,53 +171,65 @@ def new(
     )
     if ratio_range:
         wanted = best_ratio(wanted, low, high)
+    place = _claimed(stem, delivery)
     answer = answered(wanted)
     if answer.drives:
-        return _written(stem, answer, set_, json, force)
-    if json:
-        say_json(_refusal(answer, wanted, bool(ratio_range)))
-        return 1
+        return _sized(stem, answer, set_, place, delivery)
+    if delivery.json:
+        refusal = _refusal(answer, wanted, bool(ratio_range))
+        outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
+        return deliver(outcome, place, delivery)
     best = f"of {ratio_range} the ratio {wanted.ratio} bears the most: " if ratio_range else ""
     raise DesignError(best + answer.refusal)
 
 
-def _started(stem: str, source: str, changes: tuple[str, ...], json: bool) -> int:
-    """Write a copy of a design under another name."""
-    started, file = designed(source, changes, ()).but(name=stem), Path(f"{stem}.toml")
-    write_whole({file: dump(started, reasons(source, started)).encode()})
-    if json:
-        say_json({"designs": [{"file": str(file), "figures": {}, "why": f"a copy of {source}"}]})
-    else:
-        say(str(file))
-    return 0
+def _claimed(stem: str, wanted: NewDelivery) -> Destination:
+    """Claim the file of the design and the page, before the work."""
+    into = folder(wanted.out or ".", "the designs", [f"{stem}.toml"], wanted.force)
+    return Destination(stem, into, claimed_page(wanted, stem, into))
 
 
-def _written(stem: str, answer: "Answer", changes: tuple[str, ...], json: bool, force: bool) -> int:
+def _sized(stem: str, answer: "Answer", changes: tuple[str, ...], place: Destination, wanted: NewDelivery) -> int:
     """Write the drives that were found, and tell of them."""
-    files: dict[Path, bytes] = {}
-    written: list[dict[str, Any]] = []
+    files: dict[str, bytes] = {}
     for number, drive in enumerate(answer.drives):
         title = f"{stem}-{drive.title.replace(' ', '-')}" if number else stem
-        file = Path(f"{title}.toml")
-        claim(file, force=force)
         design = override(drive.design.but(name=title), changes)
-        files[file] = dump(design, drive.reasons).encode()
-        written.append({"file": str(file), "title": drive.title, "figures": dict(drive.figures), "why": drive.why})
-    write_whole(files)
-    if json:
-        say_json(
-            {"designs": [one | {"reasons": drive.reasons} for one, drive in zip(written, answer.drives, strict=True)]}
-        )
-        return 0
-    for file in files:
-        say(str(file))
-    rows = [_row(drive) for drive in answer.drives]
-    say_table(
-        f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.asked.torque:g} N m", ("drive", *COLUMNS.values()), rows
+        files[f"{title}.toml"] = dump(design, drive.reasons).encode()
+    about = [
+        {"title": drive.title, "figures": dict(drive.figures), "why": drive.why, "reasons": drive.reasons}
+        for drive in answer.drives
+    ]
+    heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.asked.torque:g} N m"
+    table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_row, answer.drives)))
+    notes = [
+        f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}"
+        for number, drive in enumerate(answer.drives)
+    ]
+    return _written(files, about, place, wanted, [table], notes)
+
+
+def _written(
+    files: Mapping[str, bytes],
+    about: Sequence[Mapping[str, Any]],
+    place: Destination,
+    wanted: NewDelivery,
+    tables: Sequence[Table] = (),
+    summary: Sequence[str] = (),
+) -> int:
+    """Write design files, and tell of each."""
+    paths = place.paths(files)
+    claim(*map(Path, paths), force=wanted.force)
+    outcome = Outcome(
+        title=f"new design: {place.stem}",
+        text=paths,
+        tables=tables,
+        summary=summary,
+        files=files,
+        result={"designs": [{"file": path} | dict(one) for path, one in zip(paths, about, strict=True)]},
+        filed=False,
     )
-    for number, drive in enumerate(answer.drives):
-        say(f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}")
-    return 0
+    return deliver(outcome, place, wanted)
 
 
 def _row(drive: "SizedDrive") -> tuple[str, ...]:

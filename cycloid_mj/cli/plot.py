@@ -1,15 +1,17 @@
 """``cycloid-mj plot``: draw the motion of a logged run."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import warn
+from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, PointFlag, QuietFlag, point
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say_files
 
 EXAMPLES = """Examples:
   cycloid-mj plot runs/pin.mcap
@@ -33,9 +35,7 @@ def plot(
     q: PointFlag = None,
     out: OutFlag = None,
     format_: FormatFlag = "png",
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Draw the motion of a logged run: crank, gear, point q, pin 1.
 
@@ -44,15 +44,25 @@ def plot(
     and the transmission error. The paths of the files are printed, one in a line. The log alone is enough;
     that of a run that ended in its ramp is drawn as far as it goes.
     """
-    place = point(q)
+    point_q = point(q)
     from cycloid_mj.analysis import judge, series
     from cycloid_mj.log import read
-    from cycloid_mj.plots import figures, save
+    from cycloid_mj.plots import figures
+    from cycloid_mj.plots.save import drawn
 
-    motion = series(read(log), place)
+    motion = series(read(log), point_q)
     warn(motion.design.name, judge(motion).warnings)
-    drawn = figures(motion)
-    names = [f"{name}.{format_}" for name in drawn]
-    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, force)
-    say_files(save(drawn, into, (format_,)), json)
-    return 0
+    shown = figures(motion)
+    names = [f"{name}.{format_}" for name in shown]
+    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
+    stem = f"{Path(log).stem}-figures"
+    place = Destination(stem, into, claimed_page(delivery, stem, into))
+    outcome = Outcome(
+        title=f"figures: {log}",
+        text=place.paths(names),
+        pictures={name: partial(drawn, figure) for name, figure in shown.items()},
+        formats=(format_,),
+        result={"files": place.paths(names)},
+        filed=False,
+    )
+    return deliver(outcome, place, delivery)

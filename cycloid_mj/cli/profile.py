@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, QuietFlag, whole, within
-from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
-from cycloid_mj.cli.terminal import note
+from cycloid_mj.cli.delivery import claimed_page, deliver_columns
+from cycloid_mj.cli.flags import COMMON, FLAT, MOST_ROWS, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -48,8 +48,7 @@ def profile(
     csv: CsvFlag,
     points: PointsFlag = None,
     part: PartFlag = "gear",
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the outline of the gear as CSV, for CAD or for a check.
 
@@ -75,12 +74,11 @@ def profile(
     teeth's working force at the rated torque: working_force.*_n and
     contact.working_force_n, or ideal sharing).
     """
-    claim_csv(csv, force)
-    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](Reducer(chosen.resolved()), points)
-    write_csv(csv, columns)
-    if csv != STDOUT:
-        note(f"wrote {len(columns['x_mm'])} points to {csv}")
-    return 0
+    reducer = Reducer(chosen.resolved())
+    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)
+    claim_csv(csv, delivery.force)
+    page = claimed_page(delivery, f"{reducer.design.name}-{part}")
+    return deliver_columns(f"{part} of {reducer.design.name}", columns, csv, page, delivery)
 
 
 def _gear(reducer: Reducer, points: int | None) -> Columns:

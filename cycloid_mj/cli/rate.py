@@ -78,8 +78,9 @@ def rate(
             raise UsageError(f"{flag} {value:g}: give a number that is not 0")
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
+    ranges = read_ranges(stress, Reducer(design)) if stress else None
     place = claimed(delivery, f"{design.name}-rating")
-    rating = rated(design, cycle, life_h or 0.0, read_ranges(stress, Reducer(design)) if stress else None, give=True)
+    rating = rated(design, cycle, life_h or 0.0, ranges, give=True)
     return deliver(_outcome(rating, place), place, delivery)
 
 

@@ -8,8 +8,8 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag, whole, within
-from cycloid_mj.cli.terminal import say_files
+from cycloid_mj.cli.delivery import claimed_page, deliver_files
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
 from cycloid_mj.reducer import Reducer
 
 EXAMPLES = """Examples:
@@ -49,9 +49,7 @@ def render(
     height: HeightFlag = HEIGHT,
     azimuth: AzimuthFlag = AZIMUTH,
     elevation: ElevationFlag = ELEVATION,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Render a moment of a logged run with MuJoCo.
 
@@ -68,9 +66,10 @@ def render(
     if Path(out).suffix.lower() not in FORMATS:
         raise UsageError(f"a picture is written as {', '.join(FORMATS)}: cannot write {out}")
     run = read(log)
-    claim(Path(out), force=force)
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
         raise UsageError(f"--time-s {time_s:g}: the run goes from {run.time[0]:g} to {run.time[-1]:g} s")
+    claim(Path(out), force=delivery.force)
+    page = claimed_page(delivery, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     require_mujoco()
     from cycloid_mj.scene.render import render as rendered
@@ -80,5 +79,4 @@ def render(
 
     with whole_file(out) as beside:
         Image.fromarray(picture).save(beside)
-    say_files([out], json)
-    return 0
+    return deliver_files(f"picture: {log}", [out], page, delivery)

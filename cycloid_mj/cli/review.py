@@ -1,14 +1,16 @@
 """``cycloid-mj report``: the review of logged runs as one HTML page."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.replacing import claim, require_ending
-from cycloid_mj.cli.flags import ForceFlag, JsonFlag, PointFlag, QuietFlag, point
-from cycloid_mj.cli.terminal import printable, say_files
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
+from cycloid_mj.cli.terminal import printable
 
 EXAMPLES = """Examples:
   cycloid-mj report runs/pin.mcap
@@ -17,7 +19,7 @@ EXAMPLES = """Examples:
 LogNames = Annotated[str, Parameter(metavar="RUN.mcap...", help="Logs of runs; several are set side by side.")]
 OutFlag = Annotated[
     str | None,
-    Parameter(metavar="FILE", help="HTML file. Default: the first log's path with .html."),
+    Parameter(metavar="FILE", help="HTML file, as by --html. Default: the first log's path with .html."),
 ]
 
 
@@ -25,9 +27,7 @@ def report(
     *logs: LogNames,
     out: OutFlag = None,
     q: PointFlag = None,
-    json: JsonFlag = False,
-    force: ForceFlag = False,
-    _quiet: QuietFlag = False,
+    delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the review of one or more logged runs as one HTML page.
 
@@ -35,21 +35,19 @@ def report(
     mechanism with its forces, load sharing, order spectrum, losses, warnings
     and provenance. The page needs no network and reads on paper too.
     """
-    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed
 
-    place = point(q)
+    point_q = point(q)
     if not logs:
         raise UsageError("no log is given: cycloid-mj report RUN.mcap...")
     if len(set(logs)) < len(logs):
         raise UsageError("a log is given twice: give each once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}
-    path = Path(logs[0]).with_suffix(".html") if out is None else Path(out)
-    require_ending(path, ".html")
-    claim(path, force=force)
-    page = reviewed(runs, place)
-    write_whole({path: page.encode()})
-    say_files([path], json)
-    return 0
+    named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
+    named = named or (str(Path(logs[0]).with_suffix(".html")),)
+    place = Destination("report", None, claimed_page(replace(delivery, html=named), "report"))
+    review = reviewed(runs, point_q)
+    outcome = Outcome(title="review", text=named, result={"files": list(named)}, page=lambda: review)
+    return deliver(outcome, place, delivery)

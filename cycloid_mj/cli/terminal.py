@@ -5,10 +5,9 @@ import logging
 import math
 import sys
 import warnings
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import CycloidWarning
@@ -52,16 +51,6 @@ def tell(text: str) -> None:
 def note(text: str) -> None:
     """Write a message as `tell` does, unless the command was asked to be quiet."""
     logging.getLogger(__name__).info("%s", printable(text))
-
-
-def say_files(files: Iterable[str | Path], json: bool) -> None:
-    """Write the paths of the files that a command has made, one in a line or as a JSON object."""
-    paths = list(map(str, files))
-    if json:
-        say_json({"files": paths})
-        return
-    for path in paths:
-        say(path)
 
 
 def show(table: "Table") -> None:

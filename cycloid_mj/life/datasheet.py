@@ -112,15 +112,7 @@ class Datasheet(Presented):
 
 
 def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
-    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h], by default its own.
-
-    Raises
-    ------
-    DesignError
-        The crank stands still, or nothing bears even the least torque for so long.
-    RunError
-        No static balance was found, as where friction jams the reducer.
-    """
+    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h] (0: its own)."""
     design = reducer.design
     life = life or design.service.life
     static = sheet(reducer, design.rated_torque)

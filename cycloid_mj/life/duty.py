@@ -46,7 +46,7 @@ class Duty:
 
 
 def steady(torque: float, speed: float, peak: float | None = None) -> Duty:
-    """Find the duty of one torque [N m] and speed [rad/s] all the time; its peak is twice that unless it is given."""
+    """Make the duty of one torque [N m] and speed [rad/s] all the time; its peak is twice that unless it is given."""
     return _cycle((DutyPoint(abs(torque), abs(speed), 1.0),), peak)
 
 

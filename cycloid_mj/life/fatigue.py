@@ -62,7 +62,7 @@ def endurance_limit(
 
 
 def size_factor(diameter: float) -> float:
-    """Find the size factor of a round bar in bending: 1 up to 2.79 mm, then 1.24 d^-0.107, from 51 mm 1.51 d^-0.157."""
+    """Compute the size factor of a round bar in bending: 1 up to 2.79 mm, 1.24 d^-0.107, from 51 mm 1.51 d^-0.157."""
     millimetres = 1e3 * diameter
     if millimetres <= 2.79:
         return 1.0

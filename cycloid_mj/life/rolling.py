@@ -44,7 +44,7 @@ def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diame
 
 
 def static_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
-    """Find the basic static load rating of a row of radial rollers [N]: C0 = 44 (1 - D/D_pw) Z L D (ISO 76), in [m]."""
+    """Compute the basic static load rating of a row of radial rollers [N]: 44 (1 - D/D_pw) Z L D (ISO 76), in [m]."""
     return 44.0 * (1.0 - diameter / pitch_diameter) * rollers * (1e3 * length) * (1e3 * diameter)
 
 

@@ -136,7 +136,7 @@ def _turns_an_hour(speed: float) -> float:
 
 
 def pitting_limit(material: Material) -> tuple[float, str]:
-    """Find the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and where it is from."""
+    """Return the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and where it is from."""
     if material.endurance_pressure:
         return material.endurance_pressure, f"S_c of {material.name or 'the design file'}"
     hardness = 1e-6 * material.tensile_strength / BRINELL

@@ -129,13 +129,7 @@ class Against:
 
 
 def against(reducer: Reducer, reduced: ReducedJoint) -> Against:
-    """Run the joint in MuJoCo at the levels `backlash` and `full` and hold it against the full model.
-
-    Raises
-    ------
-    RunError
-        The full model has no static balance.
-    """
+    """Run the joint in MuJoCo at the levels `backlash` and `full` and hold it against the full model."""
     reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
     play = play_of(reducer, ANGLES * POSES)
     slow, slow_curves = _loop(reduced.at("backlash"), play)

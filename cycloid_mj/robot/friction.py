@@ -36,7 +36,7 @@ class FrictionMap:
         return float(np.interp(abs(speed), self.speeds, lost))
 
     def efficiency(self, torque: float, speed: float, ratio: float, driving: bool) -> float:
-        """Find the share of the power supplied that is given out; 0 where friction holds the output: self-locking."""
+        """Compute the share of the power supplied given out; 0 where friction holds the output (self-locking)."""
         return joint_powers(abs(torque) / ratio, self.torque(torque, speed, driving), driving).efficiency
 
     @classmethod

@@ -236,7 +236,7 @@ def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
 
 
 def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
-    """Find the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
+    """Compute the torque of friction on a turning crank [N m]; where the output jams, as of a crank that drives."""
     try:
         mean_powers = powers(reducer, torque)
     except RunError:

@@ -226,7 +226,7 @@ def parameters(reducer: Reducer) -> dict[str, float]:
 def _drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
-    """Draw a drive by its number; give its parameters and what was drawn, or None where it does not go together."""
+    """Draw a drive by its number; return its parameters and what was drawn, or None where it does not go together."""
     zones, (block, row) = tolerances(reducer), divmod(number, BLOCK)
     place = Batch(block, 1, row)
     shares = np.random.default_rng([seed, STREAM, number]).random(len(ranges)).tolist()

@@ -40,13 +40,7 @@ def turns(reducer: Reducer) -> int:
 
 
 def ripple(reducer: Reducer, on_step: Callable[[], None]) -> Ripple:
-    """Solve the error under no load and `LOADS`, both ways, keep the harmonics that matter; `on_step` counts the turns.
-
-    Raises
-    ------
-    RunError
-        No balance was found.
-    """
+    """Solve the error without a load and at `LOADS`, both ways, keep what matters of it; `on_step` counts the turns."""
     lightest = next((load for load in UNLOADED if _balances(reducer, load)), UNLOADED[-1])
     shares = (lightest, *LOADS)
     spectra = {(load, way): waves(error(reducer, load, way, on_step)) for way in (1, -1) for load in shares}

@@ -84,7 +84,7 @@ def mean_cosine(half_angle: Array) -> Array:
 
 
 def dot(a: Array, b: Array) -> Array:
-    """Inner products along the last axis."""
+    """Compute inner products along the last axis."""
     return np.sum(a * b, axis=-1)
 
 

@@ -128,6 +128,6 @@ def plateau(sizes: Array, first: int) -> int:
 
 
 def fall(sizes: Array, rung: int) -> float:
-    """Find how far the largest stress falls from a rung to twice its distance, as a share; 1 where nothing is left."""
+    """Compute how far the largest stress falls from a rung to twice its distance, as a share; 1 for nothing left."""
     beyond = sizes[rung + OCTAVE] if rung + OCTAVE < len(sizes) else 0.0
     return float(1.0 - beyond / sizes[rung]) if sizes[rung] > 0.0 else 0.0

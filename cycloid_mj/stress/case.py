@@ -65,11 +65,6 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     """Factorise a part under patches and its mass.
 
     A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
-
-    Raises
-    ------
-    CycloidError
-        The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
     pressed = put.loads if grid.section is None else _lifted(grid.section, loads)

@@ -138,7 +138,7 @@ def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | N
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
-    """Centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
+    """Compute the centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.reducer.design.ring
     nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
     if not ring.has_pin_bodies:
@@ -340,7 +340,7 @@ def _hole_width(turn: Turn, action: Action) -> Array:
 
 
 def _socket_width(turn: Turn, action: Action) -> Array:
-    """Half width of the patch of a pin in its socket [m], (k,); as wide as can be where the pin is pressed in."""
+    """Compute the half width of the patch of a pin in its socket [m], (k,); the widest where the pin is pressed in."""
     radius = turn.reducer.design.ring.pin_radius
     return _nested_width(turn, "pin_socket", action, radius, radius + turn.reducer.design.socket_play)
 

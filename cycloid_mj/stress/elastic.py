@@ -79,11 +79,6 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
         Rigid motions that nothing real holds; by default all of a free part.
-
-    Raises
-    ------
-    CycloidError
-        The supports leave a rigid motion free, the part is in pieces, or scikit-fem is missing.
     """
     motions = rigid_motions(grid.points)
     if loose is None:
@@ -111,7 +106,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
 def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     """Spread what is out of balance in loads (n, c) [N] over the mass, as an acceleration along the loose motions.
 
-    Give the balanced loads and the imbalance (c, r) along all rigid motions: forces [N], then moments [N m]; zero along
+    Return the balanced loads and the imbalance (c, r) along all rigid motions: forces [N], moments [N m]; zero along
     the motions that supports hold.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))

@@ -47,13 +47,6 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     Contact forces of a disc act evenly over its face width. The output is its disc with the pins on it, one body, and
     the second disc that holds their other ends, if there is one; the bulk keeps off the roots of its pins, sharp inner
     corners without their fillets, and off the faces of its rigid hubs.
-
-    Raises
-    ------
-    UsageError
-        The design has no such part.
-    CycloidError
-        The part does not mesh, or a package of the extra ``fem`` is missing.
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
@@ -185,7 +178,7 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, step: float) -> Array:
-    """Points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
+    """Return points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
     pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
     roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
     return np.concatenate([*roots, _ring(hub, step, face), _ring(hub, step, back)])

@@ -108,7 +108,7 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Find the maxima of stress on a part at each crank angle of its loads, which are held in memory: for some angles.
+    """Compute the maxima of stress on a part at each crank angle of its loads, held in memory: for some angles.
 
     Parameters
     ----------

@@ -27,11 +27,6 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs from full speed for one settled turn.
 
     The load [N m] is that given, else the design's own, or its rated torque where that is 0.
-
-    Raises
-    ------
-    DesignError
-        The ring is in two halves, which lie over each other in the plane of a grid.
     """
     require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)

@@ -15,7 +15,7 @@ FARTHEST = 0.5
 
 
 def pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
+    """Compute the relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
 
     The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's.
     """
@@ -77,7 +77,7 @@ def lobe_place(
 
 
 def _miss(gear: CycloidGear, t: Array, foot: Array, along: Array, offset: float) -> Array:
-    """Distance of outline(t) from the line of action [m]."""
+    """Compute the distance of outline(t) from the line of action [m]."""
     return cross(profile.outline(gear, t, offset) - foot, along)
 
 

@@ -217,7 +217,7 @@ def _clamped(region: Region) -> Array:
 def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, part: str) -> tuple[Any, Integers]:
     """Make a quadratic scikit-fem mesh whose edges ``ends`` (e, 2) pass through ``middles`` (e, d) [m].
 
-    Give the mesh and the node in the middle of each of these edges.
+    Return the mesh and the node in the middle of each of these edges.
 
     Raises
     ------

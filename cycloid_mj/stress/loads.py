@@ -140,7 +140,7 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
 
 
 def _inertia_about_axis(body: MassProperties) -> float:
-    """Moment of inertia about the reducer's axis [kg m2]."""
+    """Compute the moment of inertia about the reducer's axis [kg m2]."""
     return float(body.inertia[2, 2] + body.mass * np.sum(body.centroid[:2] ** 2))
 
 

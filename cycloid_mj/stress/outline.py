@@ -67,7 +67,7 @@ def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
 
 
 def _wanted(points: Array, radius: Array, sizing: Sizing) -> Array:
-    """Edge length wanted at each point, before grading."""
+    """Compute the edge length wanted at each point, before grading."""
     size = np.minimum(sizing.edge, np.maximum(sizing.turn * radius, sizing.finest))
     for x, y, edge in sizing.focus:
         size = np.minimum(size, edge + GROWTH * np.hypot(points[:, 0] - x, points[:, 1] - y))

@@ -41,12 +41,6 @@ def part_grid(
 
 
 def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part with its loads; on the shaft they are superposed unit loads.
-
-    Raises
-    ------
-    CycloidError
-        The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
-    """
+    """Factorise a part with its loads; on the shaft they are superposed unit loads."""
     case = shaft_case if grid.part == "shaft" else patch_case
     return case(reducer, grid, loads)

@@ -115,7 +115,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
 def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> tuple[Integers, Array]:
     """Spread forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
 
-    Give the nodes (a, q, 3) of the edges under the q points of each patch, and the forces (a, q, 3, 2) [N] on them.
+    Return the nodes (a, q, 3) of the edges under the q points of each patch, and forces (a, q, 3, 2) [N] on them.
 
     The direction of the pressure follows the outline's normal, as that of a bearing does; on a narrow patch it is that
     of the force. Plane vectors are complex numbers here.
@@ -174,7 +174,7 @@ def _sampled(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
 
 
 def _shape(xi: Array) -> Array:
-    """Quadratic shape functions (..., 3) of start, middle and end at the parameter xi of an edge, 0 to 1."""
+    """Compute quadratic shape functions (..., 3) of start, middle and end at the parameter xi of an edge, 0 to 1."""
     return np.stack([(1 - xi) * (1 - 2 * xi), 4 * xi * (1 - xi), xi * (2 * xi - 1)], axis=-1)
 
 

@@ -161,6 +161,6 @@ def _points_round(grid: Grid, count: int) -> tuple[Integers, Mask]:
 
 
 def _terms(x: Array) -> Array:
-    """Monomials up to the second degree (..., 6 or 10) of places (..., d)."""
+    """Compute the monomials up to the second degree (..., 6 or 10) of places (..., d)."""
     i, j = np.triu_indices(x.shape[-1])
     return np.concatenate([np.ones((*x.shape[:-1], 1)), x, x[..., i] * x[..., j]], axis=-1)

@@ -196,7 +196,7 @@ def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[
 
 
 def _half_cosine(order: int) -> float:
-    """Fourier coefficient of max(0, cos)."""
+    """Compute a Fourier coefficient of max(0, cos)."""
     if order == 0:
         return 1 / np.pi
     return 0.5 if order == 1 else 2 / np.pi * (-1) ** (order // 2 + 1) / (order**2 - 1)
@@ -244,7 +244,7 @@ def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
 
 
 def section_moments(points: Array, forces: Array, places: Array) -> Array:
-    """Find the moments about x, y and z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
+    """Compute moments about x, y, z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
 
     About the axis, in the section at each place; they are in balance with what comes after it.
     """

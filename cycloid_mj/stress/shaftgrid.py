@@ -22,13 +22,7 @@ CORNER_EDGE = 1 / 3
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
-    """Build the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y.
-
-    Raises
-    ------
-    CycloidError
-        The shaft does not mesh, or a package of the extra ``fem`` is missing.
-    """
+    """Build the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y."""
     shaft = shaft_measures(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
@@ -44,7 +38,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
 
 
 def _inner_corners(shaft: ShaftDimensions) -> Array:
-    """Points along the sharp inner edges: at both faces and the flats of the counterweight, and at the cam's faces."""
+    """List points along the sharp inner edges: both faces and the flats of the counterweight, and the cam's faces."""
     step = CORNER_DISTANCE * shaft.radius / 8
     turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
     x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)

@@ -166,7 +166,7 @@ def stress_study(
     grids: Mapping[str, Grid] | None = None,
     references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
-    """Find the stress of parts along a crank turn of a run, under its logged forces.
+    """Compute the stress of parts along a crank turn of a run, under its logged forces.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def in_order(parts: Sequence[str]) -> list[str]:
 
 
 def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Find the stress of one part, on a grid that may be there already; raises as `stress_study`."""
+    """Compute the stress of one part, on a grid that may be there already; raises as `stress_study`."""
     start = time.perf_counter()
     loads = part_loads(run, reducer, part, settings.turn)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
@@ -368,12 +368,12 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
 
 
 def _choice(stress: PartStress) -> float:
-    """Find what the choice of the distance may change, as a share: how far the plateau falls to twice its distance."""
+    """Compute what the distance may change, as a share: how far the plateau falls to twice its distance."""
     return fall(stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance))))
 
 
 def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
-    """Find by what share the bulk changes from its distance from corners to half and twice that; 0 without corners."""
+    """Compute by what share the bulk changes from its distance from corners to half and twice it; 0 without corners."""
     sizes = [size for _, size in corners]
     base = sizes[len(sizes) // 2] if sizes else 0.0
     return max(abs(size / base - 1.0) for size in sizes) if base > 0.0 else 0.0
@@ -401,7 +401,7 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
 
 
 def _imbalance(stress: PartStress, grid: Grid) -> float:
-    """Imbalance of forces and moments over the largest force, and over its moment at the part's radius."""
+    """Compute the imbalance of forces and moments over the largest force, and over its moment at the part's radius."""
     forces, moments = stress.imbalance[:, : grid.dimension], stress.imbalance[:, grid.dimension :]
     reach = float(np.linalg.norm(grid.points[:, :2], axis=1).max())
     largest = max(float(np.abs(forces).max()), float(np.abs(moments).max()) / reach)
@@ -409,7 +409,7 @@ def _imbalance(stress: PartStress, grid: Grid) -> float:
 
 
 def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
-    """Stress 2 F/(pi L d) [Pa] at the bulk distance d from the largest force on a narrow patch (Flamant)."""
+    """Compute Flamant's 2 F/(pi L d) [Pa] at the bulk distance d from the largest force on a narrow patch."""
     narrow = loads.half_width < distance / 2.0
     force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
     return float(2.0 * force / (np.pi * reducer.design.gear.face_width * distance))

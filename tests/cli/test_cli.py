@@ -460,7 +460,7 @@ def test_plot_puts_figures_beside_the_log(run):
 def test_profile_writes_the_outline_with_every_digit(tmp_path):
     file = tmp_path / "gear.csv"
     code, out, err = told("profile", "--design", "pin", "--csv", str(file), "--points", "701")
-    assert (code, out, err) == (0, "", f"wrote 701 points to {file}\n")
+    assert (code, out, err) == (0, "", f"wrote 701 rows of 5 columns to {file}\n")
     header, rows = table_of(file)
     assert header == ["x_mm", "y_mm", "nx", "ny", "curvature_per_mm"]
     outline = profile.sample(PAPER, 701)
@@ -768,7 +768,7 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("profile", "--design", "pin"), ("--csv", "needs a value")),
         (("profile", "--design", "pin", "--cvs=x.csv"), ("unknown option --cvs", "did you mean --csv?")),
         ((*PROFILE, "--quite"), ("unknown option --quite; did you mean --quiet?",)),
-        ((*PROFILE, "--workers", "2"), ("unknown option --workers; see",)),
+        ((*PROFILE, "--turns", "2"), ("unknown option --turns; see",)),
         (("profile", "--design", "pin", "--csv", "--points"), ("--csv", "--points")),
         ((*PROFILE, "--points", "1.5"), ("--points", "1.5", "whole number")),
         ((*PROFILE, "--points", "2"), ("--points", "2", "from 3 to 1000000")),

@@ -126,3 +126,71 @@ def test_the_terminal_shows_some_25_lines(command: tuple[str, ...], capsys: pyte
     short = capsys.readouterr().out.splitlines()
     assert main([*command, "pin", "--all"]) == 0
     assert len(short) <= MOST_LINES < len(capsys.readouterr().out.splitlines())
+
+
+WRITING = [
+    *(("figures",), ("design", "show", "pin"), ("design", "new", "my")),
+    *(("profile", "pin", "--csv", "-"), ("kinematics", "pin", "--csv", "-", "--until-s", "0.01")),
+]
+
+
+@pytest.mark.parametrize("words", WRITING, ids=" ".join)
+def test_commands_that_write_files_or_lists_take_the_same_flags(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "--json", "--quiet", "--all", "--workers", "1", "--html", "page.html"]) == 0
+    out, err = capsys.readouterr()
+    assert (err, isinstance(json.loads(out), dict)) == ("", True)
+    assert Path("page.html").read_text().startswith("<!doctype html")
+    assert main([*words, "--json", "--quiet", "--html", "page.html"]) == 1
+    assert "exists already" in capsys.readouterr().err
+
+
+def test_columns_are_json_where_no_file_is_named_and_ranges_with_all(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    motion = ("kinematics", "pin", "--until-s", "0.01", "--step-s", "0.005", "--csv")
+    assert main([*motion, "-", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["rows"], told["values"]["t_s"]) == (3, [0.0, 0.005, 0.01])
+    file = tmp_path / "q.csv"
+    assert main([*motion, str(file), "--json", "--quiet"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["files"], told["rows"], "values" in told) == ([str(file)], 3, False)
+    assert main([*motion, str(file), "--force", "--all"]) == 0
+    out, err = capsys.readouterr()
+    assert "3 rows of 8 columns" in out
+    assert err == f"wrote 3 rows of 8 columns to {file}\n"
+
+
+def test_a_new_design_goes_to_its_folder_and_a_design_shown_to_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["design", "new", "my", "--out", "designs"]) == 0
+    assert capsys.readouterr().out == "designs/my.toml\n"
+    assert main(["design", "show", "designs/my.toml", "--out", "shown"]) == 0
+    assert capsys.readouterr().out == Path("shown/my.toml").read_text()
+    assert json.loads(Path("shown/my-design.json").read_text())["name"] == "my"
+
+
+@pytest.mark.parametrize(
+    ("words", "taken"),
+    [
+        (("statics", "pin", "--load-nm", "0", "--out", "."), "pin-statics.json"),
+        (("rate", "pin", "--life-h", "-1", "--out", "."), "pin-rating.json"),
+        (("analyze", "run.mcap", "--q", "here", "--out", "."), "run-analysis.json"),
+        (("profile", "pin", "--part", "ring", "--csv", "x.csv"), "x.csv"),
+        (("kinematics", "pin", "--until-s", "1e6", "--csv", "x.csv"), "x.csv"),
+        (("animate", "run.mcap", "x.gif", "--fps", "99"), "x.gif"),
+        (("design", "new", "my", "--discs", "2"), "my.toml"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value[0],
+)
+def test_wrong_usage_is_told_before_a_file_in_the_way(
+    words: tuple[str, ...], taken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(taken).write_text("{}")
+    assert main(list(words)) == 2

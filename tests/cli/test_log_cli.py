@@ -84,7 +84,7 @@ def test_columns_lists_names_and_units(path):
     listed = [line.split("\t") for line in out.splitlines()]
     assert [name for _, name, _ in listed] == COLUMNS
     assert listed[0] == ["/reducer", "crank_angle", "rad"]
-    rows = json.loads(told("log", "columns", path, "--json")[1])
+    rows = json.loads(told("log", "columns", path, "--json")[1])["columns"]
     assert [[row["topic"], row["column"], row["unit"]] for row in rows] == listed
 
 

@@ -1,6 +1,7 @@
 """Lost motion and stiffness: the readings on a curve that is known, the loops against an independent balance."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -135,6 +136,9 @@ def test_nothing_to_measure_is_a_usage_error(rated: float, angles: int):
         lost_motion(FIXED.design, rated, angles)
 
 
-def test_command_refuses_a_torque_that_is_none(capsys):
-    assert main(["measure", "lost-motion", "--load-nm", "0"]) == 2
-    assert "0 N m" in capsys.readouterr().err
+def test_command_refuses_a_torque_that_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+    """Before it looks at its files, of which one is there."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lost-motion-pin.json").write_text("{}")
+    assert main(["measure", "lost-motion", "--load-nm", "0", "--out", "."]) == 2
+    assert "--load-nm 0: must be more than 0" in capsys.readouterr().err

@@ -284,7 +284,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     assert [{**row, "count": int(row["count"])} for row in rows] == told["bom"]
     assert Counter(row["made_or_bought"] for row in rows) == {"made": 7, "bought": 9}
     assert {str(path) for path in out.iterdir()} == set(told["files"])
-    assert main([*arguments, "--out", str(out), "--force"]) == 0
+    assert main([*arguments, "--out", str(out), "--force", "--all"]) == 0
     shown = capsys.readouterr().out
     for words in (
         "asked for",
