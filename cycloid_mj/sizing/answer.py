@@ -187,7 +187,8 @@ def _none_fits(asked: Requirement) -> Answer:
         f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
     )
     way = _longer(asked) or _larger(asked, 0.0, Budget(LOOKED_FOR))
-    return Answer(asked, (), 0.0, limit, (way,) if way and _exact(way.asked) else tuple(_beyond(asked)))
+    sure = way and (asked.backlash == math.inf or _exact(way.asked))
+    return Answer(asked, (), 0.0, limit, (way,) if way and sure else tuple(_beyond(asked)))
 
 
 def _beyond(asked: Requirement) -> Iterator[Way]:
