@@ -32,6 +32,9 @@ WHOLE_TURN = 0.99
 IDLE = 0.01
 """Least power that a share is taken of, over the rated power: an idling reducer takes next to none."""
 
+AFLOAT = 0.1
+"""Least share of the load's power that the driving shaft takes where the load bears on it."""
+
 DEEP = 0.5
 """Share of the allowed penetration that is worth a warning."""
 
@@ -76,7 +79,7 @@ def unsettled(run: Run) -> Iterator[str]:
 
 
 def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
-    """Say if the power balance of a run's samples is open, and if its efficiency is one that no reducer has, or 0.
+    """Say if the power balance of a run's samples is open, or its efficiency none, 0, or one that no reducer has.
 
     A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A
     reducer whose load is not the design's may be driven through both shafts.
@@ -97,10 +100,18 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
             f"the efficiency is {powers.efficiency:.2%}: friction takes {1.0 / powers.efficiency - 1.0:.3g} times what "
             "goes to the load; such a drive all but locks itself, check friction.*, clearances and the load"
         )
+    why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
+    carried = abs(design.load.torque * design.drive.speed) / design.reduction
+    if powers.supplied < AFLOAT * carried:
+        doubtful.append(
+            f"the load has not come to bear: the driving shaft takes {powers.supplied:.3g} W for the {carried:.3g} W "
+            "of the load, as parts cross their play; forces and efficiency are no steady ones: take a longer "
+            "drive.hold_s, a larger load or less clearance"
+        )
+        return tuple(doubtful)
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
     most = 1.0 + (OPEN if powers.lost < OPEN * scale else 0.0)
     outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
-    why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
     if design.load.torque and powers.note:
         doubtful.append(f"the efficiency is 0, {powers.note}: both shafts drive, and friction takes all; or {why}")
     if outside and (design.load.torque or max(powers.crank, powers.output) > idle):

@@ -257,7 +257,9 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
     moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
-    yield from disc_shares(moments / moments.sum(axis=1, keepdims=True))
+    whole = moments.sum(axis=1, keepdims=True)
+    # parts that cross their play carry nothing at times, of which there are no shares
+    yield from disc_shares(moments[whole[:, 0] != 0.0] / whole[whole != 0.0][:, np.newaxis])
     yield from reaction_quantities(spatial(reducer, *(force.sum(axis=2) for force in (shaft, pins, ring))))
 
 

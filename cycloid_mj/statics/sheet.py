@@ -60,6 +60,7 @@ LoadSource = Literal["given", "load.torque_nm", "rated torque"]
 """Where the load of a sheet is from."""
 
 CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
+UNLOADED = "none: the output carries nothing"
 
 PARTS = {
     "output": "output pins",
@@ -352,10 +353,9 @@ def _angles(reducer: Reducer) -> Array:
 def disc_shares(share: Array) -> Iterator[Quantity]:
     """List the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
     for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
-        note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle"
-        yield Quantity(
-            f"disc_{number}_share", f"share of disc {number} in the torque", float(one.mean()), "1", note=note
-        )
+        value = float(one.mean()) if one.size else math.nan
+        note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle" if one.size else UNLOADED
+        yield Quantity(f"disc_{number}_share", f"share of disc {number} in the torque", value, "1", note=note)
 
 
 def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:

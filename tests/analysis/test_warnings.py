@@ -213,6 +213,18 @@ def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
     assert "the efficiency is 0, self-locking" in spoiled("load_torque", -1.0)[-1]
 
 
+@pytest.mark.parametrize("crank", [1e-9, 0.0, -1e-9])
+def test_a_load_that_does_not_bear_has_no_efficiency(crank: float) -> None:
+    """Parts that crossed their play were told to have an efficiency of 72839730070.09 %, or of nan %."""
+    run = loaded_run()
+    columns = dict(run.columns) | {"crank_torque": crank * run["crank_torque"]}
+    judged = replace(run, columns=columns).select(run.time > 0.006)
+    (said,) = (
+        text for text in unbalanced(judged, Reducer(design_of(run))) if "efficiency" in text and "open" not in text
+    )
+    assert said.startswith("the load has not come to bear")
+
+
 def test_a_run_without_friction_may_have_an_efficiency_of_one_to_rounding() -> None:
     run = loaded_run()
     design = design_of(run)

@@ -17,6 +17,7 @@ from cycloid_mj.measure.pressed import CARRIES, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.sheet import UNLOADED
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])
 IDEAL = [
@@ -166,3 +167,16 @@ def test_a_capacity_is_found_for_a_soft_material_or_said_to_have_no_contact_that
     else:
         assert np.isnan(capacity.value)
         assert capacity.note == UNDECIDED
+
+
+def test_discs_whose_parts_cross_their_play_share_nothing() -> None:
+    """Two discs with 120 um of play under 1 % of the load carry nothing at times: no shares then, not 0/0."""
+    loose = override(PRESETS["twodisc"], [f"clearance.{kind}_um=120" for kind in ("pin_gear", "cam", "output")])
+    measured = loads(loose, 0.01 * loose.rated_torque, quick=True)
+    shares = [measured.quantities[f"disc_{disc}_share"] for disc in (1, 2)]
+    values = [one.value for one in shares]
+    if any(map(math.isnan, values)):
+        assert {one.note for one in shares} == {UNLOADED}
+    else:
+        assert sum(values) == pytest.approx(1.0)
+    assert not any("nan" in one.note for one in shares)
