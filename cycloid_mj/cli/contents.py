@@ -79,7 +79,6 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     "Make": {
         "export": Listed("Write every part of a design for CAD or printing.", "export:export"),
         "build": Listed("Make a model folder that any MuJoCo opens: DIR/scene.xml.", "build:build"),
-        "profile": Listed("Write the outline of the gear as CSV, for CAD or for a check.", "profile:profile"),
     },
     "Robot": {
         "reduce": Listed("Reduce a reducer to one joint for a robot's model.", "reduce:reduce"),
@@ -90,8 +89,6 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     },
     PAPER_AND_LOG: {
         "log": Listed("Tell what is in a log, get it out, or make a cut log whole.", "log:commands"),
-        "plot": Listed("Draw the motion of a logged run: crank, gear, point q, pin 1.", "plot:plot"),
-        "kinematics": Listed("Write the ideal motion of a point q of the gear as CSV.", "kinematics:kinematics"),
     },
     HERE: {"doctor": Listed("Look at this installation, and test it.", "doctor:doctor")},
 }

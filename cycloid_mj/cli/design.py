@@ -12,7 +12,11 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
+from cycloid_mj.cli.kinematics import EXAMPLES as KINEMATICS_EXAMPLES
+from cycloid_mj.cli.kinematics import kinematics
 from cycloid_mj.cli.new import new
+from cycloid_mj.cli.profile import EXAMPLES as PROFILE_EXAMPLES
+from cycloid_mj.cli.profile import profile
 from cycloid_mj.design import Design, dump, reasons
 from cycloid_mj.reducer import Reducer
 
@@ -38,6 +42,8 @@ def commands(sort_key: int) -> App:
     parts: tuple[Callable[..., int], ...] = (new, show, check)
     for place, command in enumerate(parts):
         app.command(command, sort_key=place)
+    app.command(profile, help_epilogue=PROFILE_EXAMPLES, sort_key=len(parts))
+    app.command(kinematics, help_epilogue=KINEMATICS_EXAMPLES, sort_key=len(parts) + 1)
     return app
 
 

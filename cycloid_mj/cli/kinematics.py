@@ -1,4 +1,4 @@
-"""``cycloid-mj kinematics``: the closed-form motion of a point of the gear as CSV."""
+"""``cycloid-mj design kinematics``: the closed-form motion of a point of the gear as CSV."""
 
 import math
 from typing import Annotated
@@ -23,9 +23,9 @@ from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.design import Design
 
 EXAMPLES = """Examples:
-  cycloid-mj kinematics --design pin --q 0,24 --csv q.csv
-  cycloid-mj kinematics --design pin --q 26,0 --ramp-s 0 --until-s 0.1 --csv -
-  cycloid-mj kinematics --design twodisc --set output.member=ring --csv q.csv"""
+  cycloid-mj design kinematics --design pin --q 0,24 --csv q.csv
+  cycloid-mj design kinematics --q 26,0 --ramp-s 0 --until-s 0.1 --csv -
+  cycloid-mj design kinematics --design twodisc --set output.member=ring --csv q.csv"""
 
 SHORTEST, LONGEST = 1e-12, 1e6
 ROUNDING = 1e-6

@@ -16,6 +16,8 @@ from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claimed, claimed_page, deliver, deliver_columns, deliver_files
 from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv
+from cycloid_mj.cli.plot import EXAMPLES as PLOT_EXAMPLES
+from cycloid_mj.cli.plot import plot
 from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
 
@@ -57,6 +59,7 @@ def commands(sort_key: int) -> App:
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
     for place, command in enumerate(subcommands):
         app.command(command, sort_key=place)
+    app.command(plot, help_epilogue=PLOT_EXAMPLES, sort_key=len(subcommands))
     return app
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Group
 from cyclopts.exceptions import (
     CoercionError,
     MissingArgumentError,
@@ -13,6 +13,7 @@ from cyclopts.exceptions import (
     ValidationError,
 )
 
+from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.page import commands
 
 
@@ -46,6 +47,17 @@ def _what(error: CycloptsError) -> str:
     return str(error)
 
 
+def _within_groups(word: str) -> list[str]:
+    """List the commands of that name within groups of commands, `design check` for `check`."""
+    found = []
+    for name, one in ((name, one) for group in GROUPS.values() for name, one in group.items()):
+        if one.function.endswith(":commands"):
+            app = App()
+            one.add_to(app, name, Group(name), 0)
+            found += [f"{name} {word}"] * (word in commands(app[name]))
+    return found
+
+
 def _missing(flag: str, unused: Sequence[str], place: str) -> str:
     """Name the option that a missing one may have been meant by; `place` is its name by position, if it has one."""
     misspelt = get_close_matches(flag, [word.split("=")[0] for word in unused if word.startswith("--")], n=1)
@@ -63,7 +75,7 @@ def _unknown_command(word: str, app: App) -> str:
     known = commands(app)
     if word.startswith("-"):
         return f"unknown option {word}; options come after a command"
-    begun = [name for name in known if name.startswith(word)]
+    begun = [name for name in known if name.startswith(word)] or _within_groups(word)
     meant = begun or get_close_matches(word, known, n=1)
     if meant:
         return f"unknown command {word!r}; did you mean {' or '.join(meant)}?"

@@ -1,4 +1,4 @@
-"""``cycloid-mj plot``: draw the motion of a logged run."""
+"""``cycloid-mj log plot``: draw the motion of a logged run."""
 
 from functools import partial
 from pathlib import Path
@@ -14,8 +14,8 @@ from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
 from cycloid_mj.cli.outfile import folder
 
 EXAMPLES = """Examples:
-  cycloid-mj plot runs/pin.mcap
-  cycloid-mj plot runs/pin.mcap --q 26,0 --out figures --format svg"""
+  cycloid-mj log plot runs/pin.mcap
+  cycloid-mj log plot runs/pin.mcap --q 26,0 --out figures --format svg"""
 
 Format = Literal["png", "svg", "pdf"]
 FormatFlag = Annotated[Format, Parameter(name="--format", help="File format of the figures. Default: png.")]

@@ -1,4 +1,4 @@
-"""``cycloid-mj profile``: the outline of the cycloid gear or of the internal gear, or the contact lines, as CSV."""
+"""``cycloid-mj design profile``: the outline of the gear or of the internal gear, or the contact lines, as CSV."""
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
 
 EXAMPLES = """Examples:
-  cycloid-mj profile --design pin --csv gear.csv --points 7000
-  cycloid-mj profile --design pin --set ring.pin_radius_mm=2 --csv gear.csv
-  cycloid-mj profile --design nonpin --part ring --csv -
-  cycloid-mj profile --design nonpin --part curvature --csv lines.csv"""
+  cycloid-mj design profile --design pin --csv gear.csv --points 7000
+  cycloid-mj design profile --design pin --set ring.pin_radius_mm=2 --csv gear.csv
+  cycloid-mj design profile --design nonpin --part ring --csv -
+  cycloid-mj design profile --design nonpin --part curvature --csv lines.csv"""
 
 POINTS_PER_TOOTH = 100
 CRANK_ANGLES = 100

@@ -35,7 +35,7 @@ STANDING = {
 
 WRITING = {
     "simulate": ("simulate --design pin --out d", "d/pin.mcap"),
-    "plot": ("plot run.mcap --out d", "d/fig5_input.png"),
+    "log plot": ("log plot run.mcap --out d", "d/fig5_input.png"),
     "report": ("report run.mcap", "run.html"),
     "animate": ("animate run.mcap run.gif --frames 2 --width 200", "run.gif"),
     "render": ("render run.mcap run.png", "run.png"),
@@ -58,8 +58,8 @@ WRITING = {
     "protocol": ("protocol --design pin --angles 1 --out d", "d/pin-protocol.json"),
     "build": ("build --design pin --out d", "d/scene.xml"),
     "export": ("export --design pin --format dxf --out d", "d/gear.dxf"),
-    "profile": ("profile --design pin --csv gear.csv", "gear.csv"),
-    "kinematics": ("kinematics --design pin --csv q.csv --until-s 0.001", "q.csv"),
+    "design profile": ("design profile --design pin --csv gear.csv", "gear.csv"),
+    "design kinematics": ("design kinematics --design pin --csv q.csv --until-s 0.001", "q.csv"),
     "reproduce": ("reproduce --only geometry --out d", "d/reproduce.html"),
     "design new": ("design new my", "my.toml"),
     "log csv": ("log csv run.mcap run.csv --columns gear_x", "run.csv"),
@@ -76,7 +76,17 @@ WRITING = {
 READING = {"app", "view", "doctor", "figures"}
 READING |= {"design show", "log info", "log columns", "log layout"}
 
-QUICK = {"plot", "report", "animate", "profile", "kinematics", "design new", "log csv", "log parquet", "log repair"}
+QUICK = {
+    "log plot",
+    "report",
+    "animate",
+    "design profile",
+    "design kinematics",
+    "design new",
+    "log csv",
+    "log parquet",
+    "log repair",
+}
 QUICK |= {"export", "sweep"}
 """Commands that run to their end here."""
 
@@ -180,8 +190,8 @@ READ = [
     "animate run.mcap IT --frames 2",
     "render run.mcap IT",
     "rate --design pin --html IT",
-    "profile --design pin --csv IT",
-    "kinematics --design pin --csv IT",
+    "design profile --design pin --csv IT",
+    "design kinematics --design pin --csv IT",
 ]
 
 
@@ -235,10 +245,14 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
     Path("page.html").write_bytes(LOG)
     Path("table.csv").symlink_to("other.mcap")
     before = contents(here)
-    for words in ("report run.mcap --out page.html", "profile --design pin --csv table.csv"):
+    for words in ("report run.mcap --out page.html", "design profile --design pin --csv table.csv"):
         code, err = called(*words.split(), "--force")
         assert (code, "it is a log" in err) == (1, True), err
-    for words in ("profile --design pin --csv my.toml", "report run.mcap --out my.csv", "log parquet run.mcap a.mcap"):
+    for words in (
+        "design profile --design pin --csv my.toml",
+        "report run.mcap --out my.csv",
+        "log parquet run.mcap a.mcap",
+    ):
         code, err = called(*words.split(), "--force")
         assert (code, "is the ending of a" in err) == (2, True), err
     assert contents(here) == before

@@ -118,7 +118,7 @@ def log(tmp_path_factory) -> Path:
 
 
 COMMANDS = {
-    "plot": ("plot", "RUN", "--out", "DIR"),
+    "plot": ("log", "plot", "RUN", "--out", "DIR"),
     "report": ("report", "RUN", "--out", "DIR/run.html"),
     "gif": ("animate", "RUN", "DIR/run.gif", "--frames", "2", "--width", "200"),
     "mp4": ("animate", "RUN", "DIR/run.mp4", "--frames", "2", "--width", "200"),
@@ -126,8 +126,8 @@ COMMANDS = {
     "log parquet": ("log", "parquet", "RUN", "DIR/run.parquet", "--columns", "gear_x"),
     "log repair": ("log", "repair", "RUN", "DIR/run.mcap", "--scene-hz", "60", "--force"),
     "export": ("export", "--design", "pin", "--format", "dxf", "--out", "DIR"),
-    "profile": ("profile", "--design", "pin", "--csv", "DIR/gear.csv"),
-    "kinematics": ("kinematics", "--design", "pin", "--csv", "DIR/q.csv"),
+    "profile": ("design", "profile", "--design", "pin", "--csv", "DIR/gear.csv"),
+    "kinematics": ("design", "kinematics", "--design", "pin", "--csv", "DIR/q.csv"),
 }
 
 

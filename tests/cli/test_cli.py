@@ -33,7 +33,7 @@ from cycloid_mj.reducer import Reducer
 DATA = Path(__file__).parents[1] / "data"
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 SHORT = ("--ramp-s", "0", "--hold-s", "0.01")
-COMMANDS = ("simulate", "analyze", "plot", "profile", "kinematics", "design show", "design check")
+COMMANDS = ("simulate", "analyze", "log plot", "design profile", "design kinematics", "design show", "design check")
 
 FIXED_KEYS = {
     "design": None,
@@ -135,8 +135,8 @@ def test_every_flag_of_the_fixed_interface_tells_unit_and_default():
 @pytest.mark.slow
 def test_every_example_of_the_help_is_parsed():
     """An unknown flag at the end is found last: when all that stands before it has been understood."""
-    for module in ("simulate", "analyze", "plot", "profile", "kinematics", "design"):
-        text = told(module, "--help")[1].split("Examples:")[1]
+    for module in ("simulate", "analyze", "log plot", "design profile", "design kinematics", "design"):
+        text = told(*module.split(), "--help")[1].split("Examples:")[1]
         lines = [line.split(">")[0].split() for line in text.splitlines() if "cycloid-mj" in line]
         assert lines
         for line in lines:
@@ -436,7 +436,7 @@ def test_log_that_was_cut_is_judged_with_a_note(run, tmp_path):
 
 
 def test_plot_draws_the_figures_and_prints_their_paths(run, tmp_path):
-    code, out, err = told("plot", str(run[1]), "--out", str(tmp_path), "--format", "svg", "--q", "3,4")
+    code, out, err = told("log", "plot", str(run[1]), "--out", str(tmp_path), "--format", "svg", "--q", "3,4")
     assert code == 0
     assert err.startswith("warning: pin: only 0.13 crank turns")
     paths = [Path(line) for line in out.splitlines()]
@@ -449,7 +449,7 @@ def test_plot_draws_the_figures_and_prints_their_paths(run, tmp_path):
 @pytest.mark.slow
 def test_plot_puts_figures_beside_the_log(run):
     _, log = run
-    first = Path(told("plot", str(log))[1].splitlines()[0])
+    first = Path(told("log", "plot", str(log))[1].splitlines()[0])
     assert first.parent == log.parent / "pin"
     assert first.read_bytes().startswith(b"\x89PNG")
 
@@ -459,7 +459,7 @@ def test_plot_puts_figures_beside_the_log(run):
 
 def test_profile_writes_the_outline_with_every_digit(tmp_path):
     file = tmp_path / "gear.csv"
-    code, out, err = told("profile", "--design", "pin", "--csv", str(file), "--points", "701")
+    code, out, err = told("design", "profile", "--design", "pin", "--csv", str(file), "--points", "701")
     assert (code, out, err) == (0, "", f"wrote 701 rows of 5 columns to {file}\n")
     header, rows = table_of(file)
     assert header == ["x_mm", "y_mm", "nx", "ny", "curvature_per_mm"]
@@ -471,7 +471,7 @@ def test_profile_writes_the_outline_with_every_digit(tmp_path):
 @pytest.mark.slow
 def test_a_file_is_named_by_out_too_and_written_without_a_word(tmp_path):
     file = tmp_path / "gear.csv"
-    assert told("profile", "--design", "pin", "--out", str(file), "--quiet") == (0, "", "")
+    assert told("design", "profile", "--design", "pin", "--out", str(file), "--quiet") == (0, "", "")
     assert file.read_text().startswith("x_mm,y_mm")
 
 
@@ -481,7 +481,7 @@ def test_profile_passes_through_the_reference_points(tmp_path):
     What is left is of third order: 10/mm^2 (0.005 mm)^3 / 6 < 1e-6 mm.
     """
     file = tmp_path / "gear.csv"
-    assert told("profile", "--design", "pin", "--csv", str(file), "--points", "35000")[0] == 0
+    assert told("design", "profile", "--design", "pin", "--csv", str(file), "--points", "35000")[0] == 0
     _, rows = table_of(file)
     reference = np.loadtxt(DATA / "gear_points.csv", delimiter=",", skiprows=1, usecols=(3, 4))
 
@@ -497,7 +497,7 @@ def test_profile_passes_through_the_reference_points(tmp_path):
 
 def test_profile_is_one_closed_outline_by_arc_length(tmp_path):
     file = tmp_path / "gear.csv"
-    assert told("profile", "--design", "pin", "--csv", str(file))[0] == 0
+    assert told("design", "profile", "--design", "pin", "--csv", str(file))[0] == 0
     x, y = table_of(file)[1][:, :2].T
     assert len(x) == 3500
     chords = np.hypot(np.roll(x, -1) - x, np.roll(y, -1) - y)
@@ -508,7 +508,9 @@ def test_profile_is_one_closed_outline_by_arc_length(tmp_path):
 
 def test_profile_of_the_ring_has_its_parts(tmp_path):
     file = tmp_path / "ring.csv"
-    assert told("profile", "--design", "nonpin", "--part", "ring", "--csv", str(file), "--points", "500")[0] == 0
+    assert (
+        told("design", "profile", "--design", "nonpin", "--part", "ring", "--csv", str(file), "--points", "500")[0] == 0
+    )
     header, *lines = file.read_text().splitlines()
     assert header == "x_mm,y_mm,nx,ny,curvature_per_mm,part"
     words = [line.split(",") for line in lines]
@@ -531,7 +533,7 @@ def test_profile_of_the_ring_has_its_parts(tmp_path):
 )
 def test_kinematics_agrees_with_the_30_digit_reference(table, argv, tmp_path):
     file = tmp_path / "q.csv"
-    code, out, _ = told("kinematics", "--design", "pin", "--q", "0,24", "--csv", str(file), *argv)
+    code, out, _ = told("design", "kinematics", "--design", "pin", "--q", "0,24", "--csv", str(file), *argv)
     assert (code, out) == (0, "")
     header, rows = table_of(file)
     assert header == ["t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2"]
@@ -547,7 +549,7 @@ def test_kinematics_agrees_with_the_30_digit_reference(table, argv, tmp_path):
 
 def test_kinematics_takes_ramp_hold_and_one_degree_by_default(tmp_path):
     file = tmp_path / "q.csv"
-    assert told("kinematics", "--design", "pin", "--csv", str(file))[0] == 0
+    assert told("design", "kinematics", "--design", "pin", "--csv", str(file))[0] == 0
     _, rows = table_of(file)
     step = math.radians(1) / PRESETS["pin"].drive.speed
     assert np.array_equal(rows[:, 0], step * np.arange(len(rows)))
@@ -564,17 +566,31 @@ def test_kinematics_and_profile_take_changes_of_the_design(tmp_path):
     file = tmp_path / "k.csv"
     argv = ("--until-s", "0.002", "--step-s", "0.001", "--csv", str(file))
     assert (
-        told("kinematics", "--design", "pin", "--set", "drive.ramp_s=0", "--set", "drive.speed_rpm=600", *argv)[0] == 0
+        told(
+            "design", "kinematics", "--design", "pin", "--set", "drive.ramp_s=0", "--set", "drive.speed_rpm=600", *argv
+        )[0]
+        == 0
     )
     _, rows = table_of(file)
     assert rows[:, 1] == pytest.approx(20.0 * math.pi * np.array([0.0, 0.001, 0.002]))
     assert (
-        told("kinematics", "--design", "pin", "--set", "drive.speed_rpm=600", "--speed-rpm", "60", *argv, "--force")[0]
+        told(
+            "design",
+            "kinematics",
+            "--design",
+            "pin",
+            "--set",
+            "drive.speed_rpm=600",
+            "--speed-rpm",
+            "60",
+            *argv,
+            "--force",
+        )[0]
         == 0
     )
     assert table_of(file)[1][-1, 1] == pytest.approx(2.0 * math.pi * 0.002**2 / 2.0)
     outline = tmp_path / "p.csv"
-    assert told("profile", "--design", "pin", "--set", "ring.pin_radius_mm=2", "--csv", str(outline))[0] == 0
+    assert told("design", "profile", "--design", "pin", "--set", "ring.pin_radius_mm=2", "--csv", str(outline))[0] == 0
     largest = np.hypot(*table_of(outline)[1][:, :2].T).max()
     assert largest == pytest.approx(40.75 - 2.0 + 1.0, abs=1e-9)
 
@@ -587,7 +603,9 @@ def test_design_show_takes_changes_and_forgets_their_reasons():
     assert "worked calculation" in next(line for line in shown.splitlines() if line.startswith("face_width_mm"))
 
 
-@pytest.mark.parametrize("words", [("kinematics", "--csv", "x.csv"), ("profile", "--csv", "x.csv")], ids=lambda w: w[0])
+@pytest.mark.parametrize(
+    "words", [("design", "kinematics", "--csv", "x.csv"), ("design", "profile", "--csv", "x.csv")], ids=lambda w: w[1]
+)
 def test_a_change_that_no_design_takes_is_wrong_usage(words):
     code, message = rejected(*words, "--design", "pin", "--set", "ring.teth=3")
     assert (code, "ring.teth" in message) == (2, True)
@@ -597,7 +615,9 @@ def test_a_change_that_no_design_takes_is_wrong_usage(words):
 
 
 def test_csv_goes_to_stdout_alone():
-    code, out, err = told("kinematics", "--design", "pin", "--csv", "-", "--until-s", "0.01", "--step-s", "0.005")
+    code, out, err = told(
+        "design", "kinematics", "--design", "pin", "--csv", "-", "--until-s", "0.01", "--step-s", "0.005"
+    )
     assert (code, err) == (0, "")
     assert len(out.splitlines()) == 4
 
@@ -612,24 +632,24 @@ def test_csv_is_replaced_only_when_it_is_whole(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(outfile, "_lines", broken)
-        code, message = rejected("profile", "--design", "pin", "--csv", str(file), "--force")
+        code, message = rejected("design", "profile", "--design", "pin", "--csv", str(file), "--force")
     assert (code, "No space left" in message) == (1, True)
     assert file.read_text() == "old"
-    assert told("profile", "--design", "pin", "--csv", str(file), "--force")[0] == 0
+    assert told("design", "profile", "--design", "pin", "--csv", str(file), "--force")[0] == 0
     assert file.read_text().startswith("x_mm,")
     assert list(tmp_path.iterdir()) == [file]
 
 
 def test_csv_follows_a_link_and_keeps_it(tmp_path):
     (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")
-    assert told("profile", "--design", "pin", "--csv", str(tmp_path / "link.csv"))[0] == 0
+    assert told("design", "profile", "--design", "pin", "--csv", str(tmp_path / "link.csv"))[0] == 0
     assert (tmp_path / "link.csv").is_symlink()
     assert (tmp_path / "real.csv").read_text().startswith("x_mm,")
 
 
 @pytest.mark.slow
 def test_closed_pipe_ends_the_command_in_silence():
-    command = [sys.executable, "-m", "cycloid_mj", "kinematics", "--design", "pin", "--csv", "-"]
+    command = [sys.executable, "-m", "cycloid_mj", "design", "kinematics", "--design", "pin", "--csv", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
         assert process.stderr
@@ -717,8 +737,8 @@ def test_unsound_design_is_not_simulated_and_every_reason_is_told(unsound, here)
 # --- mistakes ---------------------------------------------------------------------------------------------------------
 
 SIMULATE = ("simulate", "--design", "pin")
-PROFILE = ("profile", "--design", "pin", "--csv", "x.csv")
-MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
+PROFILE = ("design", "profile", "--design", "pin", "--csv", "x.csv")
+MOTION = ("design", "kinematics", "--design", "pin", "--csv", "x.csv")
 
 
 @pytest.mark.parametrize(
@@ -727,6 +747,7 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("frob",), ("frob", "simulate")),
         (("simulat",), ("did you mean", "simulate")),
         (("sim",), ("did you mean simulate?",)),
+        (("profile",), ("did you mean design profile?",)),
         (("re",), ("did you mean report or render or reduce or reproduce?",)),
         (("measure", "frob"), ("'frob'", "te, backlash", "vibration", "measure --help")),
         (("measure", "los"), ("did you mean lost-motion?",)),
@@ -764,12 +785,12 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("analyze", "run.mcap", "--q", "0,nan"), ("--q", "0,nan", "10000")),
         (("analyze", "run.mcap", "--q", "0,-1e9"), ("--q", "10000")),
         (("analyze", "run.mcap", "--q"), ("--q", "needs a value")),
-        (("plot", "run.mcap", "--format", "gif"), ("--format", "gif", "png")),
-        (("profile", "--design", "pin"), ("--csv", "needs a value")),
-        (("profile", "--design", "pin", "--cvs=x.csv"), ("unknown option --cvs", "did you mean --csv?")),
+        (("log", "plot", "run.mcap", "--format", "gif"), ("--format", "gif", "png")),
+        (("design", "profile", "--design", "pin"), ("--csv", "needs a value")),
+        (("design", "profile", "--design", "pin", "--cvs=x.csv"), ("unknown option --cvs", "did you mean --csv?")),
         ((*PROFILE, "--quite"), ("unknown option --quite; did you mean --quiet?",)),
         ((*PROFILE, "--turns", "2"), ("unknown option --turns; see",)),
-        (("profile", "--design", "pin", "--csv", "--points"), ("--csv", "--points")),
+        (("design", "profile", "--design", "pin", "--csv", "--points"), ("--csv", "--points")),
         ((*PROFILE, "--points", "1.5"), ("--points", "1.5", "whole number")),
         ((*PROFILE, "--points", "2"), ("--points", "2", "from 3 to 1000000")),
         ((*PROFILE, "--points", "-5"), ("--points", "-5", "from 3 to 1000000")),
@@ -852,11 +873,11 @@ def test_flags_keep_the_limits_of_the_design():
         (("analyze", "empty.toml"), ("empty",)),
         (("analyze", "broken.toml"), ("not an MCAP file",)),
         (("analyze", "."), ("folder",)),
-        (("plot", "none.mcap"), ("none.mcap",)),
-        (("profile", "--design", "pin", "--csv", "."), ("cannot write", "no regular file")),
-        (("profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no/such/x.csv",)),
-        (("profile", "--design", "pin", "--csv", "broken.toml/x.csv"), ("broken.toml/x.csv",)),
-        (("profile", "--design", "loops.toml", "--csv", "x.csv"), ("eccentricity", "mm")),
+        (("log", "plot", "none.mcap"), ("none.mcap",)),
+        (("design", "profile", "--design", "pin", "--csv", "."), ("cannot write", "no regular file")),
+        (("design", "profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no/such/x.csv",)),
+        (("design", "profile", "--design", "pin", "--csv", "broken.toml/x.csv"), ("broken.toml/x.csv",)),
+        (("design", "profile", "--design", "loops.toml", "--csv", "x.csv"), ("eccentricity", "mm")),
     ],
 )
 def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words, here):
@@ -873,7 +894,7 @@ def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words,
 def test_plot_into_a_file_is_told(run, tmp_path):
     file = tmp_path / "file"
     file.write_text("")
-    code, message = rejected("plot", str(run[1]), "--out", str(file))
+    code, message = rejected("log", "plot", str(run[1]), "--out", str(file))
     assert code == 1
     assert str(file) in message
 

@@ -130,7 +130,7 @@ def test_the_terminal_shows_some_25_lines(command: tuple[str, ...], capsys: pyte
 
 WRITING = [
     *(("figures",), ("design", "show", "pin"), ("design", "new", "my")),
-    *(("profile", "pin", "--csv", "-"), ("kinematics", "pin", "--csv", "-", "--until-s", "0.01")),
+    *(("design", "profile", "pin", "--csv", "-"), ("design", "kinematics", "pin", "--csv", "-", "--until-s", "0.01")),
 ]
 
 
@@ -150,7 +150,7 @@ def test_commands_that_write_files_or_lists_take_the_same_flags(
 def test_columns_are_json_where_no_file_is_named_and_ranges_with_all(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    motion = ("kinematics", "pin", "--until-s", "0.01", "--step-s", "0.005", "--csv")
+    motion = ("design", "kinematics", "pin", "--until-s", "0.01", "--step-s", "0.005", "--csv")
     assert main([*motion, "-", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert (told["rows"], told["values"]["t_s"]) == (3, [0.0, 0.005, 0.01])
@@ -181,8 +181,8 @@ def test_a_new_design_goes_to_its_folder_and_a_design_shown_to_files(
         (("statics", "pin", "--load-nm", "0", "--out", "."), "pin-statics.json"),
         (("rate", "pin", "--life-h", "-1", "--out", "."), "pin-rating.json"),
         (("analyze", "run.mcap", "--q", "here", "--out", "."), "run-analysis.json"),
-        (("profile", "pin", "--part", "ring", "--csv", "x.csv"), "x.csv"),
-        (("kinematics", "pin", "--until-s", "1e6", "--csv", "x.csv"), "x.csv"),
+        (("design", "profile", "pin", "--part", "ring", "--csv", "x.csv"), "x.csv"),
+        (("design", "kinematics", "pin", "--until-s", "1e6", "--csv", "x.csv"), "x.csv"),
         (("animate", "run.mcap", "x.gif", "--fps", "99"), "x.gif"),
         (("design", "new", "my", "--discs", "2"), "my.toml"),
     ],

@@ -134,7 +134,7 @@ def foreign(tmp_path_factory) -> dict[str, Path]:
     "argv",
     [
         ("analyze", "RUN"),
-        ("plot", "RUN", "--out", "DIR"),
+        ("log", "plot", "RUN", "--out", "DIR"),
         ("report", "RUN", "--out", "DIR/run.html"),
         ("animate", "RUN", "DIR/run.gif"),
         ("render", "RUN", "DIR/run.png"),
@@ -223,7 +223,7 @@ def test_control_codes_are_shown_and_not_obeyed(tmp_path):
         ("design", "check", key): 1,
         ("simulate", "--design", "pin", "--set", f"{CODES}=1"): 2,
         ("simulate", "--design", CODES): 2,
-        ("plot", "no.mcap", f"--{CODES}"): 2,
+        ("log", "plot", "no.mcap", f"--{CODES}"): 2,
         (CODES,): 2,
     }
     for argv, expected in commands.items():

@@ -35,7 +35,7 @@ COMMANDS = {
         "--force",
     ),
     "stress": ("stress", "--log", "sim/pin.mcap", "--part", "pin_1", "--quick", "--out", "stressed", "--force"),
-    "plot": ("plot", "sim/pin.mcap", "--out", "plotted", "--force"),
+    "plot": ("log", "plot", "sim/pin.mcap", "--out", "plotted", "--force"),
     "report": ("report", "sim/pin.mcap", "--out", "report.html", "--force"),
     "export": ("export", "--design", "pin", "--format", "stl", "--out", "parts", "--force"),
     "rate": ("rate", "--design", "pin", "--html", "rating.html", "--force"),

@@ -18,14 +18,14 @@ STATIC = (
     ("statics", "--design", "{name}"),
     ("tolerance", "--design", "{name}", "--set", 'tolerance.cam="normal 0.5"', "--samples", "4"),
     ("rate", "--design", "{name}", "--html", "rate.html"),
-    ("kinematics", "--design", "{name}", "--until-s", "0.01", "--csv", "k.csv"),
-    ("profile", "--design", "{name}", "--csv", "p.csv"),
-    ("profile", "--design", "{name}", "--part", "curvature", "--points", "4", "--csv", "p.csv"),
+    ("design", "kinematics", "--design", "{name}", "--until-s", "0.01", "--csv", "k.csv"),
+    ("design", "profile", "--design", "{name}", "--csv", "p.csv"),
+    ("design", "profile", "--design", "{name}", "--part", "curvature", "--points", "4", "--csv", "p.csv"),
     ("export", "--design", "{name}", "--format", "dxf", "--out", "parts"),
 )
 OF_A_LOG = (
     ("analyze", "{log}"),
-    ("plot", "{log}"),
+    ("log", "plot", "{log}"),
     ("report", "{log}"),
     ("animate", "{log}", "film.gif", "--frames", "1", "--width", "320"),
     ("log", "info", "{log}"),

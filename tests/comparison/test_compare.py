@@ -419,7 +419,7 @@ def test_help_tells_purpose_flags_and_examples():
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
 def test_profile_writes_the_contact_lines(preset, tmp_path):
     file = tmp_path / "lines.csv"
-    argv = ("profile", "--design", preset, "--part", "curvature", "--csv", str(file), "--points", "7")
+    argv = ("design", "profile", "--design", preset, "--part", "curvature", "--csv", str(file), "--points", "7")
     code, out, err = told(*argv)
     header, *rows = (line.split(",") for line in file.read_text().splitlines())
     assert header == [
@@ -427,7 +427,7 @@ def test_profile_writes_the_contact_lines(preset, tmp_path):
         *("relative_curvature_per_mm", "pressure_mpa"),
     ]
     lines = contact_lines(PAPER, preset, mesh_period(PAPER, 7))
-    assert (code, out, err) == (0, "", f"wrote {len(rows)} points to {file}\n")
+    assert (code, out, err) == (0, "", f"wrote {len(rows)} rows of {len(header)} columns to {file}\n")
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
     assert list(columns["part"]) == lines.part.tolist()
     assert [int(word) for word in columns["tooth"]] == (lines.tooth + 1).tolist()
@@ -442,7 +442,7 @@ def test_profile_writes_the_contact_lines(preset, tmp_path):
 
 
 def test_too_many_lines_are_refused(here):
-    argv = ("profile", "--design", "nonpin", "--part", "curvature", "--csv", "x.csv", "--points", "100000")
+    argv = ("design", "profile", "--design", "nonpin", "--part", "curvature", "--csv", "x.csv", "--points", "100000")
     code, message = rejected(*argv)
     assert code == 2
     assert "--points" in message

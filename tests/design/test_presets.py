@@ -130,10 +130,10 @@ def test_the_printed_drive_goes_through_the_commands(member: str, tmp_path, monk
     for line in (
         ["design", "check", "printed", *chosen],
         ["design", "new", "mine", "--from", "printed", *chosen],
-        ["kinematics", "--design", "mine.toml", "--until-s", "0.1", "--csv", "q.csv"],
+        ["design", "kinematics", "--design", "mine.toml", "--until-s", "0.1", "--csv", "q.csv"],
         ["simulate", "--design", "printed", *quick, "--out", "runs", "--quiet"],
         ["analyze", "runs/printed.mcap"],
-        ["plot", "runs/printed.mcap"],
+        ["log", "plot", "runs/printed.mcap"],
         ["report", "runs/printed.mcap"],
         ["export", "--design", "mine.toml", "--format", "dxf", "--out", "parts"],
     ):

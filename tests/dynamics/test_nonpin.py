@@ -110,7 +110,7 @@ def test_half_the_step_gives_the_same_figures(load, hold):
 def ring_file(tmp_path_factory):
     """Header and rows of the ring by the command line, fine enough that a reference point has a near neighbour."""
     file = tmp_path_factory.mktemp("ring") / "ring.csv"
-    argv = ["profile", "--design", "nonpin", "--part", "ring", "--csv", str(file), "--points", "36000"]
+    argv = ["design", "profile", "--design", "nonpin", "--part", "ring", "--csv", str(file), "--points", "36000"]
     assert main(argv) == 0
     header, *lines = file.read_text().splitlines()
     rows = [line.split(",") for line in lines]
