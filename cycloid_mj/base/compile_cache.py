@@ -11,6 +11,7 @@ until any source in its folder changes; for what is called in other folders see 
 import hashlib
 import io
 import logging
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -100,7 +101,8 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no ty
 
 def _stamp(sources: Path) -> tuple[tuple[str, int, int], ...]:
     """List the sources in a folder: name, time of the last change [ns] and size [byte] of each."""
-    states = ((path.name, path.stat()) for path in sorted(sources.glob("*.py")))
+    with os.scandir(sources) as entries:
+        states = sorted((entry.name, entry.stat()) for entry in entries if entry.name.endswith(".py"))
     return tuple((name, state.st_mtime_ns, state.st_size) for name, state in states)
 
 

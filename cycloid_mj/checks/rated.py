@@ -75,7 +75,7 @@ def rated(reducer: Reducer) -> Rated:
     """Return a sound design under its rated torque."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
-    return Rated(reducer, torque, springs, loads(reducer, springs, torque))
+    return Rated(reducer, torque, springs, loads(reducer, springs, torque, follow=True))
 
 
 def loaded_teeth(reducer: Reducer) -> float:

@@ -26,6 +26,8 @@ def run() -> None:
     sys.stderr = sys.stderr or StringIO()
     code = FAILURE
     look_rarely()
+    # pydantic looks for plugins in every package that is installed; no command has a use for one
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     atexit.register(leave_circles)
     try:
         raise_on_signals()

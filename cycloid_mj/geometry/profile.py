@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -304,10 +305,12 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     return _outline_at(gear, lobe_angle * lobe + within_lobe, offset)
 
 
+@lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
     """Parameters t [rad] of an outline whose chords leave the curve by at most `chord_error` [m]; every lobe the same.
 
-    They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc.
+    They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc. The
+    array is kept, and cannot be written.
     """
     require_no_undercut(gear, offset)
     flank = SmoothArc(
@@ -321,7 +324,9 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
     rising = np.concatenate(pieces)
     lobe_angle = 2 * np.pi / gear.lobes
     one_lobe = np.concatenate([rising, [lobe_angle / 2], lobe_angle - rising[:0:-1]])
-    return np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
+    parameters = np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
+    parameters.setflags(write=False)
+    return parameters
 
 
 @dataclass(frozen=True)

@@ -152,7 +152,8 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
     """Compute the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
 
-    The mean is over crank angles [rad], shape (m,); by default all round.
+    The mean is over crank angles [rad], shape (m,), one after the other; by default all round. Each search starts from
+    the balances before: where friction is high, parts may also wedge, and a search of its own may end there.
 
     The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
     output are carried by the contacts.
@@ -164,7 +165,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     """
     design = reducer.design
     springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    contact_loads = loads(reducer, springs, float(way) * (torque + design.drag.output))
+    contact_loads = loads(reducer, springs, float(way) * (torque + design.drag.output), follow=True)
     losses = _friction_losses(reducer, springs, contact_loads)
     seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
     mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}

@@ -239,7 +239,7 @@ def known_difference(quantity: Quantity) -> float | None:
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash, lost motion and stiffness at a locked crank, without friction and weight."""
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    evenly = np.sort(turn_evenly(reducer))
+    evenly = turn_evenly(reducer)
     springs = springs_of(still, evenly, friction=False)
     ends, small = [], SMALL * max(load, reducer.design.rated_torque)
     for way in (-1.0, 1.0):
@@ -347,7 +347,7 @@ def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _angles(reducer: Reducer) -> Array:
     """Compute the crank angles for forces [rad], which follow each other."""
-    return np.sort(turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL))
+    return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL)
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:

@@ -65,8 +65,11 @@ class Springs:
 
 
 def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
-    """Spread crank angles [rad], shape (poses,), evenly over the turn past the ring and, modulo it, the mesh period."""
-    return np.asarray(reducer.mesh_turn * np.mod(GOLDEN * np.arange(poses), 1.0))
+    """Spread crank angles [rad], shape (poses,), evenly over the turn past the ring and, modulo it, the mesh period.
+
+    They are in order.
+    """
+    return np.asarray(reducer.mesh_turn * np.sort(np.mod(GOLDEN * np.arange(poses), 1.0)))
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:

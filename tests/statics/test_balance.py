@@ -14,6 +14,7 @@ from cycloid_mj.statics.balance import require_balance
 from cycloid_mj.statics.jam import friction_borne
 from cycloid_mj.statics.kernel import Left, state
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
+from cycloid_mj.statics.springs import POSES, turn_evenly
 
 DESIGNS = Path(__file__).parents[1] / "data" / "designs"
 ZOO = sorted(DESIGNS.glob("*.toml"))
@@ -66,6 +67,16 @@ def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() ->
     assert powers(Reducer(design), 11.6).efficiency == pytest.approx(0.8362, abs=5e-4)
     assert np.linalg.norm(found.cam, axis=-1).mean() == pytest.approx(211.3, rel=2e-3)
     assert np.rad2deg(found.output_turn.mean()) * 3600.0 == pytest.approx(206.4, rel=3e-3)
+
+
+@pytest.mark.parametrize("share_of_rated", [0.03, -1.0])
+def test_losses_under_high_friction_hold_no_wedged_balance(share_of_rated: float) -> None:
+    """A search of its own at each crank angle ends in wedged parts at some, which lose a thousand times as much."""
+    frictions = [f"friction.{kind}=0.5" for kind in ("pin_gear", "cam", "output")]
+    reducer = Reducer(override(PRESETS["printed"], frictions))
+    torque = share_of_rated * reducer.design.rated_torque
+    finer = powers(reducer, torque, turn_evenly(reducer, 4 * POSES))
+    assert powers(reducer, torque).lost == pytest.approx(finer.lost, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["fixed-n8-d1-carrier-4um", "fixed-n31-d1-carrier-250um", "sleeved-n40-d2-ring-25um"])
