@@ -45,6 +45,8 @@ Papers are packages of their own, found by entry points of the group cycloid_mj.
 
 REPRODUCE, COMPLETION = "reproduce", "--install-completion"
 RENAMED = {"--jobs": "--workers"}
+FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
+"""Commands of groups that scripts call by their name alone."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -52,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A mistake of the user's never raises: it is told in one line on stderr.
     """
-    words = [_renamed(word) for word in (sys.argv[1:] if argv is None else argv)]
+    words = _unfolded([_renamed(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
         quiet = "--quiet" in words
         with one_command(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
@@ -131,6 +133,14 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
         app.command(several)
     if wanted:
         page.flowing(app[REPRODUCE])
+
+
+def _unfolded(words: list[str]) -> list[str]:
+    """Return a command line with the group before a command that was called without it."""
+    if not words or (group := FOLDED.get(words[0])) is None:
+        return words
+    tell(f"warning: {words[0]} is called {' '.join(group)} now")
+    return [*group, *words[1:]]
 
 
 def _renamed(word: str) -> str:

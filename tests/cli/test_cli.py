@@ -19,7 +19,7 @@ from cycloid_mj import __version__
 from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
-from cycloid_mj.cli.app import application
+from cycloid_mj.cli.app import FOLDED, application
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -734,6 +734,14 @@ def test_unsound_design_is_not_simulated_and_every_reason_is_told(unsound, here)
     assert not list(here.glob("runs/*"))
 
 
+@pytest.mark.parametrize("command", FOLDED)
+def test_a_command_of_a_group_is_found_by_the_name_that_scripts_have(command: str, capsys) -> None:
+    assert main([command, "--help"]) == 0
+    shown = capsys.readouterr()
+    assert " ".join(FOLDED[command]) in shown.out
+    assert shown.err == f"warning: {command} is called {' '.join(FOLDED[command])} now\n"
+
+
 # --- mistakes ---------------------------------------------------------------------------------------------------------
 
 SIMULATE = ("simulate", "--design", "pin")
@@ -747,7 +755,7 @@ MOTION = ("design", "kinematics", "--design", "pin", "--csv", "x.csv")
         (("frob",), ("frob", "simulate")),
         (("simulat",), ("did you mean", "simulate")),
         (("sim",), ("did you mean simulate?",)),
-        (("profile",), ("did you mean design profile?",)),
+        (("check",), ("did you mean design check?",)),
         (("re",), ("did you mean report or render or reduce or reproduce?",)),
         (("measure", "frob"), ("'frob'", "te, backlash", "vibration", "measure --help")),
         (("measure", "los"), ("did you mean lost-motion?",)),
