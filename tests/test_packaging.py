@@ -163,7 +163,7 @@ LEAVING = Paper(
 def test_a_paper_with_a_fault_is_named_in_one_line_and_stops_no_command(value, found, capsys, tmp_path, monkeypatch):
     (tmp_path / "leaves_2000.py").write_text("import sys\nsys.exit('I leave')\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for argv in (["profile", "--help"], ["--help"], ["design", "show", "pin"]):
+    for argv in (["rate", "--help"], ["--help"], ["design", "show", "pin"]):
         found(hsieh2014="hsieh2014:PAPER", zebra=value)
         assert main(argv) == 0
         assert capsys.readouterr().err == ""
