@@ -30,10 +30,10 @@ WHOLE_TURN = 0.99
 """Crank turns from which sampled powers of an idling reducer average out."""
 
 IDLE = 0.01
-"""Least power that a share is taken of, over the rated power: an idling reducer takes next to none."""
+"""Least power that a share is taken of, over the rated power or the load's: an idling reducer takes next to none."""
 
 AFLOAT = 0.1
-"""Least share of the load's power that the driving shaft takes where the load bears on it."""
+"""Least power that comes in, over that which goes out, where the load bears on the shaft that drives."""
 
 DEEP = 0.5
 """Share of the allowed penetration that is worth a warning."""
@@ -101,13 +101,15 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
             "goes to the load; such a drive all but locks itself, check friction.*, clearances and the load"
         )
     why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
-    carried = abs(design.load.torque * design.drive.speed) / design.reduction
-    if powers.supplied < AFLOAT * carried:
+    of_load = abs(design.load.torque * design.drive.speed) / design.reduction
+    if powers.supplied < AFLOAT * powers.delivered and powers.delivered > IDLE * of_load > 0.0:
         doubtful.append(
-            f"the load has not come to bear: the driving shaft takes {powers.supplied:.3g} W for the {carried:.3g} W "
-            "of the load, as parts cross their play; forces and efficiency are no steady ones: take a longer "
-            "drive.hold_s, a larger load or less clearance"
+            f"the load has not come to bear: {powers.supplied:.3g} W drive and {powers.delivered:.3g} W go out, as "
+            "parts cross their play; forces and efficiency are no steady ones: take a longer drive.hold_s, a larger "
+            "load or less clearance"
         )
+    if powers.supplied <= AFLOAT * powers.delivered:
+        # of what floats, and of what stands still, there is no efficiency
         return tuple(doubtful)
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
     most = 1.0 + (OPEN if powers.lost < OPEN * scale else 0.0)
