@@ -136,12 +136,12 @@ def stops_at(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
 def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
     """Solve one programme for the stops at some crank angles, which have no limits in common."""
     from scipy.optimize import linprog
-    from scipy.sparse import block_diag
+    from scipy.sparse import block_diag, csc_array
 
     design, count = reducer.design, unknowns(reducer)
     seen = member.against_ring(design, cranks).tolist()
     limits = [_limits(reducer, angle, gaps(reducer, angle), sides) for angle in seen]
-    slope: Any = block_diag([-slope for slope, _ in limits for _ in range(2)], format="csc")
+    slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
     room = np.concatenate([room for _, room in limits for _ in range(2)])
     goal = np.zeros((len(cranks), 2, count))
     goal[:, :, -1] = 1.0, -1.0
