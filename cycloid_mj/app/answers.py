@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.knobs import SYMBOLS, label_of
+from cycloid_mj.app.knobs import SYMBOLS, label_of, with_symbols
 from cycloid_mj.app.state import at_load
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
@@ -130,7 +130,17 @@ def life(reducer: Reducer) -> dict[str, Any]:
         "life_h": shortest,
         "life": hours(shortest),
         "items": [_item(item, asked) for item in rating.items.values()],
+        "cased": cased(reducer),
     }
+
+
+def cased(reducer: Reducer) -> dict[str, float] | None:
+    """Return diameter and mass with covers, bearings and screws; nothing of a drive that has none."""
+    keys = {"diameter_mm": "drive_diameter_mm", "mass_kg": "drive_mass_kg"}
+    try:
+        return {name: figure(key, reducer=reducer).value(reducer) for name, key in keys.items()}
+    except CycloidError:
+        return None
 
 
 def _item(item: RatedItem, asked: float) -> dict[str, Any]:
@@ -192,7 +202,7 @@ def _in_words(text: str) -> str:
     """Put the page's words and symbols for the keys of the file and the units in a sentence."""
     text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: _plain(key[0]), text)
     text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)
-    return re.sub(r"(?<=[0-9] )um\b", "µm", text)
+    return with_symbols(text)
 
 
 def _pairs(listed: re.Match[str]) -> str:

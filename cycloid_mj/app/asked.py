@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from cycloid_mj.app.knobs import with_symbols
 from cycloid_mj.app.state import values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
@@ -78,9 +79,9 @@ def _answer(answer: Answer) -> dict[str, Any]:
         "asked": form_of(answer.asked),
         "drives": [_drive(drive, answer.asked.torque) for drive in answer.drives],
         "most": answer.most,
-        "limit": answer.limit,
-        "refusal": "" if answer.drives else answer.refusal,
-        "ways": [{"words": way.words, "asked": form_of(way.asked)} for way in answer.ways],
+        "limit": with_symbols(answer.limit),
+        "refusal": "" if answer.drives else with_symbols(answer.refusal),
+        "ways": [{"words": with_symbols(way.words), "asked": form_of(way.asked)} for way in answer.ways],
     }
 
 

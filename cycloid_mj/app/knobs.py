@@ -1,6 +1,7 @@
 """The design values that the page changes by sliders and lists, each with unit, range and meaning."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -111,6 +112,11 @@ def knobs(design: Design) -> tuple[Knob, ...]:
 def label_of(key: str) -> str:
     """Return the page's word for a key of the design file; the key itself where the page has none."""
     return _labels().get(key, key)
+
+
+def with_symbols(text: str) -> str:
+    """Put the symbol for the unit um in a sentence."""
+    return re.sub(r"(?<=[0-9] )um\b", SYMBOLS["um"], text)
 
 
 def _rows() -> Iterator[tuple[str, str, str]]:

@@ -15,10 +15,7 @@ from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, 
 from cycloid_mj.reducer import Reducer
 
 TURNS = 1.25
-"""Crank turns of a run after the load has come on and the start has rung out."""
-
-SETTLING = 0.015
-"""Seconds for that."""
+"""Crank turns of a run after it has settled, at least."""
 
 Told = Callable[[Any], None]
 
@@ -67,13 +64,14 @@ def print_plate(design: Design) -> dict[str, bytes]:
 
 
 def joint(design: Design) -> dict[str, bytes]:
-    """Pack the joint for a robot's model, with its figures."""
+    """Pack the joint for a robot's model: the files of ``cycloid-mj reduce``, but for its page."""
+    from cycloid_mj.robot.files import joint_files, scenes
     from cycloid_mj.robot.measured import reduce
-    from cycloid_mj.robot.mjcf import joint_xml
 
     reduced = reduce(design)
     figures = json.dumps(plain(reduced.as_json()), indent=1)
-    return _packed(f"{design.name}-joint", {"joint.xml": joint_xml(reduced).encode(), "reducer.json": figures.encode()})
+    files = joint_files(reduced, *scenes(reduced)) | {"reducer.json": figures.encode()}
+    return _packed(f"{design.name}-joint", files)
 
 
 FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
@@ -103,20 +101,23 @@ def run(told: Told, values: Any) -> Made:
     CycloidError
         The run went wrong, or the crank stands still.
     """
+    from cycloid_mj.comparison import settling
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.report import report
 
     design = design_of(values)
     if design.drive.speed == 0.0:
         raise DesignError("the crank stands still: give it a speed")
-    turn = 2.0 * math.pi / abs(design.drive.speed)
-    short = design.but(drive={"ramp": 0.0, "hold": SETTLING + TURNS * turn})
+    started = design.but(drive={"ramp": 0.0})
+    settled, turn = settling(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
+    short = started.steady(settled, max(TURNS, settled / turn))  # no more than half of a hold is left out
 
     def note(done: int, whole: int) -> None:
         told({"doing": "running in MuJoCo", "share": done / whole})
 
     told({"doing": "building the model", "share": 0.0})
-    return Made(page=report({design.name: simulate(short, progress=note)}))
+    run = simulate(short, progress=note)
+    return Made(page=report({design.name: run}, settle=settled))
 
 
 def _packed(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import sys
 import threading
 import traceback
 import webbrowser
@@ -47,6 +48,11 @@ class PageServer(ThreadingHTTPServer):
         self.asked = threading.BoundedSemaphore(MOST_ASKED)
         self.start = start_values(design)
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Tell what went wrong with a request, but not that its window has gone meanwhile."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
     def ask(self, name: str, content: Mapping[str, Any]) -> Any:
         """Answer one question; errors as those of its work."""
         if name in AT_ONCE:
@@ -90,7 +96,7 @@ class Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.NOT_FOUND, f"{error}\n".encode(), "text/plain")
 
     def do_POST(self) -> None:
-        """Answer a question in JSON with JSON; a mistake gets the status 400 and its message."""
+        """Answer a question in JSON with JSON; what is refused is answered, too: a browser would log another status."""
         if not self._allowed():
             return
         length = self.headers.get("Content-Length", "")
@@ -111,7 +117,7 @@ class Handler(BaseHTTPRequestHandler):
                 raise ValueError("an object is expected")
             self._send_json(HTTPStatus.OK, self.server.ask(self.path.strip("/").removeprefix("ask/"), content))
         except CycloidError as error:
-            self._send_json(HTTPStatus.BAD_REQUEST, {"error": str(error).removeprefix("override: ")})
+            self._send_json(HTTPStatus.OK, {"refused": str(error).removeprefix("override: ")})
         except KeyError:
             self._send_json(HTTPStatus.NOT_FOUND, {"error": "nobody answers that"})
         except (ValueError, RecursionError) as error:

@@ -1,7 +1,8 @@
 """How far runs are: a bar with the time left on a terminal, now and then a line elsewhere."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from time import monotonic
 from types import TracebackType
@@ -9,12 +10,33 @@ from typing import Any
 
 from cycloid_mj.cli.terminal import tell
 
-PREPARING = "preparing the model"
+PREPARING, JUDGING = "preparing the model", "judging the run"
 SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
+@contextmanager
+def underway(words: str, quiet: bool = False) -> Iterator[None]:
+    """Write what is being done, and now and then that it goes on; nothing if it is to be quiet."""
+    if quiet:
+        yield
+        return
+    over = Event()
+    tell(words)
+    Thread(target=_goes_on, args=(words, over), daemon=True).start()
+    try:
+        yield
+    finally:
+        over.set()
+
+
+def _goes_on(words: str, over: Event) -> None:
+    start = monotonic()
+    while not over.wait(SECONDS_BETWEEN_COUNTS):
+        tell(f"{words}: {monotonic() - start:.0f} s so far")
+
+
 class Progress:
-    """Progress of a run on stderr; a context manager.
+    """Progress of a run on stderr, before its first sample and after its last, too; a context manager.
 
     Parameters
     ----------
@@ -27,23 +49,17 @@ class Progress:
     def __init__(self, end: float, quiet: bool = False) -> None:
         self._end = end
         self._quiet = quiet
-        self._start = self._told = monotonic()
+        self._told = monotonic()
+        self._first: tuple[float, float] | None = None
         self._bar: Any = None
-        self._begun = Event()
+        self._waiting = ExitStack()
 
     def __enter__(self) -> "Progress":
-        self.tell(PREPARING)
-        if not self._quiet:
-            Thread(target=self._wait, daemon=True).start()
+        self._waiting.enter_context(underway(PREPARING, self._quiet))  # modules are loaded, code is compiled
         return self
 
-    def _wait(self) -> None:
-        """Write now and then, until the first sample, that the work goes on: modules are loaded, code compiled."""
-        while not self._begun.wait(SECONDS_BETWEEN_COUNTS):
-            tell(f"{PREPARING}: {monotonic() - self._start:.0f} s so far")
-
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        self._begun.set()
+        self._waiting.close()
         if self._bar:
             self._bar.stop()
 
@@ -54,9 +70,11 @@ class Progress:
 
     def reached(self, simulated: float) -> None:
         """Show that the run has come to `simulated` [s]."""
-        self._begun.set()
+        self._waiting.close()
         if self._quiet:
             return
+        if self._first is None:
+            self._first = monotonic(), simulated
         if sys.stderr.isatty():
             self._bar = self._bar or _bar(self._end)
             self._bar.update(self._bar.task_ids[0], completed=simulated)
@@ -64,10 +82,21 @@ class Progress:
             self._told = monotonic()
             tell(self._line(simulated))
 
+    def judging(self) -> None:
+        """Show that the last sample is there, and is judged with all others."""
+        if self._bar:
+            self._bar.stop()
+            self._bar = None
+        self._waiting.enter_context(underway(JUDGING, self._quiet))
+
     def _line(self, simulated: float) -> str:
-        share = simulated / self._end
-        left = seconds_left(self._start, share)
-        return f"{share:4.0%}  {simulated:.3f} of {self._end:g} s simulated, about {left:.0f} s left"
+        """Tell how far it is, and the time left by the pace since the first sample: what came before was no run."""
+        line = f"{simulated / self._end:4.0%}  {simulated:.3f} of {self._end:g} s simulated"
+        start, first = self._first or (0.0, simulated)
+        if simulated <= first:
+            return line
+        left = seconds_left(start, (simulated - first) / (self._end - first))
+        return f"{line}, about {left:.0f} s left"
 
 
 def seconds_left(start: float, share: float) -> float:

@@ -1,9 +1,7 @@
 """``cycloid-mj reduce``: a reducer as one joint of a robot's model."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from inspect import getsource
-from json import dumps
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
@@ -59,9 +57,6 @@ SeedFlag = Annotated[int, Parameter(converter=whole, help="Of the draws: the sam
 MOST_SAMPLES = 100_000
 
 STEM = "reducer"
-FILES = ("joint.xml", "scene.xml", "bam.json")
-BESIDE = ("lossy_joint.xml", "lossy_scene.xml", "joint.py")
-"""Written at the levels that have springs."""
 SAMPLES = "samples.csv"
 """Written with ``--spread``."""
 
@@ -114,9 +109,10 @@ def reduce(
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.robot.against import against
+    from cycloid_mj.robot.files import BESIDE, FILES, scenes, without_slip
     from cycloid_mj.robot.measured import reduce as measured
     from cycloid_mj.robot.population import population
-    from cycloid_mj.robot.study import scene, study
+    from cycloid_mj.robot.study import study
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
@@ -130,22 +126,15 @@ def reduce(
     place = claimed(delivery, STEM, (*FILES, *BESIDE, *([SAMPLES] if spread else [])), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
     drives = population(Reducer(design), samples, seed, counted("spread", delivery.quiet)) if spread else None
-    inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
-    # the full model has no friction that holds the wind-up, nor does what an impact is held against
-    without = replace(reduced, slips=())
-    comparison, steps = against(Reducer(design), without), study(without)
+    free = without_slip(reduced)
+    comparison, steps = against(Reducer(design), free), study(free)
     step = None if timestep_ms is None else 1e-3 * timestep_ms
-    if reduced.slips:
-        # under the other one what slips does not hold still
-        integrator = "implicitfast"
-    asked = scene(without, inertia, step, *([] if integrator is None else [(integrator,)]))
+    asked, lossy = scenes(reduced, load_inertia_kgm2, step, integrator)
     warn(
         design.name,
         [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in comparison.missed)],
     )
-    lossy = reduced.level != "rigid"
-    slow = asked if asked.integrator == "discrete" or not lossy else scene(without, inertia, step, ("discrete",))
-    return deliver(_outcome(reduced, comparison, steps, asked, slow if lossy else None, drives), place, delivery)
+    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives), place, delivery)
 
 
 def _outcome(
@@ -153,30 +142,20 @@ def _outcome(
     comparison: "Against",
     steps: "tuple[Tried, ...]",
     asked: "Tried",
-    slow: "Tried | None",
+    lossy: "Tried | None",
     drives: "Population | None",
 ) -> Outcome:
     from cycloid_mj.base.frame import quantity_frame
     from cycloid_mj.base.result import plain, quantity_table
     from cycloid_mj.report.joint import joint_page
-    from cycloid_mj.robot import standalone
     from cycloid_mj.robot.bam import bam
-    from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml, lossy_table
-    from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+    from cycloid_mj.robot.files import joint_files
+    from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
     from cycloid_mj.robot.study import recommended, recommended_table, table
 
-    bammed, quantities = bam(reduced), reduced.quantities
-    lossy, efficiencies = {}, []
-    drawn = {SAMPLES: drives.frame.as_csv()} if drives else {}
-    if slow:
-        scene = lossy_scene_xml(reduced, slow.inertia, slow.timestep)
-        lossy = dict(zip(BESIDE, (lossy_joint_xml(reduced), scene, getsource(standalone)), strict=True))
-        efficiencies = lossy_efficiencies(reduced)
-    texts = (
-        joint_xml(reduced),
-        scene_xml(reduced, asked.inertia, asked.timestep, asked.integrator),
-        f"{dumps(plain(bammed), indent=2)}\n",
-    )
+    quantities = reduced.quantities
+    efficiencies = lossy_efficiencies(reduced) if lossy else []
+    drawn = {SAMPLES: drives.frame.as_csv().encode()} if drives else {}
     return Outcome(
         title=f"reduce: {reduced.name}",
         condition=f"level {reduced.level}",
@@ -198,8 +177,8 @@ def _outcome(
             *(drives.notes if drives else ()),
         ],
         frame=quantity_frame(quantities),
-        files={name: text.encode() for name, text in (*zip(FILES, texts, strict=True), *lossy.items(), *drawn.items())},
-        page=partial(joint_page, reduced, comparison, steps, asked, bammed, drives),
+        files=joint_files(reduced, asked, lossy) | drawn,
+        page=partial(joint_page, reduced, comparison, steps, asked, bam(reduced), drives),
         result=plain(
             {
                 **reduced.as_json(),

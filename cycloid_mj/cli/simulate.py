@@ -19,7 +19,7 @@ from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, Delivery, DesignOptions
 from cycloid_mj.cli.outfile import folder, new_folder
-from cycloid_mj.cli.progress import Progress
+from cycloid_mj.cli.progress import Progress, underway
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -123,7 +123,7 @@ def simulate(
     findings = ran.judged()
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
-    outcome = _with_meaning(outcome_of(findings), findings, ran.log, page, chosen)
+    outcome = _with_meaning(outcome_of(findings), findings, ran.log, page, chosen, delivery.quiet)
     if not delivery.all:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
@@ -135,11 +135,10 @@ def review_of(log: Path) -> Path:
 
 
 def _with_meaning(
-    outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions
+    outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
     """Have an outcome tell what the figures mean, in place of the first of each part, and what to do next."""
     from cycloid_mj.analysis import meaning
-    from cycloid_mj.report import review_page
 
     written = f"log: {log}{f'; to look at in a browser: {page}' if page else ''}"
     return replace(
@@ -147,8 +146,15 @@ def _with_meaning(
         condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
         summary=[*meaning(findings), written, *(f"next: {words}" for words in _next(findings, log, chosen))],
-        page=lambda: review_page(log),
+        page=lambda: _drawn(log, quiet),
     )
+
+
+def _drawn(log: Path, quiet: bool) -> str:
+    from cycloid_mj.report import review_page
+
+    with underway("drawing the page of the run", quiet):
+        return review_page(log)
 
 
 def _next(findings: "Findings", log: Path, chosen: DesignOptions) -> Iterator[str]:
@@ -280,6 +286,7 @@ def run_into_log(
     with _first(names, lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)) as log:
         _record(blocks(compiled, reducer), log, progress)
         wall = time.perf_counter() - start
+        progress.judging()
         log.flush()
         findings = _judgement(log) if shown else LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
         log.close(attachments={} if isinstance(findings, CycloidError) else _attached(findings))

@@ -42,7 +42,7 @@ def review_page(log: Path) -> str:
     return report({str(log): read(log)})
 
 
-def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> ReportPage:
+def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> ReportPage:
     """Write the review of runs as one self-contained HTML page; several are set side by side.
 
     Parameters
@@ -51,6 +51,9 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> ReportPag
         Name of the log -> run.
     q
         Point of the gear that is followed, gear frame [m]; by default the centre of hole 1, on +y.
+    settle
+        Time after the ramp that is not judged [s], but never more than half of the hold; by default as long as a jolt
+        takes to ring out.
 
     Raises
     ------
@@ -66,7 +69,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> ReportPag
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
-    reviewed = review(runs, q)
+    reviewed = review(runs, q, settle)
     for item in reviewed:
         warn(item.name, item.findings.warnings)
     return ReportPage(page(reviewed))

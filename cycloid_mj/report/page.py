@@ -41,7 +41,8 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             several=len(reviewed) > 1,
             settled=all(item.motion.phase == "hold" for item in reviewed),
             conditions=_conditions(reviewed),
-            warnings=[(item.name, line) for item in reviewed for line in tables.warnings(item)],
+            warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
+            unmet=[(item.name, failed) for item in reviewed if (failed := tables.unmet(item))],
             numbers=_numbers,
             magnified=min(run["mechanism"]["usual"] for run in data["runs"]),
             widest=[1e3 * run["mechanism"]["widest"] for run in data["runs"]],
@@ -66,9 +67,9 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
         ("output", findings.transmission_error, findings.output_speed),
         (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
     ):
-        yield f"{part}: transmission error, p-p", f"{error.peak_to_peak_arcsec:.3g} arcsec"
-        yield f"{part}: speed, rms error", f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s"
-    yield "largest contact force", f"{findings.contact_summary.peak_force_n:.4g} N"
+        yield f"{part}: transmission error, p-p", f"{_short(error.peak_to_peak_arcsec)} arcsec"
+        yield f"{part}: speed, rms error", f"{_short(1e3 * speed.rms_error_rad_s)} mrad/s"
+    yield "largest contact force", f"{_short(findings.contact_summary.peak_force_n, 4)} N"
     yield "contacts, mean", f"{findings.contact_summary.mean_active:.3g}"
     with suppress(CycloidError):  # statics find no balance: the checks among the warnings say so
         yield from _statics(Reducer(item.motion.design))
@@ -79,7 +80,12 @@ def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:
     load, _ = load_of(reducer)
     for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
         one = figure(key)
-        yield f"{name}, by statics", f"{one.value(reducer):.3g} {one.unit}"
+        yield f"{name}, by statics", f"{_short(one.value(reducer))} {one.unit}"
+
+
+def _short(value: float, digits: int = 3) -> str:
+    """Write a number with some digits, and without an exponent where it is large."""
+    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
 
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:

@@ -24,9 +24,9 @@ class Reviewed:
     colour: str
 
 
-def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> list[Reviewed]:
-    """Judge runs, by the names of their logs; `q` and errors as of `analysis.series`."""
-    motions = [series(run, q) for run in runs.values()]
+def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
+    """Judge runs, by the names of their logs; `q`, `settle` and errors as of `analysis.series`."""
+    motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
     return [Reviewed(*each) for each in zip(runs, motions, map(judge, motions, runs), names, PALETTE, strict=False)]
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
-from cycloid_mj.checks import check
+from cycloid_mj.checks import Check, check
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
 from cycloid_mj.report.reviewed import Reviewed
 
@@ -82,10 +82,9 @@ def provenance(item: Reviewed) -> TextTable:
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
 
 
-def warnings(item: Reviewed) -> list[str]:
-    """List what a reader of a run should know before he trusts its numbers."""
-    design = item.motion.design
-    return [*item.findings.warnings, *(f"design check: {one}" for one in check(design) if not one.passed)]
+def unmet(item: Reviewed) -> list[Check]:
+    """List the checks that a run's design does not meet."""
+    return [one for one in check(item.motion.design) if not one.passed]
 
 
 def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:

@@ -88,9 +88,6 @@ def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
     page.key("Enter")
     page.wait("document.querySelector('.refused .said')?.innerText.includes('ring.teeth = 3')", "refused where it is")
     solved(page)
-    (refusal,) = page.errors  # the browser logs every answer of that status
-    assert "status of 400" in refusal
-    page.errors.clear()
 
 
 def test_the_file_is_saved_under_the_designs_own_name(page: Tab, downloads: Path) -> None:

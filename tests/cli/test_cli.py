@@ -64,7 +64,9 @@ def rejected(*argv: str) -> tuple[int, str]:
     """Exit code and message of a mistake, which must be one line, beside warnings of a run, and leave stdout empty."""
     code, out, err = told(*argv)
     messages = [
-        line for line in err.splitlines() if not line.startswith(("preparing the model", "time step ", "warning: "))
+        line
+        for line in err.splitlines()
+        if not line.startswith(("preparing the model", "judging the run", "time step ", "warning: "))
     ]
     assert out == ""
     assert len(messages) == 1, err
@@ -195,8 +197,9 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT, "--all")
     assert code == 0
-    first, step, *lines, last, wrote = [line for line in err.splitlines() if "s so far" not in line]
+    first, step, *lines, judging, last, drawing, wrote = [line for line in err.splitlines() if "s so far" not in line]
     assert first == "preparing the model"
+    assert (judging, drawing) == ("judging the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
         "time step 3.44828 us (chosen by the design: stiffness of pin_socket), "
@@ -205,7 +208,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")
     assert bool(lines) == progress
-    assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
+    assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated(, about \d+ s left)?", line) for line in lines), err
     assert Path("runs/pin-review.html").read_text().startswith("<!doctype html>")
     assert "log: runs/pin.mcap; to look at in a browser: runs/pin-review.html" in out
     commands = [line.split("    #")[0].split()[1:] for line in out.splitlines() if line.startswith("next: cycloid-mj ")]
@@ -348,14 +351,21 @@ def test_full_disk_is_one_line(here, two_samples, monkeypatch):
 
 
 def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
-    clock = iter([0.0, 4.0, 11.0, 11.0, 11.0, 12.0])
+    now = 0.0
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", 10.0)
-    monkeypatch.setattr("cycloid_mj.cli.progress.monotonic", lambda: next(clock))
+    monkeypatch.setattr("cycloid_mj.cli.progress.monotonic", lambda: now)
     with Progress(end=2.0) as progress:
-        for simulated in (0.2, 0.5, 0.6):
+        for seconds, simulated in ((60.0, 0.2), (64.0, 0.4), (71.0, 0.5), (72.0, 0.6)):
+            now = seconds
             progress.reached(simulated)
+        progress.judging()
     captured = capsys.readouterr()
-    assert captured.err == "preparing the model\n 25%  0.500 of 2 s simulated, about 33 s left\n"
+    assert captured.err.splitlines() == [
+        "preparing the model",
+        " 10%  0.200 of 2 s simulated",
+        " 25%  0.500 of 2 s simulated, about 55 s left",  # 11 s for 0.3 s: the minute before was no run
+        "judging the run",
+    ]
     assert captured.out == ""
 
 

@@ -24,7 +24,7 @@ from cycloid_mj.report.encode import decimated
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
 from cycloid_mj.report.page import page as page_of
 from cycloid_mj.report.reviewed import review
-from cycloid_mj.report.tables import warnings
+from cycloid_mj.report.tables import unmet
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, fitting_magnification, gaps
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
@@ -260,7 +260,7 @@ def test_no_spectrum_of_less_than_a_turn():
 def test_warnings_say_what_spoils_the_numbers(pin):
     def told(run) -> list[str]:
         (reviewed,) = review({"a.mcap": run})
-        return [one for one in warnings(reviewed) if not one.startswith("design check: ")]
+        return list(reviewed.findings.warnings)
 
     assert told(pin) == []
     cut = replace(pin.select(slice(0, 250)), complete=False, note="killed <b>")
@@ -272,6 +272,23 @@ def test_warnings_say_what_spoils_the_numbers(pin):
     assert "stopped early" in page
     assert "killed &lt;b&gt;" in page
     assert "killed <b>" not in page
+
+
+def test_checks_that_do_not_hold_are_named_in_a_line_and_unfold(pin):
+    (reviewed,) = review({"a.mcap": pin})
+    failed = unmet(reviewed)
+    assert failed
+    page = Page(report({"a.mcap": pin}))
+    names = ", ".join(one.name.replace("_", " ") for one in failed)
+    assert ("summary", f"design checks that do not hold: {names}") in page.texts
+    assert [words for tag, words in page.texts if tag == "li"] == [str(one) for one in failed]
+    assert not [one for one in page.elements if one[0] == "details" and "open" in one[1]]
+
+
+def test_a_start_that_is_to_ring_out_longer_is_not_judged(pin):
+    spans = [Page(report({"a.mcap": pin}, settle=settle)).data["runs"][0]["spans"]["hold"] for settle in (None, 0.03)]
+    assert spans[0][0] < 0.03
+    assert spans[1] == pytest.approx([0.03, pin.time[-1]], abs=1e-4)
 
 
 def test_a_run_that_ended_in_its_ramp_is_reported(tmp_path):
@@ -319,6 +336,9 @@ def test_page_draws_everything_in_a_browser_without_an_error(which, width, reque
         document.getElementById(id).dispatchEvent(new Event(kind));
       }
       for (const kind of ["beforeprint", "afterprint"]) window.dispatchEvent(new Event(kind));
+      document.querySelector("dd").textContent = "123456 N m/arcmin";
+      const out = [...document.querySelectorAll("dl > div")].filter(card => card.scrollWidth > card.clientWidth);
+      document.body.dataset.cards = out.map(card => card.textContent).join("; ");
     </script></body>"""
     path.write_text(request.getfixturevalue(which).replace("</body>", deeds), encoding="utf-8")
     options = (f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--dump-dom")
@@ -327,6 +347,8 @@ def test_page_draws_everything_in_a_browser_without_an_error(which, width, reque
     )
     assert "CONSOLE" not in done.stderr, done.stderr
     assert 'data-ready="true"' in done.stdout
+    (cards,) = re.findall(r'<body data-cards="([^"]*)"', done.stdout)
+    assert cards == "", "a number sticks out of its card"
     for figure in (*FIGURES, "spectrum"):
         name = figure if isinstance(figure, str) else figure.name
         drawn = done.stdout.split(f'id="figure-{name}"')[1].split("</figure>")[0]

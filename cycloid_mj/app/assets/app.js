@@ -94,20 +94,23 @@ function showHead() {
   const { shown, asked, statics, life } = state;
   if (!shown) return;
   const broken = shown.errors.length > 0;
-  const head = shown.head;
+  const head = shown.head, cased = life?.cased;
+  const covers = cased && cased.diameter_mm > head.diameter_mm * 1.001 ? `with covers ${number(cased.diameter_mm)} mm` : null;
   const figures = [
     ["ratio", `${head.ratio}:1`, asked.ratio && [head.ratio === asked.ratio, `asked: ${asked.ratio}:1`]],
-    ["diameter", `${number(head.diameter_mm)} mm`, asked.diameter_mm && [head.diameter_mm <= asked.diameter_mm * 1.0001, `asked: at most ${number(asked.diameter_mm)} mm`]],
-    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, null],
+    ["diameter", `${number(head.diameter_mm)} mm`, asked.diameter_mm && [head.diameter_mm <= asked.diameter_mm * 1.0001, `asked: at most ${number(asked.diameter_mm)} mm`, covers && cased.diameter_mm > asked.diameter_mm * 1.0001], covers],
+    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, null, cased && `with covers ${number(cased.mass_kg, 3)} kg`],
     ["bears for its life", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", life && asked.torque_nm && [life.rated_torque_nm >= asked.torque_nm * 0.995, `asked: ${number(asked.torque_nm)} N m`]],
     ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", statics && asked.backlash_arcmin && [statics.backlash_arcmin <= asked.backlash_arcmin, `asked: at most ${number(asked.backlash_arcmin)} arcmin`]],
     [`lasts at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", life && [life.life_h === null || life.life_h >= shown.life_h, `asked: ${number(shown.life_h)} h`]],
   ];
   byId("head").classList.toggle("old", !broken && !(statics && life));
-  fill(byId("head"), ...figures.map(([name, value, judged]) => el("div",
-    { class: `figure ${judged ? (judged[0] ? "holds" : "fails") : ""}` },
-    el("b", {}, value, judged ? el("span", { class: "mark", "aria-label": judged[0] ? "holds" : "does not hold" }, judged[0] ? " ✓" : " ✗") : null),
-    el("small", {}, name, judged ? el("i", {}, ` · ${judged[1]}`) : null))));
+  fill(byId("head"), ...figures.map(([name, value, judged, also]) => {
+    const [look, mark, words] = !judged ? [""] : !judged[0] ? ["fails", " ✗", "does not hold"] : judged[2] ? ["near", " !", "holds but for its covers"] : ["holds", " ✓", "holds"];
+    return el("div", { class: `figure ${look}` },
+      el("b", {}, value, mark ? el("span", { class: "mark", "aria-label": words }, mark) : null),
+      el("small", {}, name, judged ? el("i", {}, ` · ${judged[1]}`) : null, also ? el("i", {}, ` · ${also}`) : null));
+  }));
 }
 
 // --- what is wrong

@@ -10,7 +10,7 @@ export async function ask(name, content = {}) {
     throw new Error("the page's server does not answer: is cycloid-mj app still running?");
   }
   const told = await answer.json();
-  if (!answer.ok) throw new Error(told.error);
+  if (!answer.ok || "refused" in told) throw new Error(told.refused ?? told.error);
   return told;
 }
 

@@ -1,7 +1,7 @@
 // The start form: what a drive is to do; the answer is drives to take, or the most that goes and ways out as buttons.
 
 import { work, stop } from "./net.js";
-import { el, number, fill } from "./dom.js";
+import { el, number, fill, refill } from "./dom.js";
 
 const FIELDS = [
   ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Turns of the crank for one of the output"],
@@ -14,7 +14,7 @@ const MORE = [
   ["length_mm", "Length, at most", "mm", "", { min: 1, step: "any" }, "Empty: any"],
   ["backlash_arcmin", "Backlash, at most", "arcmin", "", { min: 0, step: "any" }, "Empty: any. Clearances follow"],
 ];
-const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Ground", "hardened steel, 5 µm"] };
+const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Steel", "hardened and ground, 5 µm"] };
 const LAYOUT = { 0: ["One or two discs", "two where one is too few"], 1: ["One disc", "simplest; shakes"], 2: ["Two discs", "balanced"] };
 
 export class Start {
@@ -51,7 +51,7 @@ export class Start {
     fill(this.dialog,
       el("form", { method: "dialog", class: "close" }, el("button", { "aria-label": "Close" }, "×")),
       el("h2", { id: "start-title" }, "What is the drive to do?"), this.form, this.answer,
-      el("p", { class: "instead" }, "Or begin with ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.dialog.close(); } }, name)]),
+      el("p", { class: "instead" }, "Or begin with ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
         " or ", el("button", { class: "link", type: "button", onclick: () => { this.dialog.close(); document.getElementById("open").click(); } }, "a design file"), "."));
     materials();
     this.dialog.onclose = () => this.#stop();
@@ -64,6 +64,12 @@ export class Start {
       form[input.name] = input.type === "number" || input.name === "discs" ? Number(input.value) : input.value;
     }
     return form;
+  }
+
+  // A drive is there: what is said of it comes next.
+  #shut() {
+    this.dialog.close();
+    document.getElementById("checks").focus();
   }
 
   #stop() {
@@ -80,7 +86,7 @@ export class Start {
 
   async #find(form) {
     this.#stop();
-    const began = performance.now();
+    const began = performance.now(), place = document.activeElement;
     const time = el("span", {}), doing = el("span", {}, "searching"), found = el("div", {});
     fill(this.answer,
       el("div", { class: "busy" }, el("span", { class: "spinner", "aria-hidden": "true" }), doing, " · ", time, el("button", { type: "button", onclick: () => { this.#stop(); fill(this.answer); } }, "Stop")), found);
@@ -107,7 +113,8 @@ export class Start {
       this.answer.firstChild.remove();
       if (job.result.drives.length) this.#drives(found, job.result);
       else this.#refused(found, job.result, true);
-      found.querySelector("button")?.focus();
+      // not from under the hands of who goes on typing, or has chosen already
+      if ([place, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
     } catch (error) {
       if (mine !== this.job) return;
       clearInterval(this.clock);
@@ -123,12 +130,12 @@ export class Start {
       el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },
         el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
         el("dl", {}, rows.map(([key, word, unit]) => [el("dt", {}, word), el("dd", {}, `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Lasts"), el("dd", {}, drive.life)),
-        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.dialog.close(); } }, "Take this one")))));
+        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.#shut(); } }, "Take this one")))));
   }
 
   #refused(place, answer, done) {
     const most = answer.most ? `${number(answer.most, 3)} N m` : "";
-    fill(place,
+    refill(place,
       el("h3", { class: "fails" }, `✗ ${number(answer.asked.torque_nm)} N m ${answer.most ? "is too much here" : "cannot be had here"}`),
       el("p", {}, answer.most ? [el("b", {}, `${most} is the most`), ` that goes with these values; ${answer.limit} sets the limit.`] : `${answer.limit}.`),
       el("h4", {}, done ? "What would do it" : "What would do it, so far"),
