@@ -2,6 +2,7 @@
 
     python scripts/benchmark.py                        # every table
     python scripts/benchmark.py loop log --quick       # some, from fewer passes
+    python scripts/benchmark.py asked --quick          # what is asked of commands, and what they take
     python scripts/benchmark.py --json benchmark.json  # every pass of every table, for a machine
     python scripts/benchmark.py against REVISION       # whole runs of this tree and of another revision, in turn
 
@@ -29,6 +30,7 @@ import mujoco
 import numba
 import numpy as np
 from against import TRIALS, compare, difference, laid_out, loops, of_the_log
+from asked import asked_table
 from passes import (
     FIXED,
     FREE,
@@ -337,6 +339,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "threads": threads_table,
     "command": command_table,
     "sweep": sweep_table,
+    "asked": asked_table,
 }
 
 

@@ -5,6 +5,7 @@ more. What a busy machine does to its caches remains: compare passes that were t
 """
 
 import ctypes
+import os
 import subprocess
 import sys
 import tempfile
@@ -12,7 +13,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite.binding
 import mujoco
@@ -29,6 +30,8 @@ from cycloid_mj.dynamics.run import Solver, attachments, blocks, columns, contac
 from cycloid_mj.log import LogWriter
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import Scene, frame_rate
+
+ROOT = Path(__file__).parents[1]
 
 Case = tuple[Design, ReducerModel]
 
@@ -184,12 +187,30 @@ sys.exit(os.waitstatus_to_exitcode(status))
 """Runs a command and tells its cost. A process counts its parent's memory as its own peak: this parent is small."""
 
 
-def command_cost(design: str, samples: int) -> tuple[float, float, float]:
-    """Run ``cycloid-mj simulate`` on a number of samples; give wall and CPU time [s] and peak memory [MB]."""
-    launcher = [sys.executable, "-S", "-c", _LAUNCHER]
-    command = [sys.executable, "-m", "cycloid_mj", "simulate", "--design", design, "--quiet", "--json"]
+class Launched(NamedTuple):
+    """What a process took: wall and CPU time [s], peak memory [MB]."""
+
+    wall: float
+    cpu: float
+    memory: float
+
+
+def launched(*words: str, **environment: str) -> Launched:
+    """Run a command of ``cycloid-mj``, in a folder of its own that goes with its files.
+
+    Raises
+    ------
+    CalledProcessError
+        The command failed; what it said is on stderr.
+    """
+    command = [sys.executable, "-S", "-c", _LAUNCHER, sys.executable, "-m", "cycloid_mj", *words]
+    around = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, ROOT / "papers"))), **environment}
     with tempfile.TemporaryDirectory() as folder:
-        run = ["--ramp-s", "0", "--hold-s", str(samples * 1e-4), "--out", folder]
-        done = subprocess.run([*launcher, *command, *run], stdout=subprocess.PIPE, text=True, check=True)
-    wall, cpu, memory = map(float, done.stdout.split())
-    return wall, cpu, memory
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, cwd=folder, env=around)
+    return Launched(*map(float, done.stdout.split()))
+
+
+def command_cost(design: str, samples: int) -> Launched:
+    """Run ``cycloid-mj simulate`` on a number of samples; give what it took."""
+    run = ("--ramp-s", "0", "--hold-s", str(samples * 1e-4))
+    return launched("simulate", "--design", design, "--quiet", "--json", *run)

@@ -190,8 +190,8 @@ class Run(Presented):
                 f"cannot select samples by an array of {rows.dtype}, shape {rows.shape}: "
                 f"give a slice or a mask of bool, shape {self.time.shape}"
             )
-        columns = {name: values[rows] for name, values in self.columns.items()}
-        return replace(self, time=self.time[rows], columns=columns)
+        columns = {name: own(values[rows]) for name, values in self.columns.items()}
+        return replace(self, time=own(self.time[rows]), columns=columns)
 
 
 def usable(values: Array) -> Array:
@@ -202,9 +202,12 @@ def usable(values: Array) -> Array:
 
 def _locked(values: npt.ArrayLike) -> Array:
     array = np.asarray(values, dtype=np.float64)
-    if array.flags.writeable or array.base is not None:
-        array = array.copy()
-        array.flags.writeable = False
+    return own(array.copy()) if array.flags.writeable or array.base is not None else array
+
+
+def own(array: Array) -> Array:
+    """Lock an array that nobody else writes to, so that a `Run` takes it as it is."""
+    array.flags.writeable = False
     return array
 
 

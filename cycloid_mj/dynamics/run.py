@@ -36,7 +36,7 @@ from cycloid_mj.base.names import (
     planar_joints,
     planar_speeds,
 )
-from cycloid_mj.base.record import Deferred, Run
+from cycloid_mj.base.record import Deferred, Run, own
 from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
@@ -240,12 +240,12 @@ def simulate(
     for block in blocks(compiled, reducer, course):
         run.append(block)
         progress(sum(len(one.time) for one in run), samples)
-    time = np.concatenate([block.time for block in run])
+    time = own(np.concatenate([block.time for block in run]))
     units = {name: unit for group in groups.values() for name, unit in group.items()}
     values: dict[str, Array] = {}
     for topic, names in groups.items():
-        table = np.concatenate([block.values[topic] for block in run])
-        values |= {name: table[:, i] for i, name in enumerate(names)}
+        tables = [block.values[topic] for block in run]
+        values |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(names)}
     return Run(
         time=time,
         columns=values,

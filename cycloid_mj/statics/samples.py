@@ -21,7 +21,7 @@ from cycloid_mj.geometry.kinematics import gear_rotation
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import kernel
-from cycloid_mj.statics.kernel import BALANCED, FIGURES, Effects, SampleDeviations, balance_samples
+from cycloid_mj.statics.kernel import BALANCED, FIGURES, PATHS, Effects, SampleDeviations, balance_samples
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -191,7 +191,10 @@ def solve_samples(
     out = np.zeros((len(torques), len(samples), FIGURES))
 
     def balanced(first: int, last: int) -> None:
-        balance_samples(springs.contacts, effects, deviations, load, first, last, out)
+        given = springs.contacts, effects, deviations, load
+        balance_samples(*given, first, last, out, None)
+        for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= BALANCED).all(axis=0)):
+            balance_samples(*given, lost, lost + 1, out, PATHS)
 
     if threads == 1:
         for first, last in pairwise(bounds):

@@ -10,6 +10,7 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj import statics
+from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
@@ -18,6 +19,7 @@ from cycloid_mj.statics.kernel import (
     CARRIES,
     FLOATING,
     FOLLOWED,
+    PATHS,
     KernelSprings,
     Left,
     Rubbing,
@@ -27,6 +29,7 @@ from cycloid_mj.statics.kernel import (
     follow_path,
     gap,
     is_open,
+    search,
     state,
     state_after,
 )
@@ -257,7 +260,7 @@ def test_the_forces_of_a_balance_turn_no_part() -> None:
     contacts, load, z = springs("2"), np.zeros((1, 7)), np.zeros((1, 7))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    assert balance_along(contacts, load, z, force).force <= BALANCED
+    assert balance_along(contacts, load, z, force, None).force <= BALANCED
     push = force[0] @ np.array([gap(contacts, 0, i, z[0]).ahead for i in range(contacts.disc.size)])
     assert push[3] == pytest.approx(-load[0, -1], rel=1e-6)
     for disc in range(2):
@@ -288,7 +291,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Left:
     z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
     for disc, place in enumerate(contacts.cam_place.swapaxes(0, 1)):
         z[:, 3 * disc : 3 * disc + 2] = place
-    return balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
+    return balance_along(contacts, load, z, force, None) if follow else balance(contacts, load, z, force, False)
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -299,11 +302,37 @@ def test_a_balance_takes_few_steps(name: str) -> None:
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
 
+def test_a_balance_that_is_lost_is_searched_for_anew_along_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From where the search began: what is compiled without paths leaves departures where it was lost."""
+    searched = []
+
+    def lost_without_paths(_: KernelSprings, load: Array, z: Array, *__: object) -> Left:
+        searched.append(float(z[0, 0]))
+        z += 1.0
+        return Left(0.0 if len(searched) > 1 else 0.3, 0, 1)
+
+    monkeypatch.setattr(search, "_balance", lost_without_paths)
+    z = np.full((1, 4), 2.0)
+    assert balance(springs("pin"), np.zeros((1, 4)), z, np.zeros((1, 1)), True).force == 0.0
+    assert searched == [2.0, 2.0]
+
+
+@pytest.mark.parametrize("follow", [False, True])
+def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
+    contacts = springs("few", crank=TURN, friction=True)
+    load = np.zeros((len(TURN), contacts.slope.shape[2]))
+    load[:, -1] = design_of("few").rated_torque / contacts.radius
+    ends = [np.zeros_like(load), np.zeros_like(load)]
+    for z, paths in zip(ends, (None, PATHS), strict=True):
+        assert search._balance(contacts, load, z, np.zeros(contacts.distance.shape), follow, paths).force <= BALANCED
+    np.testing.assert_array_equal(*ends)
+
+
 def followed(contacts: KernelSprings, torque: float) -> Left:
     """Balance crank angles that follow each other under a torque on the output."""
     load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
     load[:, -1] = torque / contacts.radius
-    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape))
+    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape), None)
 
 
 @pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 46)])

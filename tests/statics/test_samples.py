@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -76,6 +77,27 @@ def test_one_pass_of_three_torques_gives_the_bits_of_three(name: str) -> None:
         (alone,) = solve_samples(reducer, made, [torque], 24)
         for field in fields(found):
             np.testing.assert_array_equal(getattr(found, field.name), getattr(alone, field.name))
+
+
+def test_samples_that_are_lost_are_balanced_again_along_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Alone: those that were balanced keep their figures."""
+    balance_samples, again = samples.balance_samples, []
+
+    def lost_once(*given: Any) -> None:
+        *_, first, last, out, paths = given
+        if paths is not None:
+            again.append((first, last))
+        balance_samples(*given[:-1], None)
+        if paths is None:
+            out[0, first:last, -1] = np.where(np.arange(first, last) == 1, 0.5, out[0, first:last, -1])
+
+    reducer = Reducer(override(PRESETS["pin"], ERRORS))
+    made = drawn(reducer, 3, seed=5)
+    (usual,) = solve_samples(reducer, made, [36.0], 12)
+    monkeypatch.setattr(samples, "balance_samples", lost_once)
+    (found,) = solve_samples(reducer, made, [36.0], 12)
+    assert again == [(1, 2)]
+    np.testing.assert_array_equal(found.output_mean, usual.output_mean)
 
 
 def test_touching_parts_are_followed_in_few_steps() -> None:

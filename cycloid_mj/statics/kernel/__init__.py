@@ -11,7 +11,7 @@ from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_op
 from cycloid_mj.statics.kernel.hysteresis import FINEST, Rubbing, follow_path, state_after
 from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Left
 from cycloid_mj.statics.kernel.samples import CARRIES, FIGURES, Effects, SampleDeviations, balance_samples
-from cycloid_mj.statics.kernel.search import balance, balance_along
+from cycloid_mj.statics.kernel.search import PATHS, balance, balance_along
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "FINEST",
     "FLOATING",
     "FOLLOWED",
+    "PATHS",
     "Curved",
     "Effects",
     "KernelSprings",

@@ -55,11 +55,19 @@ class SampleDeviations(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance_samples(
-    ideal: KernelSprings, effects: Effects, made: SampleDeviations, load: Array, first: int, last: int, out: Array
+    ideal: KernelSprings,
+    effects: Effects,
+    made: SampleDeviations,
+    load: Array,
+    first: int,
+    last: int,
+    out: Array,
+    paths: bool | None,
 ) -> None:
     """Balance samples `first` to `last` under each of t loads (t, k, u) [N] at crank angles that follow each other.
 
-    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in.
+    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. For
+    `paths` see `balance_along`.
     """
     count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
     distance, shift = np.empty((count, contacts)), np.empty((count, contacts))
@@ -104,7 +112,7 @@ def balance_samples(
             ideal.pins,
         )
         for t in range(len(load)):
-            left = balance_along(springs, load[t], z, force)
+            left = balance_along(springs, load[t], z, force, paths)
             _sum_up(springs, z, force, out[t, s])
             out[t, s, FIGURES - 1] = left.force
 

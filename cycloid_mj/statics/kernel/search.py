@@ -44,12 +44,15 @@ _OPENINGS = 32
 """Steps in which play opens where a path without friction is lost: downhill, from one least energy to the next."""
 
 
+PATHS: bool = np.bool_(True)  # type: ignore[assignment]
+"""Argument: a search goes on along the paths of `by_continuation` where the others lead nowhere."""
+
+
 _WEDGED, _DEEP = 100.0, 100.0
 """Force on a cam over the load, and its depth in plays, beyond which parts are wedged: friction holds what nothing has
 pressed together."""
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
@@ -61,6 +64,20 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
     The worst of all angles, and their work together: where its force is above ``BALANCED``, no balance was found, and
     that angle is the last.
     """
+    begun = z.copy()
+    left = _balance(springs, load, z, force, follow, None)
+    if left.force <= BALANCED:
+        return left
+    z[:] = begun
+    return _balance(springs, load, z, force, follow, PATHS)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool, paths: bool | None) -> Left:
+    """Do what `balance` does, by all paths, or without those of `by_continuation`, where `paths` is None.
+
+    For None, numba leaves out what hangs on them, which is half of what there is to compile, and seldom needed.
+    """
     count, number = load.shape
     system = new_system(springs)
     start, near, keep, worst, last = np.zeros(number), False, False, 0.0, 0
@@ -70,7 +87,11 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
         if follow and k:
             _lead(z, k, near)
         begun = system.assembled[0]
-        left = _search(springs, k, load[k], here, start, keep, system)
+        scale = largest(load[k]) or 1.0
+        left = _search(springs, k, load[k], here, start, scale, keep, system)
+        if paths is not None:
+            left = _search_on(springs, k, load[k], here, start, left, BALANCED * scale, system)
+        left /= scale
         work = system.assembled[0] - begun
         near, keep = work <= _SHORT + 1, follow and work > (_KEPT if keep else _SHORT)
         copy(system.pressed, force[k])
@@ -81,13 +102,16 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array) -> Left:
-    """Balance crank angles that follow each other closely: `balance`, with every disc where its cam is at first."""
+def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array, paths: bool | None) -> Left:
+    """Balance crank angles that follow each other closely, with every disc where its cam is at first.
+
+    By all paths, or for None without those of `by_continuation`: what it loses then is to be balanced by all.
+    """
     for k in range(len(z)):
         clear(z[k])
         for disc in range(springs.cam_place.shape[1]):
             z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
-    return balance(springs, load, z, force, YES)
+    return _balance(springs, load, z, force, YES, paths)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -101,19 +125,27 @@ def _lead(z: Array, k: int, near: bool) -> None:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _search(
-    springs: KernelSprings, k: int, load: Array, here: Array, start: Array, keep: bool, system: Linearised
+    springs: KernelSprings,
+    k: int,
+    load: Array,
+    here: Array,
+    start: Array,
+    scale: float,
+    keep: bool,
+    system: Linearised,
 ) -> float:
     """Solve for the departures `here` (u,) [m] by Newton's method from where they are; else along a path.
+
+    The `scale` [N] is that of the load. Gives what is left over of it [N].
 
     Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
     finds from a `start`. From there friction is brought on and the springs are hardened, in steps that are halved until
     Newton's method, with friction and springs at once, gets to the end of each. Where that path has an end, as where
-    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then. Where all
-    of these end, the paths of `by_continuation` are followed by their length, one where another is lost.
+    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then.
 
     For `keep` see `newton`.
     """
-    scale, rubbed = largest(load) or 1.0, springs.rubbing.shape[0] > 0
+    rubbed = springs.rubbing.shape[0] > 0
     softest, friction, soft, way, further, stride, boldest = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
     attempt, downhill, most, least = -1, NO, BALANCED * scale, math.inf
     while True:
@@ -149,6 +181,25 @@ def _search(
         first, last = min(further, 1.0), max(further - 1.0, 0.0)
         friction, hardened = (last, first) if hardens_first else (first, last)
         soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
+    return least
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _search_on(
+    springs: KernelSprings,
+    k: int,
+    load: Array,
+    here: Array,
+    start: Array,
+    least: float,
+    most: float,
+    system: Linearised,
+) -> float:
+    """Go on where `_search` left more than `most` [N] over: along the paths of `by_continuation`, from a `start` (u,).
+
+    They are followed by their length, one where another is lost. Gives the least that was left over [N].
+    """
+    scale, rubbed = largest(load) or 1.0, springs.rubbing.shape[0] > 0
     for lag in _LAGS:
         if least <= most or (not rubbed and lag != _LAGS[0]):
             break
@@ -160,7 +211,7 @@ def _search(
         opened = opened_by(springs, step / _OPENINGS, system.row[:, 0].copy())
         left = newton(opened, k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
         least = min(least, left) if step == _OPENINGS else least
-    return least / scale
+    return least
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

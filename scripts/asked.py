@@ -1,0 +1,221 @@
+"""What commands and studies may cost: each cost beside the most that is asked, each gain beside the least.
+
+CPU times are of a process and of all that it starts, user and system. A command runs once before it is timed, so that
+what it compiles is kept; the first one of an installation runs where nothing is kept, neither code nor bytecode.
+"""
+
+import math
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+
+from passes import Launched, launched, second_cost
+from sweeping import TOLERANCES
+
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
+from cycloid_mj.explore.tolerances import balanced
+from cycloid_mj.figures import SAMPLED
+from cycloid_mj.figures.sampled import ANGLES
+from cycloid_mj.measure import MEASURES
+from cycloid_mj.reducer import Reducer
+
+LOADED = "load.torque_nm=36.68"
+AT_SPEED = ("drive.ramp_s=0", "drive.hold_s=0.13")
+
+SOLVED = {
+    "free pins": (9.0, ("pin", LOADED)),
+    "massless pins": (8.0, ("pin", LOADED, "ring.pins=massless")),
+    "fixed pins": (8.0, ("pin", LOADED, "ring.pins=fixed")),
+    "nonpin": (8.0, ("nonpin", LOADED, "drive.hold_s=0.6")),
+}
+"""Runs at full speed by both solvers: how often as dear MuJoCo's is to be at least, the preset and its changes."""
+
+TOOTHED = {
+    12: ("gear.eccentricity_mm=2", "ring.pin_radius_mm=5", "output.hole_radius_mm=6"),
+    72: ("gear.eccentricity_mm=0.4", "ring.pin_radius_mm=1.1", "output.hole_radius_mm=4.4"),
+    144: ("gear.eccentricity_mm=0.2", "ring.pin_radius_mm=0.55", "output.hole_radius_mm=4.2"),
+}
+"""Numbers of free pins on the pin circle of the preset, the fewest first, and what fits them."""
+
+SLEEVED = (
+    "ring.pins=sleeved",
+    "ring.teeth=54",
+    "ring.pin_radius_mm=1.5",
+    "ring.sleeve_thickness_mm=0.5",
+    "gear.eccentricity_mm=0.5",
+    "gear.discs=2",
+    "output.hole_radius_mm=4.5",
+    "output.member=ring",
+    *(f"clearance.{pair}_um=20" for pair in ("pin_gear", "pin_sleeve", "cam", "output")),
+)
+"""What makes `pin` a drive of 54 sleeved pins and two discs, with its output at the ring and 20 um of play."""
+
+SPREAD = {"tolerance.cam": "normal 0.2", "tolerance.output": "normal 0.2"}
+TIGHT = {"tolerance.cam": "normal 0.4", "tolerance.pin_position": "normal 0.4", "tolerance.output": "normal 0.4"}
+"""Tolerances of which some samples of `pin` have hardly any play, and some none."""
+
+SAMPLES = {
+    "pin": ("pin", TOLERANCES),
+    "pin, tight": ("pin", TIGHT),
+    "nonpin": ("nonpin", SPREAD),
+    "twodisc": ("twodisc", TOLERANCES),
+}
+
+SHARED = {
+    "eight starts": ("compare", "pin", "nonpin", "--load-nm", "0"),
+    "a sweep of runs": (
+        *("sweep", "--design", "pin", "--vary", "load.torque_nm=20:36:16", "--measure", "simulate", "--real-pins"),
+        *("--set", "drive.ramp_s=0", "--set", "drive.hold_s=0.2", "--out", "made"),
+    ),
+    "samples that are verified": (
+        *("tolerance", "--design", "pin", "--samples", "200", "--verify", "5", "--out", "made"),
+        *("--set", "tolerance.cam=normal 0.2"),
+    ),
+}
+"""Commands whose work is to be shared by two workers."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A figure [unit] that is to be at most so much, or with `least` at least; `taken` measures it once."""
+
+    name: str
+    asked: float
+    unit: str
+    taken: Callable[[], float]
+    least: bool = False
+
+    def share(self, value: float) -> float:
+        """Compute how much of what may be is taken by a value [1]: what is as asked takes 1 at most."""
+        return self.asked / value if self.least else value / self.asked
+
+
+def cpu(*words: str) -> float:
+    """CPU time of a command [s]."""
+    return launched(*words).cpu
+
+
+def memory(*words: str) -> float:
+    """Peak memory of a command [MB]."""
+    return launched(*words).memory
+
+
+def first(*words: str) -> Launched:
+    """Run a command where neither compiled code nor bytecode is kept yet."""
+    with tempfile.TemporaryDirectory() as empty:
+        return launched(*words, NUMBA_CACHE_DIR=f"{empty}/code", PYTHONPYCACHEPREFIX=f"{empty}/bytecode")
+
+
+def measures() -> float:
+    """CPU time of all measures of `pin` at full quality, each a command of its own [s]."""
+    return sum(cpu("measure", name, "--design", "pin", "--quiet") for name in MEASURES)
+
+
+def gain(preset: str, *changes: str) -> float:
+    """By how much a simulated second is dearer in MuJoCo than by the planar solver, each at its own step."""
+    design = override(PRESETS[preset], [*AT_SPEED, *changes])
+    return second_cost("mujoco", design) / second_cost("planar", design)
+
+
+def exponent(most: int) -> float:
+    """Exponent by which a simulated second of the planar solver grows, from the fewest free pins to so many."""
+    fewest, costs = next(iter(TOOTHED)), {}
+    for teeth in (fewest, most):
+        design = override(PRESETS["pin"], [*AT_SPEED, LOADED, f"ring.teeth={teeth}", *TOOTHED[teeth]])
+        costs[teeth] = second_cost("planar", design)
+    return math.log(costs[most] / costs[fewest]) / math.log(most / fewest)
+
+
+def over(words: tuple[str, ...], dear: tuple[str, ...], cheap: tuple[str, ...]) -> float:
+    """CPU time of a command with some flags over that with others, one after the other."""
+    return cpu(*words, *dear) / cpu(*words, *cheap)
+
+
+def sample_cost(design: Design) -> float:
+    """CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
+    reducer = Reducer(design)
+    work = partial(balanced, reducer, tolerances(reducer), 0, ANGLES)
+    work((next(iter(blocks(2))), SAMPLED))
+    start = time.process_time()
+    work((next(iter(blocks(BLOCK))), SAMPLED))
+    return 1e3 * (time.process_time() - start) / BLOCK
+
+
+def speedup(*words: str) -> float:
+    """Wall time of a command with one worker over that with two."""
+    one, two = (launched(*words, "--workers", workers, "--quiet").wall for workers in ("1", "2"))
+    return one / two
+
+
+def flags(changes: Iterable[str]) -> tuple[str, ...]:
+    """Write changes of a design as flags of a command."""
+    return tuple(word for change in changes for word in ("--set", change))
+
+
+def of_pin(*words: str) -> tuple[str, ...]:
+    """Let a command run quietly on `pin`."""
+    return (*words, "--design", "pin", "--quiet")
+
+
+def seconds(name: str, asked: float, *words: str) -> Demand:
+    """Ask a command on `pin` for at most so much CPU time [s]."""
+    return Demand(name, asked, "s", partial(cpu, *of_pin(*words)))
+
+
+COMPARED = ("compare", "pin", "nonpin", "--quiet")
+TEN_SECONDS = ("--hold-s", "10", "--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
+
+DEMANDS = (
+    *(
+        Demand(f"MuJoCo / planar, {name}", asked, "1", partial(gain, *words), least=True)
+        for name, (asked, words) in SOLVED.items()
+    ),
+    *(Demand(f"growth, 12 to {most} free pins", 1.0, "1", partial(exponent, most)) for most in list(TOOTHED)[1:]),
+    Demand("--help", 0.3, "s", partial(cpu, "--help")),
+    seconds("statics", 0.9, "statics"),
+    Demand("statics, the first", 7.0, "s", lambda: first(*of_pin("statics")).cpu),
+    seconds("simulate, planar", 6.0, "simulate", "--solver", "planar"),
+    seconds("simulate", 19.0, "simulate"),
+    Demand("all seven measures", 25.0, "s", measures),
+    seconds("backlash, 54 sleeved pins", 10.0, "measure", "backlash", "--quick", *flags(SLEEVED)),
+    Demand(
+        "compare, MuJoCo / planar",
+        5.0,
+        "1",
+        partial(over, COMPARED, ("--solver", "mujoco"), ("--solver", "planar")),
+        least=True,
+    ),
+    *(
+        Demand(f"a sample, {name}", 2.5, "ms", partial(sample_cost, override(PRESETS[preset], changes)))
+        for name, (preset, changes) in SAMPLES.items()
+    ),
+    seconds("stress", 60.0, "stress"),
+    Demand("stress, memory", 1400.0, "MB", partial(memory, *of_pin("stress"))),
+    seconds("stress, quick", 18.0, "stress", "--quick"),
+    Demand(
+        "10 s at 10 kHz, memory", 400.0, "MB", partial(memory, *of_pin("simulate", "--solver", "planar", *TEN_SECONDS))
+    ),
+    *(Demand(f"two workers, {name}", 1.9, "1", partial(speedup, *words), least=True) for name, words in SHARED.items()),
+)
+"""What is asked. The last three are wall times, and right on two idle cores alone."""
+
+
+def asked_table(passes: int) -> dict[str, dict[str, list[float]]]:
+    """Measure what is asked of commands and studies: CPU time, memory, ratios.
+
+    `share` is what is taken of what was asked: 1 or less is as asked. Lines are printed as they are measured.
+    """
+    short = ("simulate", "--hold-s", "0.01")
+    for words in (("statics",), short, (*short, "--solver", "planar")):
+        launched(*of_pin(*words))
+    table: dict[str, dict[str, list[float]]] = {}
+    for demand in DEMANDS:
+        taken = [demand.taken() for _ in range(passes)]
+        shares = [demand.share(value) for value in taken]
+        table[demand.name] = {"taken": taken, "asked": [demand.asked], "share": shares}
+        print(f"{demand.name}: {taken} {demand.unit}, asked {demand.asked:g}", file=sys.stderr, flush=True)
+    return table
