@@ -1,18 +1,22 @@
 """The pieces of the benchmark run, and what they measure hangs together."""
 
 import json
+import subprocess
 import sys
 import threading
 from pathlib import Path
 
 import pytest
 
+from cycloid_mj.checks import require_sound
+from cycloid_mj.design import PRESETS, override
 from cycloid_mj.reducer import Reducer
 
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
 import against  # noqa: E402
+import asked  # noqa: E402
 import benchmark  # noqa: E402
 import passes  # noqa: E402
 import sweeping  # noqa: E402
@@ -198,3 +202,30 @@ def test_the_cost_of_a_point_is_its_work_and_its_way() -> None:
 def test_a_cluster_is_as_fast_as_its_workers_or_its_scheduler() -> None:
     assert sweeping.hours(3.6e6, 64.0, 0.5, 64) == 1.0
     assert sweeping.hours(3.6e6, 64.0, 3.0, 64) == 3.0
+
+
+def test_what_is_asked_is_held_against_what_is_taken(monkeypatch, capsys) -> None:
+    cost, gained = asked.Demand("cost", 4.0, "s", lambda: 2.0), asked.Demand("gain", 4.0, "1", lambda: 2.0, least=True)
+    monkeypatch.setattr(asked, "DEMANDS", (cost, gained))
+    monkeypatch.setattr(asked, "launched", lambda *words, **environment: None)
+    table = asked.asked_table(3)
+    assert table == {
+        "cost": {"taken": [2.0] * 3, "asked": [4.0], "share": [0.5] * 3},
+        "gain": {"taken": [2.0] * 3, "asked": [4.0], "share": [2.0] * 3},
+    }
+    assert "gain" in capsys.readouterr().err
+
+
+def test_designs_of_what_is_asked_pass_their_checks() -> None:
+    changes = [asked.SLEEVED, *(("ring.teeth=" + str(teeth), *fit) for teeth, fit in asked.TOOTHED.items())]
+    for design in [override(PRESETS["pin"], change) for change in changes]:
+        require_sound(Reducer(design))
+    assert len({demand.name for demand in asked.DEMANDS}) == len(asked.DEMANDS)
+
+
+def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
+    took = passes.launched("figures", "--quiet")
+    assert 0.0 < took.cpu < 60.0
+    assert took.memory > 10.0
+    with pytest.raises(subprocess.CalledProcessError):
+        passes.launched("no-such-command")
