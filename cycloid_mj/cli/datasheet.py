@@ -25,7 +25,9 @@ class Sheets(Delivery):
 
 SHEETS = Sheets()
 
-LifeFlag = Annotated[float | None, Parameter(help="Hours that the rated torque is for. Default: service.life_h.")]
+LifeFlag = Annotated[
+    float | None, Parameter(metavar="X", help="Hours that the rated torque is for. Default: service.life_h.")
+]
 
 EXAMPLES = """Examples:
   cycloid-mj datasheet --design pin

@@ -35,6 +35,14 @@ DesignFlag = Annotated[
     str,
     Parameter(name="--design", metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file. --design may be left out."),
 ]
+PresetFlag = Annotated[
+    str,
+    Parameter(
+        name="--design",
+        metavar="NAME|FILE",
+        help=f"Design: {NAMES}, or a TOML file. --design may be left out. Default: pin.",
+    ),
+]
 DesignNames = Annotated[str, Parameter(metavar="NAME|FILE...", help=f"Designs: {NAMES}, or TOML files.")]
 SeveralFlag = Annotated[
     tuple[str, ...],
@@ -262,7 +270,7 @@ class DesignOptions:
 class PresetOptions(DesignOptions):
     """The same; the preset pin, unless something else is chosen."""
 
-    design: DesignFlag = "pin"
+    design: PresetFlag = "pin"
 
 
 PRESET = PresetOptions()

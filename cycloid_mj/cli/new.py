@@ -29,30 +29,36 @@ FromFlag = Annotated[
 ]
 RatioFlag = Annotated[
     int | None,
-    Parameter(converter=whole, help="Reduction ratio of a new drive, whole: one pin more than that."),
+    Parameter(metavar="N", converter=whole, help="Reduction ratio of a new drive, whole: one pin more than that."),
 ]
 RatioRangeFlag = Annotated[
     str, Parameter(metavar="LOW:HIGH", help="Or a range of ratios, of which the one that bears the most is taken.")
 ]
 DiameterFlag = Annotated[
-    float | None, Parameter(help="Outer diameter [mm]; covers are larger where no screw has room in the ring's wall.")
+    float | None,
+    Parameter(metavar="X", help="Outer diameter [mm]; covers are larger where no screw has room in the ring's wall."),
 ]
 LengthFlag = Annotated[
-    float | None, Parameter(help="Most length over all, covers and output flange included [mm]. Default: any.")
+    float | None,
+    Parameter(metavar="X", help="Most length over all, covers and output flange included [mm]. Default: any."),
 ]
 TorqueFlag = Annotated[
     float | None,
-    Parameter(help="Torque on the output that is borne for the life [N m]; twice that is held once."),
+    Parameter(metavar="X", help="Torque on the output that is borne for the life [N m]; twice that is held once."),
 ]
-LifeFlag = Annotated[float, Parameter(help="Hours that the torque is to be borne for. Default: 6000.")]
-SpeedFlag = Annotated[float, Parameter(help="Speed of the crank [rpm]. Default: 1500.")]
+LifeFlag = Annotated[float, Parameter(metavar="X", help="Hours that the torque is to be borne for. Default: 6000.")]
+SpeedFlag = Annotated[float, Parameter(metavar="X", help="Speed of the crank [rpm]. Default: 1500.")]
 BacklashFlag = Annotated[
-    float | None, Parameter(help="Most backlash of the output [arcmin]; clearances follow. Default: any.")
+    float | None,
+    Parameter(metavar="X", help="Most backlash of the output [arcmin]; clearances follow. Default: any."),
 ]
 MaterialFlag = Annotated[
-    str, Parameter(help="Material of gear and housing, by its name in the library. Default: the process's.")
+    str,
+    Parameter(metavar="NAME", help="Material of gear and housing, by its name in the library. Default: the process's."),
 ]
-ClearanceFlag = Annotated[float | None, Parameter(help="Clearance of each pair of parts [um]. Default: the process's.")]
+ClearanceFlag = Annotated[
+    float | None, Parameter(metavar="X", help="Clearance of each pair of parts [um]. Default: the process's.")
+]
 FitFlag = Annotated[
     str, Parameter(metavar="H7/g6", help="Or the fit of each pair at its own size (ISO 286-1): its mean clearance.")
 ]

@@ -74,13 +74,15 @@ StartsFlag = Annotated[
         metavar="N", converter=whole, validator=within(1, MOST_STARTS), help="Searches that compete. Default: 3."
     ),
 ]
-SeedFlag = Annotated[int, Parameter(converter=whole, validator=within(0, 2**63), help="Of all draws. Default: 0.")]
+SeedFlag = Annotated[
+    int, Parameter(metavar="N", converter=whole, validator=within(0, 2**63), help="Of all draws. Default: 0.")
+]
 QuickFlag = Annotated[bool, Parameter(help="Do not run the best design in full dynamics, nor within its tolerances.")]
 EXAMPLES = """Examples:
-  cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2
-      --minimize pin_gear_pressure_mpa --limit 'backlash_arcmin<=0.97' --out better
-  cycloid-mj optimize --design my.toml --vary output.pins=6:10 --vary output.pin_radius_mm=2:5
-      --minimize mass_kg --minimize output_pressure_mpa --quick"""
+  cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2 \
+--minimize pin_gear_pressure_mpa --limit 'backlash_arcmin<=0.97' --out better
+  cycloid-mj optimize --design my.toml --vary output.pins=6:10 --vary output.pin_radius_mm=2:5 \
+--minimize mass_kg --minimize output_pressure_mpa --quick"""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 WIDEST = 80
 """Columns of a help page on a wide terminal, and where there is none."""
 
+FOLD = " \\"
+"""At the end of a line that a shell goes on from."""
+
 
 def console(stderr: bool = False) -> "Console":
     """Return the console that help pages are printed on: stdout or `stderr`."""
@@ -22,9 +25,24 @@ def console(stderr: bool = False) -> "Console":
 def flowing(app: App) -> App:
     """Build an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
     app.help = paragraphs(app.help)
+    app.help_epilogue = "\n".join(folded(line) for line in (app.help_epilogue or "").splitlines()) or None
     for name in commands(app):
         flowing(app[name])
     return app
+
+
+def folded(line: str) -> str:
+    """Break a command that is wider than a page between its flags, so that a shell takes it as one."""
+    if len(line) <= WIDEST:
+        return line
+    first, *flags = re.split(r" (?=--|&& )", line)
+    lines = [first]
+    for flag in flags:
+        if len(lines[-1]) + len(flag) + len(FOLD) < WIDEST:
+            lines[-1] += f" {flag}"
+        else:
+            lines.append(f"      {flag}")
+    return f"{FOLD}\n".join(lines)
 
 
 def commands(app: App) -> list[str]:

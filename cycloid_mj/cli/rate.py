@@ -22,9 +22,10 @@ DutyFlag = Annotated[
     Path | None,
     Parameter(metavar="DUTY.csv", help="Duty cycle instead: columns torque_nm, speed_rpm, share of the time."),
 ]
-LifeFlag = Annotated[float | None, Parameter(help="Life that is asked for [h]. Default: service.life_h.")]
+LifeFlag = Annotated[float | None, Parameter(metavar="X", help="Life that is asked for [h]. Default: service.life_h.")]
 PeakFlag = Annotated[
-    float | None, Parameter(help="Torque of an emergency stop [N m]. Default: twice the largest of the duty.")
+    float | None,
+    Parameter(metavar="X", help="Torque of an emergency stop [N m]. Default: twice the largest of the duty."),
 ]
 StressFlag = Annotated[
     Path | None,

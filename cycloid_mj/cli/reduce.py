@@ -52,8 +52,11 @@ SpreadFlag = Annotated[
         "them.",
     ),
 ]
-SamplesFlag = Annotated[int, Parameter(converter=whole, help="Drives that --spread draws.")]
-SeedFlag = Annotated[int, Parameter(converter=whole, help="Of the draws: the same seed gives the same drives.")]
+SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="Drives that --spread draws. Default: 100.")]
+SeedFlag = Annotated[
+    int,
+    Parameter(metavar="N", converter=whole, help="Of the draws: the same seed gives the same drives. Default: 0."),
+]
 MOST_SAMPLES = 100_000
 
 STEM = "reducer"

@@ -68,7 +68,8 @@ PointsFlag = Annotated[
     Parameter(metavar="N", converter=whole_number, help=f"How many are drawn, with --sample. Default: {POINTS}."),
 ]
 SeedFlag = Annotated[
-    int, Parameter(converter=whole_number, validator=within(0, 2**63), help="Of the draws. Default: 0.")
+    int,
+    Parameter(metavar="N", converter=whole_number, validator=within(0, 2**63), help="Of the draws. Default: 0."),
 ]
 MeasureFlag = Annotated[
     tuple[str, ...],

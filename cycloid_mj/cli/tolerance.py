@@ -23,8 +23,15 @@ CAPTIONS = {
 }
 MOST_SAMPLES = 1_000_000
 
-SamplesFlag = Annotated[int, Parameter(converter=whole, help="How many are drawn.")]
-SeedFlag = Annotated[int, Parameter(converter=whole, help="Of the random draws: the same seed gives the same samples.")]
+SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="How many are drawn. Default: 10000.")]
+SeedFlag = Annotated[
+    int,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        help="Of the random draws: the same seed gives the same samples. Default: 0.",
+    ),
+]
 LimitFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -35,7 +42,8 @@ LimitFlag = Annotated[
     ),
 ]
 VerifyFlag = Annotated[
-    int, Parameter(metavar="K", converter=whole, help="Run so many of the five worst samples in full dynamics.")
+    int,
+    Parameter(metavar="K", converter=whole, help="Run so many of the five worst samples in full dynamics. Default: 0."),
 ]
 EXAMPLES = """Examples:
   cycloid-mj tolerance --design printed --set 'tolerance.cam="H8/f7"' --set 'tolerance.pin_position="normal 10"'

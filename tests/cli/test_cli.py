@@ -138,7 +138,7 @@ def test_every_flag_of_the_fixed_interface_tells_unit_and_default():
 def test_every_example_of_the_help_is_parsed():
     """An unknown flag at the end is found last: when all that stands before it has been understood."""
     for module in ("simulate", "analyze", "log plot", "design profile", "design kinematics", "design"):
-        text = told(*module.split(), "--help")[1].split("Examples:")[1]
+        text = told(*module.split(), "--help")[1].split("Examples:")[1].replace("\\\n", " ")
         lines = [line.split(">")[0].split() for line in text.splitlines() if "cycloid-mj" in line]
         assert lines
         for line in lines:

@@ -17,7 +17,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.app import ABOUT_PAPERS, application
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
-from cycloid_mj.cli.page import WIDEST, commands
+from cycloid_mj.cli.page import WIDEST, commands, folded
 
 
 def pages(app: App, chain: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -42,10 +42,31 @@ def test_help_fills_the_terminal_and_is_never_wider_than_reads_well(chain, width
     assert err == ""
     room = min(width, WIDEST)
     assert max(map(len, page.splitlines())) <= room
+    assert not re.search(r"--[a-z-]+ (INT|FLOAT|STR)\b", page), "a flag takes N, X or NAME, not a type of Python"
     for paragraph in prose(page):
         lines = [line.rstrip() for line in paragraph.strip("\n").splitlines()]
         for line, following in pairwise(lines):
             assert len(line) + 1 + len(following.split()[0]) > room, f"{line!r} breaks too early"
+
+
+@pytest.mark.parametrize("chain", PAGES)
+def test_an_example_can_be_pasted_as_it_is_printed(chain):
+    app = application()
+    for name in chain:
+        app = app[name]
+    examples = app.help_epilogue or ""
+    assert max(map(len, examples.splitlines()), default=0) <= WIDEST
+    for line in examples.replace("\\\n", " ").splitlines():
+        assert re.match(r"  (cycloid-mj|python) |\w[\w ]*:$|$", line), line
+
+
+def test_an_example_is_broken_between_its_flags_alone():
+    line = "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --limit 'mass_kg <= 1' --out here"
+    assert folded(line).splitlines() == [
+        "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 \\",
+        "      --limit 'mass_kg <= 1' --out here",
+    ]
+    assert folded("  cycloid-mj app") == "  cycloid-mj app"
 
 
 def test_pages_are_those_of_every_command():

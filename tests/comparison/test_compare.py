@@ -407,7 +407,9 @@ def test_help_tells_purpose_flags_and_examples():
     code, out, err = told("compare", "--help")
     assert (code, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
-    lines = [line.split() for line in out.split("Examples:")[1].splitlines() if "cycloid-mj" in line]
+    lines = [
+        line.split() for line in out.split("Examples:")[1].replace("\\\n", " ").splitlines() if "cycloid-mj" in line
+    ]
     assert len(lines) == 4
     for line in lines:
         assert "--no-such-flag" in rejected(*line[1:], "--no-such-flag")[1]
