@@ -92,7 +92,7 @@ def is_cached(function: Function) -> bool:
 
 
 def taking_design(of: Iterable[Module]) -> tuple[str, ...]:
-    """List the functions that take a Design."""
+    """List the functions that take a Design, and no name of one in its place."""
     return tuple(f"{one.place(each)} {each.name}" for one in of for each in one.functions() if takes_design(each))
 
 
@@ -160,7 +160,7 @@ def of_sources() -> list[Count]:
     """Count what the sources decide."""
     of = modules()
     return [
-        Count("functions that take a Design", 250, taking_design(of)),
+        Count("functions that take a Design alone, not its name", 250, taking_design(of)),
         Count("caches keyed by a Design", 3, cached_by_design(of)),
         Count("lines that convert for a turning ring", 10, ring_conversions(of)),
         Count("class names with several meanings", 10, homonyms(of)),

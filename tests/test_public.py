@@ -4,8 +4,10 @@ import inspect
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,11 @@ def test_every_public_name_is_there() -> None:
     assert all(getattr(cm, name) is not None for name in cm.__all__)
     assert len(set(cm.__all__)) == len(cm.__all__)
     assert dir(cm) == sorted(cm.__all__), "the public names alone"
+
+
+def test_a_room_completes_to_its_public_names_alone() -> None:
+    for room in (cm.measure, cm.stress, cm.statics, cm.report):
+        assert dir(room) == sorted(room.__all__)
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -81,8 +88,30 @@ def test_a_design_is_given_by_its_name_too() -> None:
     by_name, by_design = cm.statics("printed", load_nm=2.0), cm.statics(cm.load("printed"), 2.0)
     assert by_name == by_design
     assert by_name.condition.startswith("2 N m")
+    printed = cm.load("printed")
+    assert cm.check("printed") == cm.check(printed)
+    assert cm.rate("printed").as_json() == cm.rate(printed).as_json()
+
+
+def taking_a_design() -> dict[str, Callable[..., Any]]:
+    """Every public function that begins with a design."""
+    rooms = {"": cm, "measure.": cm.measure}
+    public = {f"{room}{name}": getattr(of, name) for room, of in rooms.items() for name in of.__all__}
+    functions = {name: getattr(value, "main", value) for name, value in public.items()}
+    functions = {name: value for name, value in functions.items() if inspect.isfunction(value)}
+    return {name: value for name, value in functions.items() if "design" in inspect.signature(value).parameters}
+
+
+@pytest.mark.parametrize("name", taking_a_design())
+def test_whatever_takes_a_design_takes_its_name(name: str) -> None:
+    function = taking_a_design()[name]
+    others = {
+        key: None
+        for key, parameter in inspect.signature(function).parameters.items()
+        if key != "design" and parameter.default is parameter.empty
+    }
     with pytest.raises(UsageError, match="nosuch"):
-        cm.statics("nosuch")
+        function(design="nosuch", **others)
 
 
 @pytest.mark.slow

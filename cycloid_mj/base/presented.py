@@ -70,6 +70,10 @@ class CallableRoom(ModuleType):
         """Do what the room is for: its function `main`."""
         return self.main(*arguments, **named)
 
+    def __dir__(self) -> list[str]:
+        """List its public names alone, for completion."""
+        return sorted(self.__all__)
+
 
 def _cell(value: object) -> str:
     if isinstance(value, float):

@@ -19,7 +19,7 @@ from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
 from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
 from cycloid_mj.bench.search import STEP, FitProblem
-from cycloid_mj.design import Design, Friction
+from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Held, Losses
 
@@ -303,7 +303,7 @@ class Calibration(Presented):
 
 
 def calibrate(
-    design: Design,
+    design: Named,
     loops: Sequence[MeasuredLoop],
     keys: Sequence[str] = DEFAULT,
     held: Held = "crank",
@@ -315,7 +315,7 @@ def calibrate(
     Parameters
     ----------
     design
-        As drawn: where the search begins, and all that is not fitted.
+        A design, or the name of a preset or a file, as drawn: where the search begins, and all that is not fitted.
     loops
         Measured on one drive.
     keys
@@ -334,6 +334,7 @@ def calibrate(
     RunError
         No static balance was found.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     if not loops:
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")

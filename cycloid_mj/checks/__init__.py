@@ -17,7 +17,7 @@ from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.reducer import Reducer
 
 __all__ = [
@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 
-def check(design: Design) -> Checks:
+def check(design: Named) -> Checks:
     """List every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
 
     The latter need a design without errors, and are all warnings.
@@ -45,8 +45,9 @@ def check(design: Design) -> Checks:
     Parameters
     ----------
     design
-        What is checked.
+        A design, or the name of a preset or a file: what is checked.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     sound = soundness(reducer)
     if any(item.severity == "error" and not item.passed for item in sound):

@@ -48,7 +48,7 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
         The file cannot be read or is not a valid design.
     """
     design = named if isinstance(named, Design) else PRESETS.get(str(named)) or load(Path(named))
-    return override(design, changes)
+    return override(design, changes) if changes else design
 
 
 def load(path: Path) -> Design:

@@ -37,7 +37,7 @@ from cycloid_mj.base.names import (
     planar_speeds,
 )
 from cycloid_mj.base.record import Deferred, Run, own
-from cycloid_mj.design import Design, dump
+from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
@@ -205,7 +205,7 @@ def solver_of(compiled: Model) -> Solver:
 
 
 def simulate(
-    design: Design,
+    design: Named,
     compiled: Model | None = None,
     course: Course | None = None,
     progress: Callable[[int, int], None] = lambda done, whole: None,
@@ -215,7 +215,7 @@ def simulate(
     Parameters
     ----------
     design
-        What runs.
+        A design, or the name of a preset or a file: what runs.
     compiled
         The model of it, of either solver; by default MuJoCo's, built here.
     course
@@ -233,6 +233,7 @@ def simulate(
     CycloidWarning
         Its figures may not be those of the design; `Run.warnings` keeps why.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     compiled = compiled or build(reducer.design)
     groups = columns(compiled, reducer)

@@ -13,7 +13,7 @@ from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.checks import require_sound
-from cycloid_mj.design import Design, dump
+from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.explore.journal import journal
@@ -52,7 +52,7 @@ PROCESSES = Engine()
 
 
 def optimize(
-    design: Design,
+    design: Named,
     vary: Mapping[str, Wanted],
     minimize: str | Sequence[str] = (),
     maximize: str | Sequence[str] = (),
@@ -74,7 +74,7 @@ def optimize(
     Parameters
     ----------
     design
-        The start.
+        A design, or the name of a preset or a file: the start.
     vary
         Key of the design file -> ``lo:hi`` or a pair, for real numbers; whole numbers are tried one by one, as values
         ``a,b,c`` of any key are.
@@ -111,6 +111,7 @@ def optimize(
     CycloidError
         The folder cannot be written; what was there is kept.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     task = problem(reducer, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
     optimum = explored(task, evaluations, starts, seed, out, engine, progress)

@@ -13,7 +13,7 @@ from typing import Any
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
-from cycloid_mj.design import Design, declared, dump
+from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.followers import following
@@ -106,7 +106,7 @@ class Sweep(Tabular):
 
 
 def sweep(
-    design: Design,
+    design: Named,
     vary: Mapping[str, Wanted] | None = None,
     measure: str | Sequence[str] = "statics",
     *,
@@ -127,7 +127,7 @@ def sweep(
     Parameters
     ----------
     design
-        What the points change.
+        A design, or the name of a preset or a file: what the points change.
     vary
         Key of the design file -> its values: a sequence, or in words ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
     measure
@@ -166,6 +166,7 @@ def sweep(
     RunError
         The engine's workers are lost, or of other versions.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     where = chosen(vary, table, sample, points, seed)
     task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow, solver)

@@ -14,7 +14,7 @@ from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import MOST_SAMPLES as BUDGET_SAMPLES
 from cycloid_mj.explore.budget import Share, budget_blocks, budget_samples, shares
@@ -250,7 +250,7 @@ class AllJam(RunError):
 
 
 def tolerance(
-    design: Design,
+    design: Named,
     samples: int = 10_000,
     seed: int = 0,
     limits: Sequence[FigureLimit | str] = (),
@@ -266,7 +266,7 @@ def tolerance(
     Parameters
     ----------
     design
-        What has tolerances, in its table of that name.
+        A design, or the name of a preset or a file: what has tolerances, in its table of that name.
     samples, seed
         How many are drawn, and from which seed.
     limits
@@ -292,6 +292,7 @@ def tolerance(
     Unfinished
         Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
     zones = tolerances(reducer)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design import Named, material_limits, resolve
 from cycloid_mj.life.bearings import bearings
 from cycloid_mj.life.cam import cam_give
 from cycloid_mj.life.duty import Duty, steady
@@ -19,7 +19,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def rate(
-    design: Design,
+    design: Named,
     duty: Duty | None = None,
     life: float = 0.0,
     ranges: dict[str, StressRange] | None = None,
@@ -31,7 +31,7 @@ def rate(
     Parameters
     ----------
     design
-        What is rated.
+        A design, or the name of a preset or a file: what is rated.
     duty
         Torques and speeds with their shares of the time; by default the rated torque at the design's speed.
     life
@@ -50,6 +50,7 @@ def rate(
     RunError
         The drive cannot hold a torque of the duty.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     life = life or design.service.life
     duty = duty or steady(reducer.design.rated_torque, reducer.design.drive.speed)

@@ -41,6 +41,11 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    """List the public names alone, for completion."""
+    return sorted(__all__)
+
+
 @once
 def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
     return MEASURES[measure](reducer.design).quantities

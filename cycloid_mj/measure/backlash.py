@@ -19,7 +19,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.design import Design, Errors, Modification
+from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, play
@@ -91,7 +91,7 @@ class Press:
 
 
 def backlash(
-    design: Design,
+    design: Named,
     angles: int | None = None,
     quick: bool = False,
     progress: Progress = silent,
@@ -102,7 +102,8 @@ def backlash(
     Parameters
     ----------
     design
-        What to measure; its own load, speed, friction and weight do not matter.
+        A design, or the name of a preset or a file: what to measure; its own load, speed, friction and weight
+        do not matter.
     angles
         How many crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
     quick
@@ -119,6 +120,7 @@ def backlash(
     RunError
         A run went wrong, or the gear jams.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if angles < 1:

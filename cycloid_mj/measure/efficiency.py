@@ -11,7 +11,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.result import Curve, Quantity, Table, keyed
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, spread
@@ -37,7 +37,7 @@ LEFT_OUT = "left out: this pair's friction is 0"
 
 
 def efficiency(
-    design: Design,
+    design: Named,
     loads: Sequence[float] = (),
     speeds: Sequence[float] = (),
     quick: bool = False,
@@ -50,7 +50,7 @@ def efficiency(
     Parameters
     ----------
     design
-        What to measure.
+        A design, or the name of a preset or a file: what to measure.
     loads
         Output torques of the map [N m], above 0; by default `TORQUES` of the rated one.
     speeds
@@ -64,6 +64,7 @@ def efficiency(
     solver
         What takes the steps of the runs.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     steady = steady_design(reducer)
     rated, speed = steady.design.rated_torque, steady.design.drive.speed

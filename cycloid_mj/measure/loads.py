@@ -13,7 +13,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.geometry import ideal_loads
@@ -62,7 +62,7 @@ Kinds = Mapping[str, ContactPressures]
 
 
 def loads(
-    design: Design,
+    design: Named,
     load: float | None = None,
     quick: bool = False,
     progress: Progress = silent,
@@ -73,7 +73,7 @@ def loads(
     Parameters
     ----------
     design
-        What to measure, at its own crank speed.
+        A design, or the name of a preset or a file: what to measure, at its own crank speed.
     load
         Torque on the output [N m], more than 0; by default the rated one.
     quick
@@ -92,6 +92,7 @@ def loads(
     RunError
         A run went wrong.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     torque = reducer.design.rated_torque if load is None else load
     if not torque > 0.0:

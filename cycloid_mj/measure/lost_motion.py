@@ -3,7 +3,7 @@
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.names import SOLVERS
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, hysteresis
@@ -21,7 +21,7 @@ LEFT_OUT = "statics is left out: it found no balance"
 
 
 def lost_motion(
-    design: Design,
+    design: Named,
     load: float | None = None,
     angles: int | None = None,
     quick: bool = False,
@@ -33,7 +33,7 @@ def lost_motion(
     Parameters
     ----------
     design
-        What to measure; its own load and speed do not matter.
+        A design, or the name of a preset or a file: what to measure; its own load and speed do not matter.
     load
         Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
     angles
@@ -52,6 +52,7 @@ def lost_motion(
     RunError
         A run went wrong.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     rated = reducer.design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles

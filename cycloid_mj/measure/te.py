@@ -13,7 +13,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import keyed
 from cycloid_mj.base.units import ARCSECONDS, RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
@@ -35,7 +35,7 @@ SLOW = 0.25
 
 
 def te(
-    design: Design,
+    design: Named,
     load: float | None = None,
     drag: float | None = None,
     slow: float | None = None,
@@ -49,7 +49,7 @@ def te(
     Parameters
     ----------
     design
-        The design; its drive gives the speed.
+        A design, or the name of a preset or a file: the design; its drive gives the speed.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     drag
@@ -65,6 +65,7 @@ def te(
     solver
         What takes the steps of the runs.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     require_motion(reducer)
     rated = reducer.design.rated_torque

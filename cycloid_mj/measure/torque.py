@@ -14,7 +14,7 @@ from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
@@ -44,7 +44,7 @@ class BrakedRun:
 
 
 def torque(
-    design: Design,
+    design: Named,
     quick: bool = False,
     progress: Progress = silent,
     published: Sequence[Published] = (),
@@ -55,7 +55,7 @@ def torque(
     Parameters
     ----------
     design
-        What to measure, at its own crank speed.
+        A design, or the name of a preset or a file: what to measure, at its own crank speed.
     quick
         A shorter average, no halved step, and friction varied for all sliding pairs of the design alone.
     progress
@@ -65,6 +65,7 @@ def torque(
     solver
         What takes the steps of the runs.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     steady = working_at(steady_design(reducer), reducer.design.rated_torque)
     main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)

@@ -11,7 +11,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.dynamics.run import Solver, model_for
@@ -47,7 +47,7 @@ _ALL = _SIGNALS | _OF_COUNTERWEIGHT | _OF_PLANES
 
 
 def vibration(
-    design: Design,
+    design: Named,
     load: float | None = None,
     speeds: Sequence[float] = (),
     turns: int = 1,
@@ -60,7 +60,7 @@ def vibration(
     Parameters
     ----------
     design
-        The design.
+        A design, or the name of a preset or a file: the design.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     speeds
@@ -74,6 +74,7 @@ def vibration(
     solver
         What takes the steps of the runs.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     require_motion(reducer)
     require_pin_bodies(reducer, "vibration")

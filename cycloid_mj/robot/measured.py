@@ -17,7 +17,7 @@ from cycloid_mj.base.names import SHAFT
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.measure import spread
@@ -56,13 +56,14 @@ FINER = 4
 Progress = Callable[[int, int], None]
 
 
-def reduce(design: Design, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
+def reduce(design: Named, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
     """Measure a design as a joint of a robot.
 
     Parameters
     ----------
     design
-        A sound design; its own load does not matter, contacts have the stiffness of the rated torque.
+        A design, or the name of a preset or a file: a sound design; its own load does not matter, contacts have
+        the stiffness of the rated torque.
     level
         How much of it a model gets; all is measured at any level.
     progress
@@ -77,6 +78,7 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
     RunError
         No static balance was found, as where friction jams the reducer.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:

@@ -5,7 +5,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import springs_of, turn_evenly
@@ -23,19 +23,20 @@ NEAR = 1e-4
 """Share of the angle within which it is found."""
 
 
-def preloaded(design: Design) -> Design:
+def preloaded(design: Named) -> Design:
     """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; any other as it is.
 
     Parameters
     ----------
     design
-        Whose halves a spring turns against each other.
+        A design, or the name of a preset or a file: whose halves a spring turns against each other.
 
     Raises
     ------
     DesignError
         No angle gives that torque.
     """
+    design = resolve(design)
     torque = design.ring.preload_torque
     if not torque:
         return design

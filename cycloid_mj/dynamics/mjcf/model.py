@@ -12,7 +12,7 @@ import mujoco
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import significant
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.forces import drag_rows
 from cycloid_mj.dynamics.contact.library import exact_xml
@@ -78,13 +78,13 @@ class ReducerModel:
         return tuple(drag_rows(self.model, names.DRAGS))
 
 
-def build(design: Design, held: Held = "crank") -> ReducerModel:
+def build(design: Named, held: Held = "crank") -> ReducerModel:
     """Build the contact model of a design.
 
     Parameters
     ----------
     design
-        What to build.
+        A design, or the name of a preset or a file: what to build.
     held
         The shaft that a servo holds to a position command; the actuator of a shaft that is not held is a torque.
 
@@ -95,6 +95,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)

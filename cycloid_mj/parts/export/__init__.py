@@ -12,7 +12,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Solid, fused, mass_properties, parts
 from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
@@ -102,13 +102,13 @@ class Export(Presented):
         return f"{', '.join(self.files)}; {sum(map(len, self.files.values())) / 1000.0:.4g} kB"
 
 
-def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
+def export(design: Named, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
     """Export every part of a design in a format, one file a part.
 
     Parameters
     ----------
     design
-        The design; its clearances are in the outlines.
+        A design, or the name of a preset or a file: the design; its clearances are in the outlines.
     file_format
         ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles) or ``step`` (solids; needs
         the extra ``cad``).
@@ -125,6 +125,7 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     CycloidError
         The extra for STEP is not installed.
     """
+    design = resolve(design)
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
     if reducer.design.gear.discs > 1:
