@@ -16,6 +16,11 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 """Time of all files in a package."""
 
 
+def storable(text: str) -> str:
+    """Return text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield the name of a new hidden file beside `path`, which takes its place when the block ends without an error.

@@ -10,7 +10,7 @@ from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.cli.flags import CommonFlags, Delivery
 from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
 from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell
@@ -179,13 +179,13 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
             for form in outcome.formats:
                 yield place.folder / f"{name}.{form}", draw(form)
         if outcome.filed:
-            yield place.folder / f"{place.stem}.json", f"{json_text(dict(outcome.result))}\n".encode()
+            yield place.folder / f"{place.stem}.json", storable(f"{json_text(dict(outcome.result))}\n").encode()
         if outcome.frame:
-            yield place.folder / f"{place.stem}.csv", outcome.frame.as_csv().encode()
+            yield place.folder / f"{place.stem}.csv", storable(outcome.frame.as_csv()).encode()
     if place.page:
         from cycloid_mj.report.results import outcome_page
 
-        yield place.page, (outcome.page() if outcome.page else outcome_page(outcome)).encode()
+        yield place.page, storable(outcome.page() if outcome.page else outcome_page(outcome)).encode()
 
 
 def show_outcome(outcome: Outcome, everything: bool) -> None:

@@ -451,11 +451,17 @@ class _Recorder:
         unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
         yield ~sound, lambda sample: unsound
         yield warnings > 0.0, lambda sample: self._warning()
-        lost = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)[:, :, 4].sum(axis=1)
+        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
+        lost, pressed = pairs[:, :, 4].sum(axis=1), pairs[:, :, 5].sum(axis=1)
         taken = means_of_last(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
-        yield taken > self._jamming, partial(self._jam, taken)
-        yield (lost > self._jamming) & (depth > self._deepest), partial(self._jam, lost)
+        yield taken > self._jamming, partial(self._jam, "friction takes", taken)
+        # parts that wedge take the crank's power into their give; a step that is too long makes power instead
+        wedged = lost + np.maximum(pressed, 0.0)
+        yield (
+            (wedged > self._jamming) & (depth > self._deepest),
+            partial(self._jam, "friction and wedging take", wedged),
+        )
         yield (
             depth > self._deepest,
             lambda sample: (
@@ -489,11 +495,11 @@ class _Recorder:
                 partial(_jumped, which, error),
             )
 
-    def _jam(self, lost: Array, sample: int) -> str:
-        """Tell of a jam; it is one in the mean of a mesh, or presses contacts too deep."""
+    def _jam(self, what: str, lost: Array, sample: int) -> str:
+        """Tell of a jam and of what takes the power: in the mean of a mesh, or where contacts are pressed too deep."""
         drive = self._design.drive
         return (
-            f"the drive jams: friction takes {lost[sample]:.3g} W, {lost[sample] / abs(drive.speed):.3g} N m at a "
+            f"the drive jams: {what} {lost[sample]:.3g} W, {lost[sample] / abs(drive.speed):.3g} N m at a "
             f"crank rated at {drive.torque:.3g} N m; teeth with this friction lock themselves, or parts interfere: "
             "lower friction.*, or check clearances and errors"
         )

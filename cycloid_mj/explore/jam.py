@@ -43,13 +43,14 @@ def pressed_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
     return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
 
 
-def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
+def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, samples: int) -> str:
     """Say why the first samples of a study that all jam do, in a sentence: which pair interferes by how much.
 
     Parts are rigid there, and lie where the least is pressed. Each tolerance is taken away alone, to see whether all of
     these samples then go together.
     """
-    drawn = departures(reducer, zones, seed, Batch(0, SEEN))
+    seen = min(samples, SEEN)
+    drawn = departures(reducer, zones, seed, Batch(0, seen))
     depths, shares = _interference(reducer, drawn)
     if max(depths) <= 0.0:
         return "rigid parts go together in the first of them: contacts press without a load, or find no balance"
@@ -61,7 +62,7 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
     ]
     cured = f"without {' or '.join(alone)} alone they go together" if alone else "no one tolerance is the cause alone"
     return (
-        f"in the first {SEEN} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
+        f"in the first {seen} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
         f"{MICROMETRES * min(depths):.3g} to {MICROMETRES * max(depths):.3g} um, parts rigid and where they have the "
         f"most room; {cured}"
     )
@@ -69,13 +70,14 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
 
 def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
     """Return how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
-    samples = put(reducer, alike(reducer, SEEN), drawn)
+    seen = len(next(iter(drawn.values()))) if drawn else 1
+    samples = put(reducer, alike(reducer, seen), drawn)
     depths, shares = [], dict[str, float]()
-    for row in range(SEEN):
+    for row in range(seen):
         drive = unchecked_design(reducer, samples, row)
         turn = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False).tolist()
         room, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda one: one[0])
         depths.append(-room)
         for pair, share in pairs.items():
-            shares[pair] = shares.get(pair, 0.0) + share / SEEN
+            shares[pair] = shares.get(pair, 0.0) + share / seen
     return depths, shares

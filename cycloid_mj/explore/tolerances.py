@@ -155,6 +155,11 @@ class Tolerances(Tabular):
         return f"{self.sample_count} samples"
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why all samples jam, where they do."""
+        return (f"all samples jam: {self.jammed_by}",) if self.jammed_by else ()
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of the samples, a sentence each."""
         lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
@@ -163,11 +168,9 @@ class Tolerances(Tabular):
         jammed = [f"pressed without a load: {', '.join(f'{pair} in {share:.2%}' for pair, share in pressed.items())}"]
         each = [key for key in self.figures if figure(key).sampled is None]
         alone = [f"{', '.join(each)}: of each sample as a design of its own, at the load of the design"] if each else []
-        why = [f"all samples jam: {self.jammed_by}"] if self.jammed_by else []
         return (
             *([] if self.budget or self.jammed_by else stopped),
             *(jammed if pressed else []),
-            *why,
             *alone,
             *self.left_out,
             *lost,
@@ -396,7 +399,7 @@ class _Study:
             figures=figures,
             drawn=drawn_columns(changed),
             jams=jams,
-            jammed_by=cause(self.reducer, self.zones, self.seed) if jams.all() else "",
+            jammed_by=cause(self.reducer, self.zones, self.seed, jams.size) if jams.all() else "",
             limits=self.limits,
             budget_of=self.of,
             budget=() if jams.all() else self._budget(done),

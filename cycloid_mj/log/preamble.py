@@ -7,6 +7,7 @@ import json
 import zlib
 from collections.abc import Iterable, Mapping
 
+from cycloid_mj.base.whole import storable
 from cycloid_mj.log.encoding import FORMAT, PACKAGE
 
 PROVENANCE = "provenance"
@@ -36,11 +37,6 @@ def lost(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     except (ValueError, TypeError):
         return [*missing, "which files it should hold is damaged"]
     return [*missing, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
-
-
-def storable(text: str) -> str:
-    """Return text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _checksum(entries: Mapping[str, str]) -> str:

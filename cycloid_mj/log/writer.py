@@ -16,10 +16,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.whole import storable
 from cycloid_mj.log.blocks import BlockWriter
 from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
-from cycloid_mj.log.preamble import Metadata, preamble, storable
+from cycloid_mj.log.preamble import Metadata, preamble
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 
 MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}

@@ -284,12 +284,17 @@ def test_names_that_are_no_utf8_are_names_and_told_as_escapes(tmp_path):
         "--out",
         tmp_path / ODD,
     )
+    short = (design, "--solver", "planar", "--ramp-s", "0", "--hold-s", "0.002")
     written = {
         ("report", log, "--out", tmp_path / f"{ODD}.html"): tmp_path / f"{ODD}.html",
         ("log", "parquet", log, tmp_path / f"{ODD}.parquet"): tmp_path / f"{ODD}.parquet",
         ("log", "csv", log, tmp_path / f"{ODD}.csv"): tmp_path / f"{ODD}.csv",
         sweep: tmp_path / ODD / "sweep.csv",
         ("analyze", log): log,
+        ("simulate", *short, "--out", tmp_path / f"{ODD}-run"): tmp_path / f"{ODD}-run" / "pin-review.html",
+        ("statics", design, "--out", tmp_path / f"{ODD}-sheet", "--html", tmp_path / f"{ODD}-sheet.html"): (
+            tmp_path / f"{ODD}-sheet.html"
+        ),
     }
     for argv, path in written.items():
         code, out, err = told(*argv)

@@ -32,6 +32,20 @@ def test_teeth_that_lock_themselves_are_a_jam(load: float, pins: str) -> None:
         simulate(rubbing(2.0, load, f"ring.pins={pins}"))
 
 
+def test_pins_that_wedge_a_cam_on_rollers_are_a_jam() -> None:
+    """The crank's power goes into the give of cam and teeth, and little of it into friction."""
+    sliding = [f"friction.{kind}=2" for kind in ("pin_gear", "pin_socket")]
+    with pytest.raises(RunError, match="the drive jams: friction and wedging take"):
+        simulate(override(PRESETS["pin"], [*SHORT, *sliding, "load.torque_nm=36"]))
+
+
+def test_contacts_that_a_long_step_makes_deep_are_no_jam() -> None:
+    long = ["settings.timestep_us=20", "settings.log_rate_hz=50000", "load.torque_nm=36"]
+    with pytest.warns(Warning, match="too long"), pytest.raises(RunError, match=r"settings\.timestep_us") as failed:
+        simulate(override(PRESETS["pin"], [*SHORT, *long]))
+    assert "jams" not in str(failed.value)
+
+
 @pytest.mark.parametrize("load", [0.0, 0.3])
 def test_no_start_across_wide_play_is_a_jam(load: float) -> None:
     thrown = ["ring.pins=fixed", "drive.speed_rpm=12000", "clearance.pin_gear_um=100", "drive.hold_s=0.002"]

@@ -298,7 +298,7 @@ def test_every_pair_that_interferes_is_a_jam_by_name(pair: str) -> None:
     assert jammed.jams.all()
     assert (jammed.as_json()["yield"], jammed.worst, jammed.budget) == (0.0, (), ())
     assert f"without tolerance.{pair} alone they go together" in jammed.jammed_by
-    assert f"all samples jam: {jammed.jammed_by}" in jammed.notes
+    assert jammed.warnings == (f"all samples jam: {jammed.jammed_by}",)
     assert ("pin_gear interferes" if pair in ("mesh", "seat") else pair) in jammed.jammed_by
 
 
@@ -500,6 +500,12 @@ def test_the_command(tmp_path: Path, capsys) -> None:
     assert header.startswith("sample,drawn_cam_um,backlash_arcmin,")
     assert len(rows) == 50
     assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
+
+
+def test_the_command_says_why_a_few_samples_all_jam(tmp_path: Path, capsys) -> None:
+    flags = ["--samples", "4", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"']
+    assert main(["tolerance", "--design", "pin", *flags]) == 0
+    assert "all samples jam: in the first 4 of them cam interferes by" in " ".join(capsys.readouterr().out.split())
 
 
 def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:

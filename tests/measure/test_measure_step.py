@@ -1,5 +1,7 @@
 """The step of the static measures: chosen from mass and force of the pins, halved where a run goes wrong, and named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from designs import unlike
@@ -7,8 +9,11 @@ from designs import unlike
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.swing import swing_period
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sliding import Losses, course_along
+from cycloid_mj.statics.working import working_at
 
 TEETH21 = unlike("teeth21")
 CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
@@ -23,6 +28,36 @@ def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
     heavier = override(TEETH21, ["material.density_kg_m3=15700"])
     # the weight adds its own to what the pins bear
     assert bench.step(Reducer(heavier), rated, "mujoco") == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
+
+
+def test_planar_steps_grow_with_the_swing_of_a_soft_drive_unless_pins_move():
+    soft = Reducer(unlike("nonpin-n33-d2-ring-60um"))
+    assert bench.step(soft, 1.0) == pytest.approx(swing_period(soft) / bench.STEPS_OF_SWING)
+    assert bench.step(soft, 1.0) > 10.0 * bench.LONGEST_PLANAR_STEP
+    moving = Reducer(override(soft.design, ['ring.kind="pin"', 'ring.pins="free"']))
+    assert bench.step(moving, 1.0) == bench.LONGEST_PLANAR_STEP
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["nonpin-n33-d2-ring-60um", "fixed-n31-d1-carrier-250um"])
+def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
+    design = unlike(name)
+    reducer = working_at(Reducer(design), design.rated_torque)
+    crank = float(bench.crank_angles(reducer, 2)[1])
+    loop = hysteresis.loop(reducer, crank, design.rated_torque, hysteresis.slow_period(reducer, design.rated_torque))
+    course = np.linspace(0.0, 1.25, 1200)
+    torque = design.rated_torque * np.sin(2.0 * np.pi * course) ** hysteresis.POWER
+    when, turn = course_along(reducer, torque, crank, Losses())
+    phase = np.interp(when, np.arange(len(course)), course)
+    within = phase >= hysteresis.LEAD
+    statics = replace(
+        loop,
+        phase=phase[within],
+        torque=np.interp(when, np.arange(len(course)), torque)[within],
+        turn=turn[within],
+    )
+    assert loop.lost_motion == pytest.approx(statics.lost_motion, rel=0.06)
+    assert loop.stiffness == pytest.approx(statics.stiffness, rel=0.12)
 
 
 @pytest.mark.slow
