@@ -9,6 +9,7 @@ import numpy as np
 
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
+from cycloid_mj.base.names import REDUCER
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
@@ -60,7 +61,8 @@ def doubts(motion: Series) -> tuple[str, ...]:
     """Say what is doubtful in a run: what, where, and what to change; empty where nothing is."""
     run, design = motion.run, motion.design
     reducer = Reducer(design)
-    judged = run.select(motion.whole_periods)
+    # powers are all there: most columns of a run are forces, of which a copy would be as large as the run
+    judged = run.of_topic(REDUCER).select(motion.whole_periods)
     powers = unbalanced(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
     fewest = FEWEST_STEPS if run.provenance.get("solver") == "planar" else timestep.FEWEST_STEPS
     return tuple(dict.fromkeys((*run.warnings, *pace(reducer, fewest), *unsettled(run), *powers)))

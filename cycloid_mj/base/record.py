@@ -183,6 +183,14 @@ class Run(Presented):
         """Return the run with NaN for every value that no reducer can have; see `usable`."""
         return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
 
+    def of_topic(self, topic: str) -> "Run":
+        """Return the run with the columns of one topic alone; raise LogError if there is no such topic."""
+        if topic not in self.topics:
+            raise LogError(f"no topic {topic!r} in this run: it has {', '.join(self.topics) or 'none'}")
+        names = self.topics[topic]
+        columns, units = ({name: of[name] for name in names} for of in (self.columns, self.units))
+        return replace(self, columns=columns, units=units, topics={topic: names})
+
     def select(self, rows: Mask | slice) -> "Run":
         """Return the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):

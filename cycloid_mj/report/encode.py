@@ -40,8 +40,9 @@ def decimated(time: Array, values: Array, most: int) -> tuple[Array, Array]:
     spans = -(-count // width)
     # the last span is filled up with its last sample, which changes no extreme
     rows = np.minimum(np.arange(spans * width), count - 1).reshape(spans, width)
-    block = values[rows]
-    low, high = block.argmin(axis=1), block.argmax(axis=1)
-    both = np.stack([np.minimum(low, high), np.maximum(low, high)], axis=1)
-    kept = np.take_along_axis(block, both, axis=1).reshape(2 * spans, -1)
+    kept = np.empty((2 * spans, values.shape[1]))
+    for column, whole in enumerate(values.T):  # one at a time: a copy of all would be as large as a long run
+        block = whole[rows]
+        both = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
+        kept[:, column] = np.take_along_axis(block, both, axis=1).ravel()
     return time[rows[:, [0, width // 2]]].ravel(), kept

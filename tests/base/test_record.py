@@ -106,6 +106,14 @@ def test_select_refuses_what_is_no_choice_of_samples():
         run.select(slice(None, None, -1))
 
 
+def test_a_topic_has_its_own_columns_alone():
+    run = make_run(topics={"/reducer": ("gear_speed", "gear_angle"), "/forces": ("pin_force",)})
+    assert list(run.of_topic("/reducer").columns) == ["gear_speed", "gear_angle"]
+    assert run.of_topic("/forces")["pin_force"] is run["pin_force"]
+    with pytest.raises(LogError, match="has /reducer, /forces"):
+        run.of_topic("/pins")
+
+
 @pytest.mark.parametrize("travel", [copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))])
 def test_travels_to_other_processes(travel):
     run = make_run()
