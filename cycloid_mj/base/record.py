@@ -188,8 +188,8 @@ class Run(Presented):
         if topic not in self.topics:
             raise LogError(f"no topic {topic!r} in this run: it has {', '.join(self.topics) or 'none'}")
         names = self.topics[topic]
-        columns, units = ({name: of[name] for name in names} for of in (self.columns, self.units))
-        return replace(self, columns=columns, units=units, topics={topic: names})
+        columns = {name: self.columns[name] for name in names}
+        return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})
 
     def select(self, rows: Mask | slice) -> "Run":
         """Return the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
