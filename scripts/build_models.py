@@ -13,7 +13,6 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 from cycloid_mj.parts.convex import ConvexSettings
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import at_rated_load, working_force
 
 MODELS = Path(__file__).parent.parent / "models"
 README = Path(__file__).with_name("model_readme.md")
@@ -117,7 +116,7 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
         agreement="\n".join(_run_row(row) for row in rows),
         ratios=_ratios(rows),
         free="\n".join(_free_row(name, row) for name, row in free.items()),
-        force=round(working_force(at_rated_load(Reducer(PRESETS["pin"])), "pin_gear")),
+        force=round(Reducer(PRESETS["pin"]).at_rated_load.contacts["pin_gear"].force),
     )
 
 

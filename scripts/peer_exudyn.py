@@ -34,7 +34,6 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.geometry.profile import pin_angles, sample, unit
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_force
 
 SAMPLING = 1e-4
 LOAD = 36.0
@@ -111,7 +110,7 @@ def bedding(design: Design, stiffness: float) -> float:
 
     A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times it.
     """
-    force = working_force(Reducer(design), design.tooth_pair)
+    force = Reducer(design).contacts[design.tooth_pair].force
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 

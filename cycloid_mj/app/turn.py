@@ -13,7 +13,6 @@ from cycloid_mj.reducer.member import against_ring, sense
 from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
-from cycloid_mj.statics.working import working_at
 
 POSES = 72
 """Crank angles in a turn at which forces are solved."""
@@ -94,4 +93,4 @@ def _loaded(reducer: Reducer) -> tuple[Reducer, float]:
     design = reducer.design
     load, _ = load_of(reducer)
     way = float(np.sign(design.drive.speed)) or 1.0
-    return working_at(reducer.but(load={"torque": load}), load), way * load
+    return reducer.but(load={"torque": load}).working_at(load), way * load

@@ -16,10 +16,8 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.sliding import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
-from cycloid_mj.statics.working import at_rated_load
 
 MOST_PLAY = 900.0
 """Largest clearance that is looked for [um]."""
@@ -287,8 +285,8 @@ def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     def put(model: Model, value: float) -> Model:
-        rated = at_rated_load(model.reducer)
-        change = {kind: value * pair_stiffness(rated, kind) for kind in kinds}
+        rated = model.reducer.at_rated_load
+        change = {kind: value * rated.contacts[kind].stiffness for kind in kinds}
         return replace(model, reducer=Reducer(model.reducer.design.but(stiffness=change)))
 
     return put

@@ -26,7 +26,6 @@ from cycloid_mj.measure.back_driving import TURNED
 from cycloid_mj.measure.bench import crank_angles
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
-from cycloid_mj.statics.working import working_at
 
 INTERVALS = {"low": (0.03, 0.15), "middle": (0.15, 0.5), "high": (0.5, 1.0)}
 """Parts of the rated torque over which stiffness is given."""
@@ -214,7 +213,7 @@ def protocol(
         The model has no balance, or a run went wrong.
     """
     of_bench = {**_of_loops(files.loops, rated), **_of_files(files)} if files != BenchFiles() else {}
-    loaded = working_at(reducer, rated)
+    loaded = reducer.working_at(rated)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
     loops = tuple(engine.each(lambda crank: model_loop(loaded, rated, crank), cranks, progress))

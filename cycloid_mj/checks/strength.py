@@ -14,7 +14,7 @@ from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.reducer.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 CONCENTRATION = 3.0
 """Assumed: most that the largest tooth force may be, over that of ideal sharing."""

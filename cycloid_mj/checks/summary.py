@@ -11,7 +11,6 @@ from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_one_part
-from cycloid_mj.statics.pressure import pair_strength
 
 SLOW = 1e-6
 """Speed for a crank that stands still in its design [rad/s]: statics need a sense of rotation alone."""
@@ -66,7 +65,7 @@ def summary(reducer: Reducer) -> Summary:
     design = reducer.design
     state = rated(reducer)
     turning = reducer if design.drive.speed else reducer.but(drive={"speed": SLOW})
-    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(reducer, kind))
+    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
     return Summary(
         ratio=design.reduction,
         discs=design.gear.discs,

@@ -105,8 +105,6 @@ def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
     import numpy as np
 
     from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure
-    from cycloid_mj.statics.pressure import pair_modulus
-    from cycloid_mj.statics.working import at_rated_load, working_force
 
     design, gear = reducer.design, reducer.tooth_profile
     crank_angles = crank_angles or CRANK_ANGLES
@@ -115,8 +113,8 @@ def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
             f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: lower it"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
-    modulus = pair_modulus(reducer, design.tooth_pair)
-    force = working_force(at_rated_load(reducer), design.tooth_pair)
+    modulus = reducer.contacts[design.tooth_pair].modulus
+    force = reducer.at_rated_load.contacts[design.tooth_pair].force
     x, y = 1e3 * lines.points.T
     return {
         "crank_deg": np.degrees(lines.crank_angle),

@@ -12,7 +12,6 @@ from typing import Any
 
 from cycloid_mj.design import Design, dump, override
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import series_stiffness
 
 TABLES = ("drive", "load", "environment", "settings")
 HOLD = "drive.hold_s"
@@ -58,5 +57,5 @@ def with_play_of(nonpin: Reducer, pin: Reducer) -> Design:
 
     The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
     """
-    alike = {"clearance": {"tooth": total_play(pin)}, "stiffness": {"tooth": series_stiffness(pin)}}
+    alike = {"clearance": {"tooth": total_play(pin)}, "stiffness": {"tooth": pin.contacts.mesh_stiffness}}
     return nonpin.but(name=f"{nonpin.design.name}-like-{pin.design.name}", **alike).design

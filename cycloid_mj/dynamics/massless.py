@@ -8,7 +8,6 @@ means, forces and efficiency are those of real pins to 0.2 %; the gear's speed s
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import own_load
 
 WITHOUT = {"free": "massless", "sleeved": "massless_sleeved"}
 """``ring.pins`` of pins that move -> the same without their inertia."""
@@ -51,9 +50,10 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
 def idle(reducer: Reducer) -> tuple[str, ...]:
     """Tell where a run with massless pins has too small a load to press them into their seats; nothing where not."""
     design = reducer.design
-    if not design.ring.has_massless_pins or abs(design.load.torque) > own_load(reducer):
+    least = reducer.contacts.own_load
+    if not design.ring.has_massless_pins or abs(design.load.torque) > least:
         return ()
     return (
         f"load.torque_nm = {design.load.torque:g} is less than the gear's own weight and inertia ask for, but massless "
-        f"pins hold under load alone: raise it to more than {own_load(reducer):.3g}, or set ring.pins to free, sleeved",
+        f"pins hold under load alone: raise it to more than {least:.3g}, or set ring.pins to free, sleeved",
     )

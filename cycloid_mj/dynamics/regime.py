@@ -10,13 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.design import Friction
+from cycloid_mj.dynamics.law import LEAST_IMPEDANCE, ContactParameters, leads
 from cycloid_mj.dynamics.timestep import FEWEST_STEPS, passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
 from cycloid_mj.statics.friction import lacking_friction
-from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactParameters, creep_speed, leads, pair_stiffness
-from cycloid_mj.statics.structure import pin_flexibility
-from cycloid_mj.statics.working import working_force
 
 NOISE = 1e4 * 2.0**-52
 """Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
@@ -118,9 +116,10 @@ def _creeping(reducer: Reducer) -> Iterator[str]:
     lacking, of_output = lacking_friction(reducer)
     if of_output > CREEPING:
         yield (
-            f"contact.creep_speed_mm_s = {1e3 * creep_speed(reducer):g}: parts slide too slowly for whole friction at "
-            f"this crank speed and load; losses of teeth and output read about {lacking:.0%} too low, the efficiency "
-            f"{100.0 * of_output:.2g} points too high; lower it, or set it to 0, which chooses it by the sliding speed"
+            f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for whole "
+            f"friction at this crank speed and load; losses of teeth and output read about {lacking:.0%} too low, the "
+            f"efficiency {100.0 * of_output:.2g} points too high; lower it, or set it to 0, which chooses it by the "
+            "sliding speed"
         )
 
 
@@ -199,8 +198,8 @@ def bent_pins(reducer: Reducer) -> Iterator[str]:
     the pin farther: f g' = s + f (C(d', d) - g). So much of F goes from the one disc to the other: at the most, since
     disc d seldom bears all of the load.
     """
-    flexibility, force = pin_flexibility(reducer), reducer.design.gear.discs * working_force(reducer, "output")
-    gives = flexibility.diagonal() + 1.0 / pair_stiffness(reducer, "output")
+    flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
+    force, gives = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness
     beyond = flexibility - gives
     surplus = force * beyond - 2.0 * reducer.design.clearance.output
     if surplus.max() > 0.0:

@@ -56,8 +56,6 @@ from cycloid_mj.dynamics.timestep import Step, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import ring_and_carrier
-from cycloid_mj.statics.impact import impact_of
-from cycloid_mj.statics.working import for_slices, working_forces_text
 
 Groups = dict[str, dict[str, str]]
 
@@ -267,7 +265,7 @@ def provenance(
     """
     from cycloid_mj import __version__
 
-    stiffened = for_slices(reducer) if contact == "mesh" else reducer
+    stiffened = reducer.for_slices if contact == "mesh" else reducer
     steps = STEPS[solver]
     chosen = steps.chosen(stiffened)
     step = step or chosen.seconds
@@ -280,7 +278,7 @@ def provenance(
         "timestep_for": mujoco_steps.held_figures(
             stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step}), steps.ACCURACY
         ),
-        "working_forces": working_forces_text(stiffened, reducer.mechanism.kinds),
+        "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
@@ -292,7 +290,7 @@ def warnings(compiled: Model, reducer: Reducer, course: Course | None = None) ->
     hurries = course is None or course.speed != 0.0
     sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
     fewest = STEPS[solver_of(compiled)].FEWEST_STEPS
-    paced = pace(for_slices(reducer) if contact_of(compiled) == "mesh" else reducer, fewest) if hurries else ()
+    paced = pace(reducer.for_slices if contact_of(compiled) == "mesh" else reducer, fewest) if hurries else ()
     return (*sways, *compiled.warnings, *paced, *(idle(reducer) if course is None else ()))
 
 
@@ -384,7 +382,7 @@ class _Stepping:
 def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
     """Let MuJoCo take the steps."""
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
-    laws = [impact_of(reducer, pair.kind) for pair in compiled.pairs]
+    laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
     steps = EachStep(compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts)
 

@@ -11,9 +11,7 @@ import numpy as np
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.law import contact_stiffness, pair_stiffness
 from cycloid_mj.statics.structure import wind_up
-from cycloid_mj.statics.working import at_rated_load, working_force
 
 SETTLING = 0.005
 """Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
@@ -39,9 +37,8 @@ def closed_stiffness(reducer: Reducer) -> float:
     k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
     """
     design = reducer.design
-    k = {kind: pair_stiffness(reducer, kind) for kind in design.pair_kinds}
-    k |= {"output": contact_stiffness(reducer, "output")}
-    k = {kind: design.gear.discs * one for kind, one in k.items()}
+    k = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
+    k |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
     gear, output = reducer.tooth_profile, design.output
     arms = ideal_loads.ideal_load_sharing(gear, 1.0, 0.0).arms
     per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
@@ -56,7 +53,7 @@ def swing_period(reducer: Reducer) -> float:
 
     With wide clearances, of which fewer teeth carry, it is longer by half.
     """
-    return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(at_rated_load(reducer)))
+    return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load))
 
 
 @once
@@ -70,6 +67,7 @@ def deepest(reducer: Reducer) -> float:
     design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration
-    pressed = max(working_force(reducer, kind) / contact_stiffness(reducer, kind) for kind in design.pair_kinds)
+    contacts = [reducer.contacts[kind] for kind in design.pair_kinds]
+    pressed = max(contact.force / contact.series[0] for contact in contacts)
     turned = 0.5 * design.ring.preload * design.ring.pin_circle_radius
     return min(max(DEEPEST, DEEPER * pressed) + turned, OF_ECCENTRICITY * design.gear.eccentricity)

@@ -15,8 +15,6 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.member import against_ring
-from cycloid_mj.statics.law import contact_stiffness, stiffest
-from cycloid_mj.statics.working import working_force
 
 RESOLVED = 6.4
 """K dt^2/m of a contact up to which the figures of a run hold, but for the seat of a moving pin, see `SEATED`.
@@ -123,7 +121,7 @@ def held_figures(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
 def limits(reducer: Reducer) -> dict[str, float]:
     """Map what limits the step of a design to the longest step [s] that it allows."""
     bounds = {
-        f"stiffness of {kind}": math.sqrt(resolved(reducer, kind) * mass / stiffest(reducer, kind))
+        f"stiffness of {kind}": math.sqrt(resolved(reducer, kind) * mass / max(reducer.contacts[kind].series))
         for kind, mass in effective_masses(reducer).items()
     }
     bounds |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
@@ -151,8 +149,8 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
 
 
 def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> float:
-    force = working_force(reducer, kind)
-    bowl = force / (play + force / contact_stiffness(reducer, kind))
+    contact = reducer.contacts[kind]
+    bowl = contact.force / (play + contact.force / contact.series[0])
     return ROLLING * 2.0 * math.sqrt(mass / bowl)
 
 

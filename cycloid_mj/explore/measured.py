@@ -17,7 +17,6 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import FIGURES, Figure, figure, quantities
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import own_load
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")
-    light = not options.real_pins and abs(reducer.design.load.torque) > own_load(reducer)
+    light = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     ran = massless(reducer) if light else reducer
     compiled = model_for(options.solver, ran)
     if (steps := schedule(ran, compiled.timestep).steps) > MOST_STEPS:

@@ -13,7 +13,6 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import roller_radius
 
 NEEDLE_FILL = 0.35
 """Of the wall of an output roller: what its needles are thick, where their rating is not given (assumed)."""
@@ -81,7 +80,9 @@ def cam_seat(reducer: Reducer) -> Seat:
     """Return the bearing of each cam, whose outer ring is the gear's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
-    row = RollerRow(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)
+    row = RollerRow(
+        design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
+    )
     where = "side by side on the cam's circle, the gear's bore as outer ring"
     return Seat("cam_bearing", "cam bearing", row, bearing.dynamic_capacity, bearing.static_capacity, where)
 

@@ -13,9 +13,7 @@ from cycloid_mj.life.loading import POSES, loading, relative_speed
 from cycloid_mj.life.rolling import life_hours
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_cam
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.springs import turn_evenly
-from cycloid_mj.statics.working import at_rated_load
 
 GIVES = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 """Stiffnesses of the cam over its own: what its seat, its rollers' fit and its rings leave open."""
@@ -35,7 +33,7 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
         life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
         return Give(name, stiffness, load, life)
 
-    linear, rows = pair_stiffness(at_rated_load(reducer), "cam"), []
+    linear, rows = reducer.at_rated_load.contacts["cam"].stiffness, []
     for factor in GIVES:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
         if factor == 1.0 and design.stiffness.cam:

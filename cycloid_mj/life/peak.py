@@ -7,7 +7,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, weaker_is_plastic
+from cycloid_mj.reducer.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 KINDS = {
     "peak_yield": (
@@ -35,7 +35,7 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
         for kind, pressure in worst.pressures.items():
             if pressure > 0.0:
                 borne = min(getattr(part, kind_of_strength) for part in design.partners(kind))
-                most = SHAKEDOWN_PRESSURE if weaker_is_plastic(reducer, kind) else factor
+                most = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
                 torques[kind] = torque * (most * borne / pressure) ** 2
         if torques:
             kind = min(torques, key=lambda one: torques[one])

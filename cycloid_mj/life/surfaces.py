@@ -7,7 +7,7 @@ from cycloid_mj.design import Material
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength, weaker_is_plastic
+from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 SOFTEST_STEEL = 1e11
 """Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""
@@ -53,8 +53,8 @@ def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIte
         pressure = max((loading.pressures.get(kind, 0.0) for loading in loadings), default=0.0)
         if not pressure > 0.0:
             continue
-        strength = pair_strength(reducer, kind)
-        if weaker_is_plastic(reducer, kind):
+        strength = reducer.contacts[kind].strength
+        if reducer.contacts[kind].weaker_is_plastic:
             yield _set(reducer, loadings, kind, strength)
             continue
         for key, what, factor, source in (

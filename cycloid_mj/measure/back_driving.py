@@ -9,7 +9,6 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import at_rated_load
 
 GROWTH, GROWS_FOR = 0.025, 0.04
 """The torque from rest grows to this share of the rated output torque, over this time [s]."""
@@ -66,7 +65,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
         drive=lambda time: np.zeros_like(time),
         load=lambda time: forward * largest * time / GROWS_FOR,
     )
-    resting = at_rated_load(reducer).but(drive={"ramp": 0.0, "hold": GROWS_FOR})
+    resting = reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": GROWS_FOR})
     compiled = model_for(solver, resting, held="")
     run = simulate(resting.design, compiled, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)

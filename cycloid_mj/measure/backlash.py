@@ -27,7 +27,6 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.statics.working import at_rated_load, working_forces_text
 
 ANGLES, QUICK_ANGLES = 8, 2
 PRESS = 0.0025
@@ -125,7 +124,7 @@ def backlash(
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if angles < 1:
         raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
-    reducer = at_rated_load(reducer)
+    reducer = reducer.at_rated_load
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     cases = {_ALL: bench.ideal(reducer)} | {kind: alone(reducer, kind) for kind in reducer.design.pair_kinds}
     if solver == "planar":
@@ -263,7 +262,7 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
         "contacts are as stiff as under the rated load, which the line drawn on to zero takes out: "
-        f"{working_forces_text(reducer, reducer.design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
         f"time step {bench.steps_text(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "

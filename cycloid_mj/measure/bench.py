@@ -18,6 +18,7 @@ from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.dynamics.course import Signal, locked_crank
+from cycloid_mj.dynamics.law import IMPRATIO
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
@@ -27,8 +28,6 @@ from cycloid_mj.dynamics.swing import swing_period
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.law import IMPRATIO, creep_speed, pair_stiffness
-from cycloid_mj.statics.working import working_force
 
 LONGEST_STEP = 10e-6
 """Step [s] at which bodies that weigh no less than the gear follow a slow torque as they do at any shorter one."""
@@ -97,7 +96,7 @@ def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
     force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
-    bowl = force / (design.pin_play + force / pair_stiffness(reducer, kind))
+    bowl = force / (design.pin_play + force / reducer.contacts[kind].stiffness)
     return min(LONGEST_STEP, (HELD_SHARE if sticks else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 
 
@@ -116,8 +115,8 @@ def benched(
     """
     design = reducer.design
     timestep = step(reducer, torque, solver) / finer
-    slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * pair_stiffness(reducer, design.tooth_pair) * timestep)
-    creep = min(design.contact.creep_speed or math.inf, slowest or creep_speed(reducer))
+    slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * reducer.contacts[design.tooth_pair].stiffness * timestep)
+    creep = min(design.contact.creep_speed or math.inf, slowest or reducer.contacts.creep_speed)
     contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
     return Reducer(
         design.model_copy(
@@ -223,7 +222,7 @@ def _planar(reducer: Reducer, timestep: float) -> PlanarModel:
 
 def _rubbing(reducer: Reducer) -> float:
     """Largest friction of a contact at its working force [N]."""
-    return max(reducer.design.friction_of(kind) * working_force(reducer, kind) for kind in reducer.design.pair_kinds)
+    return max(reducer.design.friction_of(kind) * reducer.contacts[kind].force for kind in reducer.design.pair_kinds)
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:

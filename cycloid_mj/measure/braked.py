@@ -14,7 +14,6 @@ from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, Solver, model_for
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at
 
 DECAY = 2e-3
 """Time [s] in which the motor's slope lets the ringing fall to 1/e: with the paper's motor, 5 % of its speed take all
@@ -33,7 +32,7 @@ def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "
     A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
     have the stiffness of the output torque that it holds without losses.
     """
-    reducer = working_at(reducer, torque * reducer.design.reduction) if torque else reducer
+    reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed
     compiled = model_for(solver, reducer, held="output")
     slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0

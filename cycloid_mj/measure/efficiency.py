@@ -23,8 +23,6 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import creep_speed
-from cycloid_mj.statics.working import at_rated_load, working_forces_text
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""
@@ -293,13 +291,13 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds
-    creep = 1e3 * creep_speed(reducer)
+    creep = 1e3 * reducer.contacts.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
         f"{drag_assumption(reducer)}; the shafts' own bearings are left out",
         "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
         "losses), from rest of the rated one; at the rated load "
-        f"{working_forces_text(at_rated_load(reducer), kinds)}",
+        f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
         "the output where it drives",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",

@@ -24,12 +24,12 @@ from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.contact import STRIBECK
 from cycloid_mj.reducer.member import against_ring, ring_and_carrier
+from cycloid_mj.reducer.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.statics.bearings import reaction_quantities, spatial
 from cycloid_mj.statics.ideal import ideal_peak
-from cycloid_mj.statics.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.statics.sheet import disc_shares
-from cycloid_mj.statics.working import STRIBECK, working_forces_text
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""
@@ -210,7 +210,7 @@ def _of_kind(
     peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
     """
     kind = contacts.kind
-    allowed = YIELD_PRESSURE * pair_strength(reducer, kind)
+    allowed = YIELD_PRESSURE * reducer.contacts[kind].strength
     peak_error = abs(coarse.peak_force - fine.peak_force) + missed * contacts.peak_force
     one, other = contacts.halves
     mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
@@ -271,7 +271,7 @@ def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
     """
     pressures = {kind: one.peak_pressure for kind, one in kinds.items()}
     return {
-        kind: (allowed * pair_strength(reducer, kind) / pressure) ** 2
+        kind: (allowed * reducer.contacts[kind].strength / pressure) ** 2
         for kind, pressure in pressures.items()
         if pressure > 0.0
     }
@@ -354,7 +354,7 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     )
     return (
         "contacts have the secant stiffness of each run's own load, here "
-        f"{working_forces_text(reducer, design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
         "effects and misalignment are left out; the ring lobe's force is taken on its arc",
         "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "

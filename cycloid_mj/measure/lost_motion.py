@@ -12,7 +12,6 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, windups
-from cycloid_mj.statics.working import working_at, working_forces_text
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
@@ -58,7 +57,7 @@ def lost_motion(
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
-    reducer = working_at(reducer, rated)
+    reducer = reducer.working_at(rated)
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     period, level = hysteresis.slow_period(reducer, rated), bench.ideal(reducer)
     if solver == "planar":
@@ -105,7 +104,7 @@ def _assumptions(measured: LostMotionLoops, period: float, solver: Solver) -> tu
         "falls by some percent as the step does",
         structure_text(measured.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{working_forces_text(measured.reducer, measured.reducer.design.pair_kinds)}",
+        f"{measured.reducer.contacts.working_forces_text(measured.reducer.design.pair_kinds)}",
         *(assumptions(measured.reducer, "runs without friction and weight") if solver == "planar" else ()),
         *beyond,
     )

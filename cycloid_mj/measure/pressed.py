@@ -10,7 +10,6 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
-from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 
 CARRIES = 0.01
 """A contact carries where its force is at least this share of the largest of its kind."""
@@ -96,8 +95,9 @@ def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     for kind in reducer.mechanism.kinds:
         vector = run.forces(kind)
         curvature = relative_curvature(reducer, kind, against_ring(reducer.design, crank))
-        force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(reducer, kind)
-        pressure, holds = hertz_pressure(reducer, kind, force, curvature), hertz_holds(reducer, kind, force, curvature)
+        contact = reducer.contacts[kind]
+        force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
+        pressure, holds = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
         contacts[kind] = ContactPressures(kind, angle, vector, pressure, holds)
     return contacts
 
@@ -115,4 +115,4 @@ def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array
         ]
         halves = reducer.design.ring.halves
         return np.concatenate([np.stack(of_disc) for of_disc in lines for _ in range(halves)], axis=1)
-    return np.array([line_curvature(reducer, kind)])
+    return np.array([reducer.contacts[kind].curvature])

@@ -10,7 +10,6 @@ from typing import Any
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness
 
 PLAY = (0.5, 2.0)
 """Factors on a clearance: what a drawing says against what a gauge finds."""
@@ -70,7 +69,7 @@ def inputs(reducer: Reducer) -> list[Input]:
     """List the assumed inputs that a design's rate rests on."""
     design = reducer.design
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
-    stiffness = pair_stiffness(reducer, "cam")
+    stiffness = reducer.contacts["cam"].stiffness
     return [
         _play(reducer, "mesh play", seats, PLAY),
         _play(reducer, "cam play", ["cam"], CAM_PLAY),

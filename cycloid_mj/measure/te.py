@@ -24,7 +24,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
-from cycloid_mj.statics.working import working_at, working_forces_text
 
 CHECKED = 3
 """Mesh periods that are run again with half the step."""
@@ -77,7 +76,7 @@ def te(
         TraceCondition(one, way, pace, torques[one], ways[way] * paces[pace])
         for pace, one, way in product(paces, torques, ways)
     ]
-    reducer = working_at(reducer, torques["loaded"])
+    reducer = reducer.working_at(torques["loaded"])
     runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
     traces = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): run for (case, share), run in runs.items() if share == 0.5}
@@ -138,7 +137,7 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
         "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{working_forces_text(reducer, design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
         "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "

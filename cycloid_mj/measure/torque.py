@@ -27,7 +27,6 @@ from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at, working_forces_text
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""
@@ -67,7 +66,7 @@ def torque(
     """
     design = resolve(design)
     reducer = Reducer(design)
-    steady = working_at(steady_design(reducer), reducer.design.rated_torque)
+    steady = steady_design(reducer).working_at(reducer.design.rated_torque)
     main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(reducer, quick)
     assumed = spread.inputs(steady)
@@ -243,7 +242,7 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
         f"output {design.friction_of('output'):g}; {drag_assumption(reducer)}; the shafts' own bearings are left out",
         "contacts have the secant stiffness of one working force in all runs: "
-        f"{working_forces_text(reducer, design.pair_kinds)}",
+        f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "

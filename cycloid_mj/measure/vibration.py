@@ -21,7 +21,6 @@ from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import copied
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at, working_forces_text
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""
@@ -80,7 +79,7 @@ def vibration(
     require_pin_bodies(reducer, "vibration")
     rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
-    reducer = working_at(reducer, torques["loaded"])
+    reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
         reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
@@ -107,7 +106,7 @@ def vibration(
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
             "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-            f"{working_forces_text(reducer, reducer.design.pair_kinds)}",
+            f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
             "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
             "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
             "percent off",

@@ -9,9 +9,7 @@ from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
-
-AXIAL_GAP = 1e-3
-"""Distance of the output disc and of the counterweight from the gear's faces [m]."""
+from cycloid_mj.reducer.bending import AXIAL_GAP
 
 RIM = 0.5
 """Width of the disc outside its pins, as a share of their radius."""

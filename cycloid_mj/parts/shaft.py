@@ -10,10 +10,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below, too_small
 from cycloid_mj.parts.gear import section_area
-from cycloid_mj.parts.output import AXIAL_GAP, near_face
+from cycloid_mj.parts.output import near_face
 from cycloid_mj.parts.polygon import arc, area_moments, circle, turned
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 
 JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
 """Stretches of the crank, with those of ``names.CAM`` and ``names.SPACER``; what lies between discs is numbered."""

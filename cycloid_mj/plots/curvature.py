@@ -14,8 +14,6 @@ from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import pair_modulus
-from cycloid_mj.statics.working import at_rated_load, working_force
 
 CRANK_ANGLES = 120
 """Crank angles in a mesh period; the lines of all teeth together then lie 1/12 deg of phase apart with 36 teeth."""
@@ -79,9 +77,9 @@ def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) ->
 
 
 def _force(reducer: Reducer) -> float:
-    return working_force(at_rated_load(reducer), reducer.design.tooth_pair)
+    return reducer.at_rated_load.contacts[reducer.design.tooth_pair].force
 
 
 def _pressure(lines: ContactLines, reducer: Reducer) -> Any:
-    modulus = pair_modulus(reducer, reducer.design.tooth_pair)
+    modulus = reducer.contacts[reducer.design.tooth_pair].modulus
     return pressure(lines, _force(reducer), reducer.design.gear.face_width, modulus)

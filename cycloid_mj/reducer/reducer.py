@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from cycloid_mj.geometry.deviations import Deviations
     from cycloid_mj.geometry.profile import CycloidGear
     from cycloid_mj.reducer.bodies import Mechanism
+    from cycloid_mj.reducer.contact import Contacts
 
 Given = ParamSpec("Given")
 Value = TypeVar("Value")
@@ -23,6 +24,9 @@ Value = TypeVar("Value")
 KEPT = 24
 """Designs whose reducers' values are kept at a time: as many as a study goes back and forth between."""
 
+
+SLICES_CREEP = 0.02
+"""Creep speed of slices [m/s]: stock MuJoCo lifts what slides by mu^2 v/(v0 impratio), a slow creep v0 by more."""
 
 SHAPING_NOTHING = (
     *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
@@ -54,6 +58,35 @@ class Reducer:
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> "Reducer":
         """Make the reducer for a run at full speed from its start, as ``Design.steady`` does; errors as there."""
         return Reducer(self.design.steady(settled, turns, samples, **changes))
+
+    def working_at(self, torque: float) -> "Reducer":
+        """Make the reducer whose contacts are as stiff as one torque on the output [N m] makes them, whatever its load.
+
+        One that is given a working load, or one working force for all pairs, keeps it.
+        """
+        contact = self.design.contact
+        if contact.working_load or contact.working_force:
+            return self
+        return self.but(contact={"working_load": abs(torque)})
+
+    @property
+    def at_rated_load(self) -> "Reducer":
+        """The reducer `working_at` its own load, or at the rated torque where it has none.
+
+        For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
+        """
+        load, rated = abs(self.design.load.torque), self.design.rated_torque
+        return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
+
+    @property
+    def for_slices(self) -> "Reducer":
+        """The reducer `working_at` its rated torque, or at its own load where that is larger.
+
+        A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
+        Its creep speed, unless given, is `SLICES_CREEP`.
+        """
+        stiffened = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
+        return stiffened.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
 
     def kept(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Look up what was computed under a key, or compute it and keep it."""
@@ -127,6 +160,13 @@ class Reducer:
         from cycloid_mj.reducer.bodies import mechanism
 
         return self.kept("mechanism", lambda: mechanism(self.design))
+
+    @property
+    def contacts(self) -> "Contacts":
+        """Working force, stiffness and pressure of the contacts, by kind of pair."""
+        from cycloid_mj.reducer.contact import Contacts
+
+        return Contacts(self)
 
     @property
     def share(self) -> float:

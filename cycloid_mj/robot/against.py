@@ -22,7 +22,6 @@ from cycloid_mj.robot.trial import TrialScene, bench
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
-from cycloid_mj.statics.working import working_at
 
 BOUNDS = {
     "backlash_arcmin": 0.002,
@@ -130,7 +129,7 @@ class Against:
 
 def against(reducer: Reducer, reduced: ReducedJoint) -> Against:
     """Run the joint in MuJoCo at the levels `backlash` and `full` and hold it against the full model."""
-    reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
+    reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     play = play_of(reducer, ANGLES * POSES)
     slow, slow_curves = _loop(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise

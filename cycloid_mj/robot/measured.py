@@ -32,7 +32,6 @@ from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import driven, self_locking
 from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.windup import STRAIGHT, windups
-from cycloid_mj.statics.working import working_at
 
 SMALL = 1e-4
 """Torque that presses the parts to a stop, as a share of the rated one; a line through twice that leads to zero."""
@@ -85,7 +84,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         raise DesignError(
             "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
         )
-    reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
+    reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     counted = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(reducer))
     fine, coarse = play_of(reducer, FINER * POSES), play_of(reducer, POSES)
     counted.one_more()

@@ -22,7 +22,6 @@ from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, inputs
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.standalone import PARAMETERS as KEYS
-from cycloid_mj.statics.working import working_at
 
 PLAY, _, FRICTION, LOSS, _ = KEYS
 PARAMETERS = dict(zip(KEYS, ("arcmin", "N m/arcmin", "N m", "%", "arcsec"), strict=True))
@@ -215,7 +214,7 @@ def _about(reducer: Reducer, one: Input) -> Input:
 def parameters(reducer: Reducer) -> dict[str, float]:
     """Compute the parameters of one drive's joint, by the keys of `PARAMETERS`; errors as `statics.loads`."""
     rated = reducer.design.rated_torque
-    loaded = working_at(reducer.but(load={"torque": rated}), rated)
+    loaded = reducer.but(load={"torque": rated}).working_at(rated)
     values = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
     share = reducer.design.reduction / rated
     # of the crank's torque; friction without a load is a parameter of its own

@@ -12,8 +12,8 @@ from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS
 from cycloid_mj.life.figures import drive_length, length
 from cycloid_mj.parts.export.casing import covers_fit
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.sizing import bought
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement

@@ -10,9 +10,9 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.statics.balance import Loads
 from cycloid_mj.statics.springs import Springs
 

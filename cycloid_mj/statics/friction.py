@@ -7,8 +7,6 @@ from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 from cycloid_mj.reducer.member import against_ring
-from cycloid_mj.statics.law import creep_speed, series_stiffness
-from cycloid_mj.statics.working import working_force, working_load
 
 _PHASES, _HALVINGS = 12, 50
 """Crank angles in a mesh period over which friction is averaged, and halvings of a turn until it is exact."""
@@ -37,11 +35,12 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
     their play: F = K max(a t - play, 0) at the arm a. Where weight presses, or the gear gives way, it may be twice.
     """
     design, gear = reducer.design, reducer.tooth_profile
-    torque, speed = working_load(reducer) / design.gear.discs, abs(float(against_ring(design, design.drive.speed)))
+    torque = reducer.contacts.working_load / design.gear.discs
+    speed = abs(float(against_ring(design, design.drive.speed)))
     crank = np.arange(_PHASES) / _PHASES * 2.0 * np.pi / gear.ring_teeth
     B = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
-    teeth = _sharing_with_play(profile.moment_arm(gear, B), torque, play, series_stiffness(reducer))
+    teeth = _sharing_with_play(profile.moment_arm(gear, B), torque, play, reducer.contacts.mesh_stiffness)
     pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank)
     sliding = np.abs(profile.pitch_distance(gear, B) - gear.pin_radius) * speed / gear.lobes
     circling = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
@@ -50,7 +49,7 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
         (design.tooth_pair, design.mesh_friction, teeth, sliding),
         ("output", design.friction_of("output"), pins, np.full_like(pins, circling)),
     ):
-        loss, whole = friction * force * rate, creep_speed(reducer) * force / working_force(reducer, kind)
+        loss, whole = friction * force * rate, reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         lost += float(np.mean(np.sum(loss, axis=1)))
         lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, _SLOWEST), 0.0), axis=1)))
     return (lacking / lost, lacking * gear.lobes / (torque * speed)) if lost else (0.0, 0.0)

@@ -4,15 +4,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.pressure import YIELD_PRESSURE
 from cycloid_mj.statics.balance import Loads, loads
-from cycloid_mj.statics.pressure import (
-    YIELD_PRESSURE,
-    hertz_holds,
-    hertz_pressure,
-    line_curvature,
-    line_share,
-    pair_strength,
-)
 from cycloid_mj.statics.springs import Springs
 
 GUESSES, TOLERANCE = 12, 1e-3
@@ -25,10 +18,9 @@ def peak_force(contact_loads: Loads, kind: str) -> float:
 
 def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> float:
     """Compute the largest Hertz pressure on a kind of contact [Pa]."""
-    curvature = springs.curvature if kind == reducer.design.tooth_pair else line_curvature(reducer, kind)
-    return float(
-        hertz_pressure(reducer, kind, forces(contact_loads, kind) * line_share(reducer, kind), curvature).max()
-    )
+    contact = reducer.contacts[kind]
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.curvature
+    return float(contact.pressure(forces(contact_loads, kind) * contact.line_share, curvature).max())
 
 
 def torque_at_pressure(
@@ -61,15 +53,16 @@ def torque_at_pressure(
 
 def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
     """Compute the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
-    return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * pair_strength(reducer, kind), torque)
+    return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * reducer.contacts[kind].strength, torque)
 
 
 def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
     """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
-    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(line_curvature(reducer, kind))
-    force = forces(contact_loads, kind) * line_share(reducer, kind)
-    worst = np.argmax(hertz_pressure(reducer, kind, force, curvature))
-    return bool(force.flat[worst] > 0.0 and hertz_holds(reducer, kind, force, curvature).flat[worst])
+    contact = reducer.contacts[kind]
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.curvature)
+    force = forces(contact_loads, kind) * contact.line_share
+    worst = np.argmax(contact.pressure(force, curvature))
+    return bool(force.flat[worst] > 0.0 and contact.hertz_holds(force, curvature).flat[worst])
 
 
 def forces(contact_loads: Loads, kind: str) -> Array:

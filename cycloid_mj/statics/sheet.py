@@ -17,16 +17,15 @@ from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRIES
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
-from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
 from cycloid_mj.statics.windup import SERIES, Windup, windups
-from cycloid_mj.statics.working import working_at, working_forces_text
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
 """What makes some figures of a design under a load [N m]."""
@@ -226,7 +225,7 @@ def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
         raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
-    return working_at(reducer.but(load={"torque": load}), load), load
+    return reducer.but(load={"torque": load}).working_at(load), load
 
 
 def known_difference(quantity: Quantity) -> float | None:
@@ -321,7 +320,7 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
     springs = springs_of(reducer, _angles(reducer))
     contact_loads = loads(reducer, springs, torque, follow=True)
     spare = {
-        kind: pair_strength(reducer, kind) / peak_pressure(reducer, springs, contact_loads, kind)
+        kind: reducer.contacts[kind].strength / peak_pressure(reducer, springs, contact_loads, kind)
         for kind in design.pair_kinds
         if is_narrow(reducer, springs, contact_loads, kind)
     }
@@ -335,7 +334,7 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
             yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
             continue
         weakest = min(spare, key=lambda kind: spare[kind])
-        pressure = allowed * pair_strength(reducer, weakest)
+        pressure = allowed * reducer.contacts[weakest].strength
         reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, contact_loads, follow=True))
         yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
 
@@ -363,7 +362,7 @@ def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
-    pressure = 1e-6 * pair_strength(reducer, kind) / spare
+    pressure = 1e-6 * reducer.contacts[kind].strength / spare
     ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))
     yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
     yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
@@ -443,7 +442,7 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "and modification; of inertia the gear's centrifugal force alone",
         f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
-        f"contacts have the secant stiffness of the load: {working_forces_text(reducer, design.pair_kinds)}",
+        f"contacts have the secant stiffness of the load: {reducer.contacts.working_forces_text(design.pair_kinds)}",
         "flanks of an internal gear carry as one patch with the arc beside them",
         *([SEVERAL] if design.gear.discs > 1 else []),
         *([structure_text(reducer)] if design.structure == "springs" else []),

@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)

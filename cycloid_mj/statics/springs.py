@@ -13,9 +13,6 @@ from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
 from cycloid_mj.reducer.member import against_ring, ring_angle
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.friction import rubbing
-from cycloid_mj.statics.law import contact_stiffness, curvature_law, pair_stiffness
-from cycloid_mj.statics.structure import pin_flexibility
-from cycloid_mj.statics.working import at_rated_load
 
 POSES = 61
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
@@ -87,12 +84,11 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = against_ring(reducer.design, crank)
-    speed, reducer = float(against_ring(reducer.design, reducer.design.drive.speed)), at_rated_load(reducer)
+    speed, reducer = float(against_ring(reducer.design, reducer.design.drive.speed)), reducer.at_rated_load
     mesh_gaps = arc_gaps(reducer, crank)
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     curvature = mesh_gaps.relative_curvature[:, :teeth]
-    discs = range(reducer.design.gear.discs)
-    holding = np.array([contact_stiffness(reducer, "output", disc) for disc in discs])
+    holding = np.array(reducer.contacts["output"].series)
     output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
     motion = ideal_motion(reducer, crank) * speed
     radius = reducer.design.output.pin_circle_radius
@@ -120,7 +116,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
             stiffness=np.concatenate([tooth_stiffness(reducer, curvature), output], axis=1),
             cam_place=cam_places(reducer, crank),
             cam_clearance=reducer.design.clearance.cam,
-            cam_stiffness=pair_stiffness(reducer, "cam"),
+            cam_stiffness=reducer.contacts["cam"].stiffness,
             rubbing=rubbing(reducer, mesh_gaps, motion) if friction else np.zeros((0, *mesh_gaps.slope.shape[1:])),
             cam_rubbing=drag if friction else 0.0,
             bending=_bending(reducer),
@@ -137,10 +133,10 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
     A line on a half of the ring is half as long, and has half of it.
     """
-    law = curvature_law(reducer)
+    law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
-    whole = 1.0 / (1.0 / stiffness + 1.0 / pair_stiffness(reducer, kind)) if kind else stiffness
+    whole = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
     return np.asarray(whole / reducer.design.ring.halves)
 
 
@@ -150,7 +146,7 @@ def _bending(reducer: Reducer) -> Array:
     At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
     push, and what is across it moves the contact along its circle alone.
     """
-    at, flexibility = np.array(reducer.phases), pin_flexibility(reducer)
+    at, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)
     return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else np.zeros((0, 0))
 

@@ -1,4 +1,4 @@
-"""Compliance between contacts and foundation: bending of output pins, twist of carrier, shaft and housing.
+"""Compliance between contacts and foundation: twist of carrier, shaft and housing; output pins bend by `bending`.
 
 Only where ``structure`` is ``springs``; in a rigid one all of it is 0. The shaft's bearings and the discs' own give are
 left out; the shaft's bending is told, and counted nowhere.
@@ -11,56 +11,16 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.model import Material
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import shear_modulus
 
 HUB = 0.5
 """Assumed: radius at which the output disc hands on its torque, as a share of the circle of its pins."""
 
 TWISTING = ("carrier", "shaft", "housing")
 """What twists, in series with all contacts: keys of the table ``springs``."""
-
-
-def pin_flexibility(reducer: Reducer) -> Array:
-    """Compute by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
-
-    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
-    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
-    6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
-    """
-    design = reducer.design
-    planes, gear = np.array(design.gear.disc_planes), design.gear
-    if design.structure == "rigid":
-        return np.zeros((planes.size, planes.size))
-    material, radius = design.material_of("output"), design.output.root_radius
-    arms = gear.stack_width / 2.0 + AXIAL_GAP - planes
-    length = gear.stack_width + 2.0 * AXIAL_GAP
-    return beam_flexibility(material, radius, arms, length if design.output.support == "both_ends" else None)
-
-
-def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
-    """Compute the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
-
-    With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
-    """
-    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
-    coefficient = 6.0 * (1.0 + material.poisson) / (7.0 + 6.0 * material.poisson)
-    shearing = coefficient * shear_modulus(material) * math.pi * radius**2
-
-    def free(one: Array, other: Array) -> Array:
-        near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
-        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
-
-    flexibility = free(arms, arms)
-    if length is None:
-        return flexibility
-    end = np.array([length])
-    by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
-    turned = length**2 / (2.0 * bending)
-    of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
-    return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
 
 
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
@@ -150,11 +110,6 @@ def structure_text(reducer: Reducer) -> str:
         f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
         "which a softer stiffness.cam_n_m can stand for"
     )
-
-
-def shear_modulus(material: Material) -> float:
-    """Compute the shear modulus E/(2 (1 + nu)) [Pa]."""
-    return material.youngs_modulus / (2.0 * (1.0 + material.poisson))
 
 
 def _ring(material: Material, thickness: float, inner: float, outer: float) -> float:

@@ -27,7 +27,6 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import wall_radius
-from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
 from cycloid_mj.stress.turn import Turn
@@ -53,7 +52,7 @@ class HertzStrip:
 
 
 @dataclass(frozen=True)
-class Contact:
+class PartContact:
     """One contact of a part along a turn of k samples.
 
     Attributes
@@ -105,7 +104,7 @@ def frame(turn: Turn, part: str) -> PartFrame:
     return PartFrame(fixed, still)
 
 
-def contacts(turn: Turn, part: str) -> list[Contact]:
+def contacts(turn: Turn, part: str) -> list[PartContact]:
     """List every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
     if part in gears(turn.reducer.design.gear.discs):
         return _of_gear(turn, gears(turn.reducer.design.gear.discs).index(part))
@@ -117,7 +116,7 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
     `radius` is that of the thinner body [m].
     """
-    length, modulus = reducer.design.gear.face_width, pair_modulus(reducer, kind)
+    length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
     conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
     bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded, modulus).half_width
@@ -129,12 +128,13 @@ def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | N
     `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
     that ``measure loads`` gives: of a rolling cam, that of the most loaded roller.
     """
-    bend = line_curvature(reducer, kind) if curvature is None else curvature
-    force = force * line_share(reducer, kind)
-    pressure = hertz_pressure(reducer, kind, force, bend)
+    contact = reducer.contacts[kind]
+    bend = contact.curvature if curvature is None else curvature
+    force = force * contact.line_share
+    pressure = contact.pressure(force, bend)
     load = 2.0 * force / (np.pi * reducer.design.gear.face_width)
     width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
-    return HertzStrip(pressure, width, hertz_holds(reducer, kind, force, bend))
+    return HertzStrip(pressure, width, contact.hertz_holds(force, bend))
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
@@ -180,7 +180,7 @@ def _in(seat: PartFrame, action: Action) -> Action:
     return action.seen_from(seat.origin, seat.angle)
 
 
-def _of_gear(turn: Turn, disc: int) -> list[Contact]:
+def _of_gear(turn: Turn, disc: int) -> list[PartContact]:
     return [
         *_teeth(turn, gears(turn.reducer.design.gear.discs)[disc], disc),
         _cam_in_bore(turn, disc),
@@ -188,7 +188,7 @@ def _of_gear(turn: Turn, disc: int) -> list[Contact]:
     ]
 
 
-def _of_ring(turn: Turn) -> list[Contact]:
+def _of_ring(turn: Turn) -> list[PartContact]:
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _teeth(turn, "ring", disc)]
@@ -197,7 +197,7 @@ def _of_ring(turn: Turn) -> list[Contact]:
     return [_socket(turn, pin, disc) for disc in discs for pin in range(design.ring.teeth)]
 
 
-def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
+def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
     """List the contacts of a disc and the ring, on either of the two."""
     if turn.reducer.design.ring.kind == "pin":
         return [_pin_on_gear(turn, pin, disc) for pin in range(turn.reducer.design.ring.teeth)]
@@ -219,29 +219,29 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
             place, action = place + on_teeth.origin, action.reaction()
         width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
         pressed = line(turn.reducer, "tooth", action.size, curvature)
-        contacts.append(Contact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
+        contacts.append(PartContact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
     return contacts
 
 
-def _pin_on_gear(turn: Turn, pin: int, disc: int) -> Contact:
+def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
     curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
     pressed = line(turn.reducer, "pin_gear", action.size, curvature)
-    return Contact(_called(turn, name, disc), action, place, width, pressed)
+    return PartContact(_called(turn, name, disc), action, place, width, pressed)
 
 
-def _cam_in_bore(turn: Turn, disc: int) -> Contact:
+def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
     action = _in(_disc(turn, disc), _on_gear(turn, CAM, disc))
     radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
     width = _cam_width(turn, action)
     place = action.on_hole(np.zeros(2), radius, width)
-    return Contact(_called(turn, CAM, disc), action, place, width, line(turn.reducer, "cam", action.size))
+    return PartContact(_called(turn, CAM, disc), action, place, width, line(turn.reducer, "cam", action.size))
 
 
-def _holes(turn: Turn, disc: int) -> list[Contact]:
+def _holes(turn: Turn, disc: int) -> list[PartContact]:
     """List the output pins in a disc's holes."""
     output, seat = turn.reducer.design.output, _disc(turn, disc)
     radius = output.hole_radius + turn.reducer.design.clearance.output
@@ -252,11 +252,11 @@ def _holes(turn: Turn, disc: int) -> list[Contact]:
         action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
         place, pressed = action.on_hole(centre, radius, width), line(turn.reducer, "output", action.size)
-        contacts.append(Contact(_called(turn, name, disc), action, place, width, pressed))
+        contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
-def _of_output(turn: Turn) -> list[Contact]:
+def _of_output(turn: Turn) -> list[PartContact]:
     """List the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
     output, seat = turn.reducer.design.output, frame(turn, "output")
     radius = output.root_radius
@@ -266,11 +266,11 @@ def _of_output(turn: Turn) -> list[Contact]:
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line(turn.reducer, "output", action.size)
-        contacts.append(Contact(_called(turn, name, disc), action, place, width, pressed))
+        contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
-def _of_shaft(turn: Turn) -> list[Contact]:
+def _of_shaft(turn: Turn) -> list[PartContact]:
     gear, seat, errors = turn.reducer.design.gear, frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -278,11 +278,11 @@ def _of_shaft(turn: Turn) -> list[Contact]:
         width = _cam_width(turn, action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
         place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.reducer, "cam", action.size)
-        contacts.append(Contact(_called(turn, CAM, disc), action, place, width, pressed))
+        contacts.append(PartContact(_called(turn, CAM, disc), action, place, width, pressed))
     return contacts
 
 
-def _of_pin(turn: Turn) -> list[Contact]:
+def _of_pin(turn: Turn) -> list[PartContact]:
     """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
     gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
     radius, contacts, sockets = gear.pin_radius, [], []
@@ -291,17 +291,17 @@ def _of_pin(turn: Turn) -> list[Contact]:
         curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
         pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
-        contacts.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
+        contacts.append(PartContact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
         sockets.append(_in(seat, _by_socket(turn, 0, disc)))
     free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
     for disc, held in enumerate(sockets[:1] if free else sockets):
         wide, pressed = _socket_width(turn, held), line(turn.reducer, "pin_socket", held.size)
         name = SOCKET if free else _called(turn, SOCKET, disc)
-        contacts.append(Contact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
+        contacts.append(PartContact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
     return contacts
 
 
-def _socket(turn: Turn, pin: int, disc: int) -> Contact:
+def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a pin and the wall of its socket, which is open towards the gear.
 
     What a closed socket carries where the ring has no wall is left out: that is in its end plates.
@@ -317,7 +317,7 @@ def _socket(turn: Turn, pin: int, disc: int) -> Contact:
     place = action.on_hole(centre, wall, width)
     whole = ring.has_sockets and ring.has_pin_bodies
     name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
-    return Contact(name, action, place, width, line(turn.reducer, "pin_socket", action.size))
+    return PartContact(name, action, place, width, line(turn.reducer, "pin_socket", action.size))
 
 
 def _by_socket(turn: Turn, pin: int, disc: int) -> Action:
@@ -349,7 +349,7 @@ def _nested_width(turn: Turn, kind: str, action: Action, inner: float, outer: fl
     return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
-def total(contacts: Sequence[Contact]) -> Action:
+def total(contacts: Sequence[PartContact]) -> Action:
     """Sum the actions of contacts."""
     force = np.sum([contact.action.force for contact in contacts], axis=0)
     return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))

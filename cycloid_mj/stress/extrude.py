@@ -17,8 +17,8 @@ from scipy import sparse
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.names import GEAR, family
 from cycloid_mj.parts import output_centres
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.stress.grid import Grid, GridSettings, SectionGrid, planar_grid, quadratic
 from cycloid_mj.stress.region import part_region
 

@@ -12,15 +12,8 @@ import mujoco
 
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
+from cycloid_mj.dynamics.law import IMPRATIO, ContactParameters, contact_law, solver_parameters
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import (
-    IMPRATIO,
-    ContactParameters,
-    contact_law,
-    curvature_law,
-    solver_parameters,
-)
-from cycloid_mj.statics.working import at_rated_load, working_force
 
 MASS, RADIUS, GRAVITY, CREEP_SPEED = 0.25, 0.02, 9.8, 0.02
 TIMESTEP = 2e-6
@@ -93,10 +86,10 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 def pair_law() -> ContactParameters:
     """Compute the law of a pin on the gear for a body of `MASS`."""
-    design = at_rated_load(Reducer(PRESETS["pin"]))
+    design = Reducer(PRESETS["pin"]).at_rated_load
     friction = design.design.friction.pin_gear
-    creep = friction * working_force(design, "pin_gear") / CREEP_SPEED
-    stiffness = curvature_law(design).stiffness
+    creep = friction * design.contacts["pin_gear"].force / CREEP_SPEED
+    stiffness = design.contacts.teeth.curvature_law.stiffness
     return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
 
 

@@ -24,8 +24,6 @@ from cycloid_mj.reducer.bodies import mechanism, phases
 from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import gap
-from cycloid_mj.statics.law import pair_stiffness
-from cycloid_mj.statics.working import at_rated_load
 from cycloid_mj.validate import equilibrium, rig
 from cycloid_mj.validate.balance import NEAR, way
 from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop, pose_of
@@ -140,8 +138,8 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
     """Hold the balance of springs at crank angles [rad] against the independent static solution."""
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
-    rated = at_rated_load(reducer)
-    stiffness = {pair: pair_stiffness(rated, pair) for pair in rated.design.pair_kinds}
+    rated = reducer.at_rated_load
+    stiffness = {pair: rated.contacts[pair].stiffness for pair in rated.design.pair_kinds}
     contact_loads = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
     solved = [equilibrium.solve(reducer, stiffness, crank) for crank in turn]
     cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))

@@ -9,10 +9,10 @@ from cycloid_mj.base.names import TEETH
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.teeth import DEFLECTION
+from cycloid_mj.dynamics.law import contact_law, solver_parameters
 from cycloid_mj.dynamics.mjcf import ReducerModel
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import contact_law, solver_parameters
 
 FIXED, FREE, SLEEVED, NONPIN = "fixed pins", "free pins", "sleeved pins", "nonpin"
 KINDS = (FIXED, FREE, NONPIN)

@@ -1,7 +1,7 @@
 """Rung 8, the step study: the figures of a run at rated load at several time steps, against the finest.
 
 Steps up to that which the design chooses must agree; longer ones are told. The observed order is that of the error's
-growth. Under a light load friction must hold, too, which the step could turn round (``statics.law.impratio``).
+growth. Under a light load friction must hold, too, which the step could turn round (``dynamics.law.impratio``).
 """
 
 import math

@@ -5,7 +5,6 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_force
 from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flank_distance, offset_root
 
 
@@ -27,7 +26,7 @@ def _factor(reducer: Reducer, curvature: Array) -> Array:
     design = reducer.design
     depth = design.ring.pin_radius
     modulus = ideal_loads.contact_modulus(design.material.youngs_modulus, design.material.poisson)
-    working = (working_force(reducer, design.tooth_pair), design.gear.face_width, modulus, depth)
+    working = (reducer.contacts[design.tooth_pair].force, design.gear.face_width, modulus, depth)
     flat = ideal_loads.line_contact_stiffness(*working, 1 / depth)
     # Twice as stiff as a pin on a flat where a + ln kappa has half of its value there.
     least = np.exp(-(ideal_loads.line_contact_constant(*working) + np.log(depth)) / 2)
@@ -37,7 +36,7 @@ def _factor(reducer: Reducer, curvature: Array) -> Array:
 def _shared(
     reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
-    gear, deflection = reducer.tooth_profile, working_force(reducer, reducer.design.tooth_pair) / flat
+    gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat
     low, stiffness = profile.best_phase(gear), stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}
     for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - flanks.offset)):

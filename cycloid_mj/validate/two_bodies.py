@@ -14,14 +14,13 @@ import numpy as np
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.law import ContactParameters, contact_law, solver_parameters
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role
-from cycloid_mj.statics.law import ContactParameters, contact_law, curvature_law, solver_parameters
-from cycloid_mj.statics.working import at_rated_load, working_force
 
-RATED = at_rated_load(Reducer(PRESETS["pin"]))
+RATED = Reducer(PRESETS["pin"]).at_rated_load
 MASS = 0.05
 """Mass of the moving disc [kg]."""
 FORCE = 400.0
@@ -46,7 +45,7 @@ _XML = """<mujoco>
 
 def rows(quick: bool) -> list[ValidationRow]:
     """List the rows of this rung."""
-    stiffness, ratio = curvature_law(RATED).stiffness, RATED.design.contact.damping_ratio
+    stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
     swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
@@ -147,7 +146,7 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
     """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
     design = RATED
     working, length, radius = (
-        working_force(design, "pin_gear"),
+        design.contacts["pin_gear"].force,
         design.design.gear.face_width,
         design.design.ring.pin_radius,
     )

@@ -21,7 +21,6 @@ from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at
 from hsieh2014.hypothesis import acting
 from hsieh2014.idle_stress import idle_stress
 from hsieh2014.motion import at_degrees
@@ -305,7 +304,7 @@ def torques_by_turn(design: Design, turns: int = TEST_TURNS) -> Array:
 
     The dampers of soft contacts let the output's torque come up within some turns, far more slowly than line contacts.
     """
-    steady = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
+    steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
     run = braked_run(steady, design.drive.torque, whole_periods(steady, turns * design.ring.teeth))
     return np.array([abs(float(np.mean(part))) for part in np.array_split(run["load_torque"], turns)])
 

@@ -26,10 +26,8 @@ from cycloid_mj.dynamics.contact.gap import (
     trochoid_distance,
 )
 from cycloid_mj.parts import mass_properties, parts
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, impact
 from cycloid_mj.reducer.sockets import socket_half_angle
-from cycloid_mj.statics import impact
-from cycloid_mj.statics.law import pair_stiffness
 from hsieh2014.peaks import BINS
 
 TIMESTEP = 0.5e-6
@@ -113,7 +111,7 @@ class PeakForces:
 def line_contacts(design: Design) -> SoftContact:
     """Return linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
     reducer = Reducer(design)
-    stiffness = pair_stiffness(reducer, design.tooth_pair)
+    stiffness = reducer.contacts[design.tooth_pair].stiffness
     mass = mass_properties(parts(reducer)["gear"]).mass / design.ring.teeth
     return SoftContact("line contacts, as here", stiffness, 1.0, math.sqrt(stiffness * mass), 1e-15)
 

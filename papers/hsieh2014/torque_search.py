@@ -13,7 +13,6 @@ from cycloid_mj.measure.spread import BEARING, TEETH
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import working_at
 
 GRID = (0.0, 0.01, 0.03, 0.06, TEETH[1])
 """Frictions of the teeth between which that of a torque is interpolated [1]."""
@@ -112,7 +111,7 @@ def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
 
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     """Run the torque test of each case; give the output torque as a share of that without losses."""
-    steady = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
+    steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
     periods = whole_periods(steady, PERIODS)
     wanted = list(dict.fromkeys(cases))
     tested = each_in_threads(lambda case: _rate(steady.design, case, periods), wanted)

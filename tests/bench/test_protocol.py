@@ -27,7 +27,6 @@ from cycloid_mj.measure import hysteresis
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
-from cycloid_mj.statics.working import working_at
 
 RATED, STIFFNESS, PLAY = 40.0, 9000.0, 4e-3  # [N m], [N m/rad], [rad]
 
@@ -78,7 +77,7 @@ def test_what_a_loop_does_not_reach_has_no_number() -> None:
 def test_the_models_loop_has_the_lost_motion_that_is_measured() -> None:
     """By another reading of the same run: that of `measure lost-motion`."""
     design = PRESETS["pin"]
-    reducer = working_at(Reducer(design), design.rated_torque)
+    reducer = Reducer(design).working_at(design.rated_torque)
     rated = design.rated_torque
     run = hysteresis.loop(reducer, 0.0, rated, hysteresis.slow_period(reducer, rated))
     found = model_loop(reducer, rated, 0.0)
@@ -98,7 +97,7 @@ def test_a_bench_that_recorded_the_model_agrees_with_it(tmp_path: Path) -> None:
     """Files written of the model's own loop give the model's figures, through the command."""
     design = PRESETS["pin"]
     rated = design.rated_torque
-    loop = model_loop(working_at(Reducer(design), rated), rated, 0.0)
+    loop = model_loop(Reducer(design).working_at(rated), rated, 0.0)
     rows = zip(loop.torque.tolist(), (loop.deflection / DEGREE).tolist(), strict=True)
     file, run = tmp_path / "loop.csv", tmp_path / "run.csv"
     file.write_text("torque_output_Nm,deflection_deg\n" + "".join(f"{one!r},{other!r}\n" for one, other in rows))
@@ -118,7 +117,7 @@ def test_a_bench_that_recorded_the_model_agrees_with_it(tmp_path: Path) -> None:
 def test_the_back_driving_torque_leaves_a_free_crank_none() -> None:
     """At that torque the output's share is what friction takes, as told by how it grows under a smaller load."""
     design = PRESETS["pin"]
-    reducer = working_at(Reducer(design), design.rated_torque)
+    reducer = Reducer(design).working_at(design.rated_torque)
     found = protocol(reducer, BenchFiles(), design.rated_torque, angles=1).model
     driving = found["back_driving_torque_nm"].value
     resting = reducer.but(drive={"speed": 1e-3 * design.drive.speed})

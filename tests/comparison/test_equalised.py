@@ -7,7 +7,6 @@ from cycloid_mj.comparison import total_play, with_play_of
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness, series_stiffness
 
 PIN, NONPIN = (override(PRESETS[name], ["load.torque_nm=36.68"]) for name in ("pin", "nonpin"))
 PERIODS = 4
@@ -21,8 +20,8 @@ def test_play_and_compliance_of_a_pin_add_up():
     like = with_play_of(Reducer(NONPIN), Reducer(PIN))
     assert (like.name, like.ring) == ("nonpin-like-pin", NONPIN.ring)
     assert like.clearance.tooth == pytest.approx(2e-6)
-    springs = [pair_stiffness(Reducer(PIN), kind) for kind in ("pin_gear", "pin_socket")]
-    assert pair_stiffness(Reducer(like), "tooth") == pytest.approx(springs[0] * springs[1] / sum(springs), rel=1e-12)
+    springs = [Reducer(PIN).contacts[kind].stiffness for kind in ("pin_gear", "pin_socket")]
+    assert Reducer(like).contacts["tooth"].stiffness == pytest.approx(springs[0] * springs[1] / sum(springs), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -33,11 +32,11 @@ def test_play_and_compliance_of_a_pin_add_up():
 def test_every_ring_has_a_total_play(pins, play):
     pin = override(PIN, [f"ring.pins={pins}", "clearance.pin_socket_um=3", "clearance.pin_sleeve_um=2"])
     assert total_play(Reducer(pin)) == pytest.approx(play)
-    own = pair_stiffness(Reducer(pin), "pin_gear")
+    own = Reducer(pin).contacts["pin_gear"].stiffness
     assert (
-        series_stiffness(Reducer(pin)) == pytest.approx(own)
+        Reducer(pin).contacts.mesh_stiffness == pytest.approx(own)
         if pins == "fixed"
-        else series_stiffness(Reducer(pin)) < own
+        else Reducer(pin).contacts.mesh_stiffness < own
     )
 
 

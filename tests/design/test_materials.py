@@ -18,8 +18,6 @@ from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads as carried
 from cycloid_mj.statics import springs_of
-from cycloid_mj.statics.law import curvature_law, pair_stiffness
-from cycloid_mj.statics.pressure import hertz_pressure, pair_modulus, pair_strength
 from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.stress.region import material_of
 
@@ -81,9 +79,9 @@ def test_wrong_materials_are_refused(changes: list[str], message: str) -> None:
 def test_one_material_named_for_every_part_changes_nothing() -> None:
     apart = override(PIN, {f"{part}_material.name": DEFAULT for part in PARTS})
     for kind in PARTNERS:
-        assert pair_modulus(Reducer(apart), kind) == pair_modulus(Reducer(PIN), kind)
+        assert Reducer(apart).contacts[kind].modulus == Reducer(PIN).contacts[kind].modulus
         if kind != "pin_sleeve":
-            assert pair_stiffness(Reducer(apart), kind) == pair_stiffness(Reducer(PIN), kind)
+            assert Reducer(apart).contacts[kind].stiffness == Reducer(PIN).contacts[kind].stiffness
 
 
 @pytest.mark.parametrize("kind", PARTNERS)
@@ -91,9 +89,11 @@ def test_the_modulus_of_a_pair_is_that_of_springs_in_series(kind: str) -> None:
     soft = override(PIN, {"gear_material.name": "POM"})
     one, other = soft.partners(kind)
     flexibility = sum((1.0 - part.poisson**2) / part.youngs_modulus for part in (one, other))
-    assert pair_modulus(Reducer(soft), kind) == pytest.approx(1.0 / flexibility, rel=1e-12)
-    assert ("gear" in PARTNERS[kind]) == (pair_modulus(Reducer(soft), kind) < 0.1 * pair_modulus(Reducer(PIN), kind))
-    assert pair_strength(Reducer(soft), kind) == min(one.yield_strength, other.yield_strength)
+    assert Reducer(soft).contacts[kind].modulus == pytest.approx(1.0 / flexibility, rel=1e-12)
+    assert ("gear" in PARTNERS[kind]) == (
+        Reducer(soft).contacts[kind].modulus < 0.1 * Reducer(PIN).contacts[kind].modulus
+    )
+    assert Reducer(soft).contacts[kind].strength == min(one.yield_strength, other.yield_strength)
 
 
 def test_only_contacts_of_the_soft_part_are_softer_and_less_pressed() -> None:
@@ -103,20 +103,23 @@ def test_only_contacts_of_the_soft_part_are_softer_and_less_pressed() -> None:
     both = override(steel, {"material.name": "POM"})
     for kind in ("pin_gear", "output"):
         assert (
-            pair_stiffness(Reducer(both), kind)
-            < pair_stiffness(Reducer(soft), kind)
-            < 2.2 * pair_stiffness(Reducer(both), kind)
+            Reducer(both).contacts[kind].stiffness
+            < Reducer(soft).contacts[kind].stiffness
+            < 2.2 * Reducer(both).contacts[kind].stiffness
         )
-        assert hertz_pressure(Reducer(soft), kind, 100.0, 400.0) < 0.2 * hertz_pressure(
-            Reducer(PIN), kind, 100.0, 400.0
+        assert Reducer(soft).contacts[kind].pressure(100.0, 400.0) < 0.2 * Reducer(PIN).contacts[kind].pressure(
+            100.0, 400.0
         )
-    assert pair_stiffness(Reducer(soft), "pin_socket") == pair_stiffness(Reducer(steel), "pin_socket")
-    assert curvature_law(Reducer(soft)).deflection > 10.0 * curvature_law(Reducer(steel)).deflection
+    assert Reducer(soft).contacts["pin_socket"].stiffness == Reducer(steel).contacts["pin_socket"].stiffness
+    assert (
+        Reducer(soft).contacts.teeth.curvature_law.deflection
+        > 10.0 * Reducer(steel).contacts.teeth.curvature_law.deflection
+    )
 
 
 def test_a_rolling_cam_is_two_rows_of_contacts_in_series() -> None:
     soft, steel = override(PIN, {"gear_material.name": "POM"}), PIN
-    rollers_on_steel, whole = 2.0 * pair_stiffness(Reducer(steel), "cam"), pair_stiffness(Reducer(soft), "cam")
+    rollers_on_steel, whole = 2.0 * Reducer(steel).contacts["cam"].stiffness, Reducer(soft).contacts["cam"].stiffness
     on_plastic = 1.0 / (1.0 / whole - 1.0 / rollers_on_steel)
     assert 0.01 * rollers_on_steel < on_plastic < 0.04 * rollers_on_steel
 

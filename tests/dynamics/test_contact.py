@@ -15,7 +15,6 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.profile import CycloidGear, curvature, trochoid
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import curvature_law
 from cycloid_mj.validate import equilibrium
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
@@ -165,7 +164,7 @@ def inject(model, data, compiled, design) -> None:
             )
             dist = distance + clearance
             relative = curvature(gear, t, gear.pin_radius + clearance) + 1.0 / gear.pin_radius
-            scale = curvature_law(Reducer(design)).factor(relative)
+            scale = Reducer(design).contacts.teeth.curvature_law.factor(relative)
             normal = frame @ [nx, ny, 0.0]
             point = data.geom_xpos[by] - (model.geom_size[by, 0] + 0.5 * dist) * normal
         else:

@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import CREEP, SLOW_CREEP, creep_speed
+from cycloid_mj.reducer.contact import CREEP, SLOW_CREEP
 from cycloid_mj.statics.sheet import sheet_part
 
 SETTLED = 0.05
@@ -44,7 +44,7 @@ def efficiency(design: Design, turns: float, model: type | None = None) -> float
 )
 def test_the_creep_speed_that_is_chosen_hides_no_loss(name: str) -> None:
     design = slow(name, 0.3, 1000.0)
-    tenth = override(design, [f"contact.creep_speed_mm_s={100.0 * creep_speed(Reducer(design))!r}"])
+    tenth = override(design, [f"contact.creep_speed_mm_s={100.0 * Reducer(design).contacts.creep_speed!r}"])
     ours = efficiency(design, 3.0)
     assert ours == pytest.approx(efficiency(tenth, 3.0), abs=0.1)
     assert ours == pytest.approx(sheet_part(Reducer(design), "losses")["efficiency"].value, abs=0.3)
@@ -64,10 +64,10 @@ def test_with_wide_play_and_hardly_a_load_a_slow_run_loses_what_statics_does(mod
 def test_it_follows_the_crank_unless_it_is_given() -> None:
     design = slow("nonpin-n69-d1-carrier-2um", 1.0, 100.0)
     circling = design.gear.eccentricity * design.drive.speed
-    assert creep_speed(Reducer(design)) == pytest.approx(CREEP * circling)
-    assert creep_speed(Reducer(override(design, ["drive.speed_rpm=-100"]))) == pytest.approx(CREEP * circling)
-    assert creep_speed(Reducer(override(design, ["drive.speed_rpm=0"]))) == SLOW_CREEP
-    assert creep_speed(Reducer(override(design, [TOO_SOFT]))) == pytest.approx(0.02)
+    assert Reducer(design).contacts.creep_speed == pytest.approx(CREEP * circling)
+    assert Reducer(override(design, ["drive.speed_rpm=-100"])).contacts.creep_speed == pytest.approx(CREEP * circling)
+    assert Reducer(override(design, ["drive.speed_rpm=0"])).contacts.creep_speed == SLOW_CREEP
+    assert Reducer(override(design, [TOO_SOFT])).contacts.creep_speed == pytest.approx(0.02)
 
 
 @pytest.mark.parametrize(

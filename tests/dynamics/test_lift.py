@@ -9,8 +9,8 @@ import pytest
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
+from cycloid_mj.dynamics.law import COUPLED, contact_law, solver_parameters
 from cycloid_mj.dynamics.run import simulate
-from cycloid_mj.statics.law import COUPLED, contact_law, solver_parameters
 
 MASS, GRAVITY, SPEED, STEP = 0.25, 9.8, 1.0, 1e-5
 WEIGHT = MASS * GRAVITY

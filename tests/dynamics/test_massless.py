@@ -23,8 +23,6 @@ from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.statics import transmission_error
-from cycloid_mj.statics.law import curvature_law, pair_stiffness
-from cycloid_mj.statics.working import at_rated_load
 
 PIN = PRESETS["pin"]
 MOVING = {"pin": PIN, **{name: unlike(name) for name in ("few", "teeth21", "large")}}
@@ -32,7 +30,7 @@ MOVING = {"pin": PIN, **{name: unlike(name) for name in ("few", "teeth21", "larg
 
 def loaded(design: Design, **settings: float) -> Design:
     """Return a design at its rated torque, ready for a steady run."""
-    own = at_rated_load(Reducer(design))
+    own = Reducer(design).at_rated_load
     return steady_design(own.but(load={"torque": own.design.rated_torque}, settings=settings)).design
 
 
@@ -57,7 +55,7 @@ def test_what_has_no_moving_pins_stays_as_it_is(name):
 @pytest.mark.parametrize("name", MOVING)
 def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
     """Without friction a locked crank finds the balance of the linear mesh, which has plays and springs in series."""
-    design = massless(bench.ideal(at_rated_load(Reducer(MOVING[name]))))
+    design = massless(bench.ideal(Reducer(MOVING[name]).at_rated_load))
     torque, still = 0.5 * design.design.rated_torque, design.but(drive={"speed": 0.0})
     for crank in bench.crank_angles(design, 2):
         run = bench.run_to_the_end(design, float(crank), lambda time: np.full_like(time, torque), torque, 0.04, 4)
@@ -74,7 +72,11 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
     data.joint("gear_angle").qpos[0] = 2e-4
     with installed():
         mujoco.mj_forward(compiled.model, data)
-    law, seat, rho = curvature_law(design), pair_stiffness(design, "pin_socket"), design.design.ring.pin_radius
+    law, seat, rho = (
+        design.contacts.teeth.curvature_law,
+        design.contacts["pin_socket"].stiffness,
+        design.design.ring.pin_radius,
+    )
     flank = teeth_of(compiled.model.geom("teeth").user).flank
     teeth, turned = compiled.model.geom("teeth").id, data.joint("gear_angle").qpos[0]
     to_gear = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])

@@ -24,6 +24,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli import simulate as simulate_command
 from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.dynamics.course import initial_state, load_torque, servo_target
+from cycloid_mj.dynamics.law import IMPRATIO
 from cycloid_mj.dynamics.mjcf import build, sensors
 from cycloid_mj.dynamics.mjcf.folder import design_hash, model_files
 from cycloid_mj.dynamics.mjcf.foundation import flank_patch, hole_patch
@@ -39,8 +40,6 @@ from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, fill, polygon
 from cycloid_mj.parts.export import read_stl
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.replay import replay_model
-from cycloid_mj.statics.law import IMPRATIO, curvature_law
-from cycloid_mj.statics.working import for_slices, working_force
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
@@ -122,14 +121,14 @@ def pressed(settings: ConvexSettings, kind: str) -> tuple[float, float, int]:
     Gives the springs' force and what an elastic foundation of the law's stiffness has at the deepest penetration that
     MuJoCo finds, each as a share of the working force; and the number of contacts.
     """
-    design = for_slices(Reducer(changed("pin")))
+    design = Reducer(changed("pin")).for_slices
     compiled = build_mesh(design, settings)
     model, data = compiled.model, mujoco.MjData(compiled.model)
-    law, force = compiled.laws[kind], working_force(design, kind)
+    law, force = compiled.laws[kind], design.contacts[kind].force
     if kind == "pin_gear":
         # pin 1 into valley 1, and out of its socket
         _, _, valley = _valley(design.design)
-        depth = force / (law.stiffness * curvature_law(design).factor(valley))
+        depth = force / (law.stiffness * design.contacts.teeth.curvature_law.factor(valley))
         data.joint("pin_1_y").qpos[0] = -(design.design.clearance.pin_gear + depth)
         mates, stem = ("gear", "pin_1"), "pin_1"
     else:
@@ -700,7 +699,7 @@ def test_the_manifest_tells_what_the_model_is_made_of(kind: str) -> None:
     manifest = json.loads((MODELS / kind / "manifest.json").read_text(encoding="utf-8"))
     # The model has the stiffness of the rated load, which its design file names.
     made = load(MODELS / kind / "design.toml")
-    assert made == for_slices(Reducer(changed(kind))).design
+    assert made == Reducer(changed(kind)).for_slices.design
     assert manifest["design"] == {"name": kind, "sha256": design_hash(Reducer(made))}
     assert {"cycloid_mj", "mujoco", "coacd", "numpy"} == set(manifest["versions"])
     assert manifest["settings"]["coacd"]["seed"] == 0

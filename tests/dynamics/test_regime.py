@@ -30,8 +30,6 @@ from cycloid_mj.dynamics.timestep import (
 )
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness
-from cycloid_mj.statics.working import working_force
 
 FIXED, SLEEVED = "ring.pins=fixed", "ring.pins=sleeved"
 
@@ -204,13 +202,13 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     design = override(PRESETS["pin"], ["load.torque_nm=36.68"])
     model, found = build(design).model, limits(Reducer(design))
     pin = float(model.body("pin_1").mass[0])
-    seat, force = pair_stiffness(Reducer(design), "pin_socket"), working_force(Reducer(design), "pin_socket")
+    seat, force = Reducer(design).contacts["pin_socket"].stiffness, Reducer(design).contacts["pin_socket"].force
     assert found["stiffness of pin_socket"] == pytest.approx((SEATED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
     idle = override(design, ["load.torque_nm=0", "contact.working_load_nm=36.68"])
     assert limits(Reducer(idle))["stiffness of pin_socket"] == pytest.approx(
         (SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6
     )
-    cam = pair_stiffness(Reducer(design), "cam")
+    cam = Reducer(design).contacts["cam"].stiffness
     gear = float(model.body("gear").mass[0])
     assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)
     bowl = force / (1e-6 + force / seat)

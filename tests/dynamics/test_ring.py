@@ -181,11 +181,10 @@ def test_no_step_in_the_force_when_lines_merge_or_part() -> None:
 
 def test_contacts_shrink_with_the_normal_curvature(rig: Rig) -> None:
     """The stiffness factor of a lobe's contact is the law's at the local relative curvature."""
-    from cycloid_mj.statics.law import curvature_law
 
     design = nonpin()
     loaded, uniform = Rig(design, 0.0), Rig(override(design, ['contact.stiffness_law="uniform"']), 0.0)
-    law = curvature_law(Reducer(design))
+    law = Reducer(design).contacts.teeth.curvature_law
     shift = 3e-6 * unit(2.0)
     local, plain = loaded.contacts(0.0, shift), uniform.contacts(0.0, shift)
     arcs = envelope.arc_contacts(loaded.gear, 0.0)

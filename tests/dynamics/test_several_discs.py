@@ -33,12 +33,12 @@ from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.reaction import of_discs, unbalance
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.parts.convex import ConvexSettings, decompose, sectors
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.plots import figures
 from cycloid_mj.plots.animation import film, take
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.report import report
 from cycloid_mj.scene import contact_forces, poses

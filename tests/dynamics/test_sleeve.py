@@ -26,7 +26,6 @@ from cycloid_mj.reducer.bodies import Role, mechanism
 from cycloid_mj.report.reviewed import review
 from cycloid_mj.report.tables import setup
 from cycloid_mj.scene import contact_forces
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.equilibrium import solve
 
@@ -209,7 +208,7 @@ def test_a_loaded_ring_of_sleeves_settles_at_the_independent_balance() -> None:
     changes = ["drive.ramp_s=0", "drive.hold_s=0.006", "drive.speed_rpm=60", "load.torque_nm=36", "load.rise_s=0.002"]
     design = changed(*changes, "environment.gravity_y_m_s2=0", *rig.without_friction())
     run = simulate(design)
-    stiffness = {kind: pair_stiffness(Reducer(design), kind) for kind in ("pin_gear", "pin_sleeve", "cam", "output")}
+    stiffness = {kind: Reducer(design).contacts[kind].stiffness for kind in ("pin_gear", "pin_sleeve", "cam", "output")}
     balanced = solve(Reducer(design), stiffness, float(run["crank_angle"][-1]))
     for names, forces in (
         ([f"pin_{number}" for number in range(1, 37)], balanced.ring_forces),

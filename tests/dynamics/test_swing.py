@@ -21,8 +21,6 @@ from cycloid_mj.dynamics.swing import (
     turning_inertia,
 )
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import contact_stiffness
-from cycloid_mj.statics.working import working_force
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
 SOFT = PRINTED.but(output_material={"name": "", "density": 20000.0}, output={"disc_thickness": 0.2})
@@ -76,7 +74,7 @@ def test_the_period_is_that_of_inertia_on_stiffness() -> None:
 def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:
     heavy = PRINTED.but(load={"torque": 20.0})
     pressed = [
-        working_force(Reducer(heavy), kind) / contact_stiffness(Reducer(heavy), kind) for kind in heavy.pair_kinds
+        Reducer(heavy).contacts[kind].force / Reducer(heavy).contacts[kind].series[0] for kind in heavy.pair_kinds
     ]
     assert deepest(Reducer(heavy)) == pytest.approx(10.0 * max(pressed))
     assert deepest(Reducer(heavy)) > 2.0 * DEEPEST

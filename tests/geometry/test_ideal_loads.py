@@ -13,7 +13,6 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.geometry import envelope, ideal_loads, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 SMALL = CycloidGear(ring_teeth=12, eccentricity=0.75e-3, pin_circle_radius=15e-3, pin_radius=1.5e-3)
@@ -53,7 +52,7 @@ def test_a_line_contact_gives_way_as_the_strain_along_its_axis(young: float, poi
 def test_teeth_are_as_stiff_as_that_line_contact() -> None:
     """117 N on 10 mm of steel, pin on a flat: what the design says of itself."""
     design = PRESETS["pin"].but(working_force={"pin_gear": 117.0})
-    assert pair_stiffness(Reducer(design), "pin_gear") == pytest.approx(3.105e8, rel=1e-3)
+    assert Reducer(design).contacts["pin_gear"].stiffness == pytest.approx(3.105e8, rel=1e-3)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -8,7 +8,7 @@ from cycloid_mj.life.lasting import checks_of, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 PIN = PRESETS["pin"]
 

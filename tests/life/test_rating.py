@@ -28,8 +28,8 @@ from cycloid_mj.life.loading import Rub, bending, loading
 from cycloid_mj.life.ranges import read_ranges
 from cycloid_mj.life.strength import output_pin, pin_moment
 from cycloid_mj.life.surfaces import HARDEST, pitting_cycles, pitting_pressure
-from cycloid_mj.parts.output import AXIAL_GAP
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.validate import shakedown
 
 PIN = PRESETS["pin"]

@@ -18,12 +18,10 @@ from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.windup import windups
-from cycloid_mj.statics.working import at_rated_load
 from cycloid_mj.validate import equilibrium
 
-FIXED = at_rated_load(Reducer(override(PRESETS["pin"], ['ring.pins="fixed"'])))
+FIXED = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"'])).at_rated_load
 CRANK = 1.7
 
 
@@ -93,7 +91,7 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
 
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():
-    design = at_rated_load(Reducer(PRESETS["pin"]))
+    design = Reducer(PRESETS["pin"]).at_rated_load
     solved = windups(design, [CRANK], 36.68)[0]
     # with clearance, fewer contacts are closed than the estimate takes
     assert 0.5 < 1.0 / solved.compliance(solved.turn) / closed_stiffness(design) < 1.05
@@ -119,11 +117,11 @@ def test_a_free_pin_needs_the_step_of_its_bowl():
 @pytest.mark.parametrize("changes", [["errors.pin_dr_um={9=0.9}"], ["modification.pin_circle_um=-2.0"]])
 @pytest.mark.parametrize("kind", cases(["fixed", "free"], "fixed"))
 def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes: list[str]):
-    design = at_rated_load(
-        Reducer(override(bench.ideal(Reducer(PRESETS["pin"])).design, [f'ring.pins="{kind}"', *changes]))
-    )
+    design = Reducer(
+        override(bench.ideal(Reducer(PRESETS["pin"])).design, [f'ring.pins="{kind}"', *changes])
+    ).at_rated_load
     solved = windups(design, [CRANK], 36.68)[0]
-    stiffness = {pair: pair_stiffness(design, pair) for pair in design.design.pair_kinds}
+    stiffness = {pair: design.contacts[pair].stiffness for pair in design.design.pair_kinds}
     for share, turn in solved.turn.items():
         if abs(share) >= 0.5:
             alone = equilibrium.solve(design.but(load={"torque": share * 36.68}), stiffness, CRANK)

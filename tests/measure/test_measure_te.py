@@ -20,7 +20,6 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places
 from cycloid_mj.statics import transmission_error
-from cycloid_mj.statics.working import at_rated_load
 from cycloid_mj.validate import equilibrium
 
 N, LOBES, HOLES = 36, 35, 8
@@ -137,7 +136,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
     """Weight is a load: the gear's, which goes round in its frame, winds it up by 0.05 arcsec once a turn."""
     pins = ['ring.pins="fixed"'] if name == "pin" else []
-    design = at_rated_load(Reducer(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"])))
+    design = Reducer(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"])).at_rated_load
     found = trace(
         design,
         build(design.design),

@@ -16,7 +16,6 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.study import StudySettings
 
@@ -41,7 +40,7 @@ def test_parameters_are_those_of_the_solvers_table():
 def test_stiff_linear_springs_strike_as_hard_as_the_model():
     # another integrator, without friction, added mass or MuJoCo: the cam's largest force of an idle turn
     gear = mass_properties(parts(Reducer(PIN))["gear"]).mass
-    stiffness = pair_stiffness(Reducer(PIN), "pin_gear")
+    stiffness = Reducer(PIN).contacts["pin_gear"].stiffness
     linear = SoftContact("linear", stiffness, 1.0, math.sqrt(stiffness * gear / PIN.ring.teeth), 1e-15)
     soft = soft_idle(PIN, linear, 0.0, 1, 0)
     run = simulate(at_speed(PIN, 0.0, 1))

@@ -32,7 +32,6 @@ from cycloid_mj.scene.pose import poses
 from cycloid_mj.statics import loads, powers, springs_of, transmission_error
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import in_series, windups
-from cycloid_mj.statics.working import working_at, working_force
 from cycloid_mj.stress.loads import part_loads
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
@@ -124,7 +123,7 @@ def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
     ring = turned_over(PIN.but(load={"torque": 30.0}, drive={"speed": 1.0}, **FREE_OF_LOSSES))
     carrier, more = member.seen_from_ring(ring), PIN.ring.teeth / PIN.lobes
     for kind in PIN.pair_kinds:
-        assert working_force(Reducer(ring), kind) == pytest.approx(working_force(Reducer(carrier), kind))
+        assert Reducer(ring).contacts[kind].force == pytest.approx(Reducer(carrier).contacts[kind].force)
     theta = np.linspace(0.0, 6.0, 7)
     own = loads(Reducer(ring), springs_of(Reducer(ring), theta), 30.0 * more)
     same = loads(Reducer(carrier), springs_of(Reducer(carrier), member.against_ring(ring, theta)), 30.0)
@@ -232,7 +231,7 @@ def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""
     stiff = PRESETS["twodisc"].but(output={"member": turning}, friction=FREE_OF_LOSSES["friction"])
     torque = stiff.rated_torque
-    stiff = working_at(Reducer(stiff), torque).design
+    stiff = Reducer(stiff).working_at(torque).design
     soft = stiff.but(springs={"carrier": 1e5})
     more = wind_up(Reducer(soft)) - wind_up(Reducer(stiff))
     assert more > 5e-6
@@ -260,7 +259,7 @@ def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -
 
 
 def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
-    level = working_at(bench.ideal(Reducer(at_the_ring)), at_the_ring.rated_torque)
+    level = bench.ideal(Reducer(at_the_ring)).working_at(at_the_ring.rated_torque)
     rated = level.design.rated_torque
     loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
     known = windups(level, [0.7], rated)[0]

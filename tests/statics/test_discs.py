@@ -13,18 +13,13 @@ from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import beam_flexibility
 from cycloid_mj.reducer.bodies import are_one_part
 from cycloid_mj.statics import Loads, loads, springs_of
 from cycloid_mj.statics.bearings import reactions
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sheet import sheet
-from cycloid_mj.statics.structure import (
-    beam_flexibility,
-    crank_flexibility,
-    pin_flexibility,
-    structure_text,
-    twisting_compliance,
-)
+from cycloid_mj.statics.structure import crank_flexibility, structure_text, twisting_compliance
 
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 UNIFORM = {"stiffness_law": "uniform"}
@@ -208,7 +203,7 @@ def test_bent_pins_of_the_paper_take_a_third_of_its_stiffness() -> None:
 def test_pins_bend_as_a_beam_of_finite_elements(support: str) -> None:
     """Hermite elements of Euler's beam with shear as a second spring in each: Timoshenko's beam in the limit."""
     design = PRESETS["pin"].but(structure="springs", gear={"discs": 3}, output={"support": support})
-    ours = pin_flexibility(Reducer(design))
+    ours = Reducer(design).contacts.pin_flexibility
     made, radius, count = design.material, design.output.root_radius, 480
     length = design.gear.stack_width + 2e-3
     h, modulus = length / count, made.youngs_modulus
@@ -247,7 +242,7 @@ def searched(design: Design, torque: float, crank: float) -> tuple[np.ndarray, f
     studs = radius * np.stack([np.sin(around), np.cos(around)], axis=1)
     larger, held = design.errors.disc_dr or (0.0, 0.0), np.zeros((2, 2))
     if bends:
-        held = np.linalg.inv(pin_flexibility(Reducer(design)))
+        held = np.linalg.inv(Reducer(design).contacts.pin_flexibility)
     middles = [np.asarray(gear_centre(gear, crank + math.pi * disc)) for disc in range(2)]
     along = middles[0] / gear.eccentricity
 

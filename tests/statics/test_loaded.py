@@ -12,7 +12,6 @@ from cycloid_mj.measure import play
 from cycloid_mj.measure.loads import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.kernel import gap
-from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.validate import equilibrium, rig
 
@@ -72,7 +71,7 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large"
 def test_without_friction_it_is_the_independent_equilibrium(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={DESIGNS[name].rated_torque!r}"])
     springs, found = carried(design)
-    stiffness = {kind: pair_stiffness(Reducer(design), kind) for kind in design.pair_kinds}
+    stiffness = {kind: Reducer(design).contacts[kind].stiffness for kind in design.pair_kinds}
     for row in (3, 20):
         other = equilibrium.solve(Reducer(design), stiffness, float(springs.crank[row]))
         largest = np.linalg.norm(other.ring_forces, axis=1).max()
@@ -86,7 +85,7 @@ def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
     design = override(PRESETS["pin"], [*STILL, *SMOOTH, larger, f"load.torque_nm={PRESETS['pin'].rated_torque!r}"])
     found = statics.loads(Reducer(design), statics.springs_of(Reducer(design), 2.0), design.rated_torque)
     other = equilibrium.solve(
-        Reducer(design), {kind: pair_stiffness(Reducer(design), kind) for kind in design.pair_kinds}, 2.0
+        Reducer(design), {kind: Reducer(design).contacts[kind].stiffness for kind in design.pair_kinds}, 2.0
     )
     # without the larger radius it carries 44 N, with its gap alone 121 N
     assert found.teeth[0, 8] == pytest.approx(np.linalg.norm(other.ring_forces[8]), rel=1e-3)

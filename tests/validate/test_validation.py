@@ -18,12 +18,12 @@ from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relat
 from cycloid_mj.cli import main
 from cycloid_mj.cli.validate import validate
 from cycloid_mj.design import PRESETS
+from cycloid_mj.dynamics import law
 from cycloid_mj.geometry import envelope, ideal_loads, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.statics import law
 from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import (
     backlash,

@@ -33,8 +33,8 @@ from cycloid_mj.dynamics.contact.library import answer, callback, function_addre
 from cycloid_mj.dynamics.contact.lift import places, take_off
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.shared import Shared
-from cycloid_mj.statics import impact
-from cycloid_mj.statics.impact import ImpactLaw
+from cycloid_mj.reducer import impact
+from cycloid_mj.reducer.impact import ImpactLaw
 
 SENSOR, IMPACT_SENSOR = "each_step", "impact"
 """Names of the user sensors: they read 0."""

@@ -17,7 +17,7 @@ class Teeth(NamedTuple):
     flank
         Its flanks.
     reference, constant, deflection
-        What makes the stiffness follow the relative curvature, ``law.CurvatureLaw``: reference and constant of the
+        What makes the stiffness follow the relative curvature, ``CurvatureLaw``: reference and constant of the
         compliance [1]; the deflection at working force [m], 0 to keep lines of contact apart however near they are.
     ring
         The trochoid of the ring: of its pins' circle, which that of a modified gear is not.

@@ -15,7 +15,6 @@ from cycloid_mj.parts import MassProperties, carried
 from cycloid_mj.parts.parts import COLOURS, Colour, tinted
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
-from cycloid_mj.statics.law import curvature_law, pair_stiffness
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
 
@@ -154,14 +153,14 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     home = [0.0, 0.0] if is_carried else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": home}
-    softness = pair_stiffness(reducer, design.tooth_pair) / pair_stiffness(reducer, design.seat_pair)
+    softness = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
     held = 1.0 + np.cos(surfaces.half_angle)
     return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
     """Compute what the collider must know of a disc's teeth."""
-    law, gear, errors = curvature_law(reducer), reducer.gear_profile, reducer.deviations
+    law, gear, errors = reducer.contacts.teeth.curvature_law, reducer.gear_profile, reducer.deviations
     offset = reducer.profile_offset - float(errors.disc_radius[disc])
     rotation = reducer.design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)

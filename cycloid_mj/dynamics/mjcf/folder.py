@@ -33,7 +33,6 @@ from cycloid_mj.parts.convex import (
     surface_quality,
 )
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.working import for_slices
 
 REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
 ASSETS = "assets"
@@ -58,7 +57,7 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     CycloidWarning
         Figures of runs of this model may not be those of the design.
     """
-    settings, reducer = settings or ConvexSettings(), for_slices(reducer)
+    settings, reducer = settings or ConvexSettings(), reducer.for_slices
     mesh = mesh_spec(reducer, settings)
     measured = {surface.key: _checked(surface, settings) for surface in mesh.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]

@@ -6,8 +6,8 @@ the stiffness of the line contact, however many they are: finer slices are more 
 
 import math
 
+from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.parts.convex import Slice
-from cycloid_mj.statics.law import ContactParameters
 
 
 def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:

@@ -2,11 +2,9 @@
 
 from collections.abc import Sequence
 
+from cycloid_mj.dynamics.law import ContactParameters, contact_law
 from cycloid_mj.dynamics.timestep import effective_masses, timestep
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.impact import impact_of
-from cycloid_mj.statics.law import ContactParameters, contact_law, contact_stiffness, creep_speed, damping_ratio
-from cycloid_mj.statics.working import working_force
 
 Laws = dict[str, ContactParameters]
 """Kind of pair -> its law."""
@@ -36,13 +34,14 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
         lines = design.lines(kind)  # each bears its share of force and mass
         through = kind == design.tooth_pair and design.ring.has_massless_pins
         friction = design.mesh_friction if through else design.friction_of(kind)
-        force, impact, mass = working_force(reducer, kind) / lines, impact_of(reducer, kind), mass / lines
+        contact, mass = reducer.contacts[kind], mass / lines
+        force, impact = contact.force / lines, contact.impact
         laws[kind] = contact_law(
-            stiffness=contact_stiffness(reducer, kind, disc) / lines,
-            damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(reducer, kind),
+            stiffness=contact.series[disc] / lines,
+            damping_ratio=impact.damping_ratio(force, mass) if impact else contact.damping_ratio,
             effective_mass=mass,
             friction=friction,
-            creep=friction * force / creep_speed(reducer),
+            creep=friction * force / reducer.contacts.creep_speed,
             timestep=timestep(reducer),
         )
     return laws

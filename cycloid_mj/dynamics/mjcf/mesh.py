@@ -19,6 +19,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.dynamics.contact import each_step
+from cycloid_mj.dynamics.law import ContactParameters, SolverParameters, solver_parameters, stock_impratio
 from cycloid_mj.dynamics.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
 from cycloid_mj.dynamics.mjcf.foundation import slice_law
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
@@ -30,8 +31,6 @@ from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePl
 from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
-from cycloid_mj.statics.law import ContactParameters, SolverParameters, curvature_law, solver_parameters, stock_impratio
-from cycloid_mj.statics.working import for_slices, working_force
 
 VISUAL, COLLISION = "visual", "collision"
 """Default classes, in groups 2 and 3."""
@@ -104,7 +103,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 
     The slices are as stiff as `for_slices` says.
     """
-    reducer = for_slices(reducer)
+    reducer = reducer.for_slices
     ring = reducer.design.ring
     if ring.has_sleeves or ring.has_massless_pins:
         what = "a sleeve turns on its pin" if ring.has_sleeves else "a massless pin gives way"
@@ -234,7 +233,7 @@ def _add_slices(
     reducer = Reducer(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
     copies = discs if surface.name in _OF_DISCS else 1
-    curve, force = curvature_law(reducer), working_force(reducer, kind)
+    curve, force = reducer.contacts.teeth.curvature_law, reducer.contacts[kind].force
     mating = reducer.mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
     first = next(mating.pairs)

@@ -17,6 +17,7 @@ from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.forces import drag_rows
 from cycloid_mj.dynamics.contact.library import exact_xml
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
+from cycloid_mj.dynamics.law import ContactParameters, impratio, solver_parameters
 from cycloid_mj.dynamics.mjcf.bodies import add_bodies, add_shapes, crank_inertia
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
@@ -26,7 +27,6 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.statics.law import ContactParameters, impratio, solver_parameters
 
 Held = Literal["crank", "output", ""]
 """The shaft that a servo holds; none: both feel a torque alone."""

@@ -5,8 +5,8 @@ from typing import Any
 
 import mujoco
 
+from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.regime import steps_ratio
-from cycloid_mj.statics.law import ContactParameters
 
 WELL_CONDITIONED = 0.3
 """Largest K dt^2/m for conjugate gradients.

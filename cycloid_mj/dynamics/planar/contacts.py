@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch
 from cycloid_mj.dynamics.planar.system import CAM, OUTPUT, SEAT, TEETH, System
-from cycloid_mj.statics import impact
+from cycloid_mj.reducer import impact
 
 OPEN, STICKS, SLIDES, SLIDES_BACK = range(4)
 """States of a contact; where it sticks it creeps, and where it slides it bears Coulomb's limit."""

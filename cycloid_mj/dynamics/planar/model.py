@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
 from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
 from cycloid_mj.dynamics.planar.state import start
@@ -14,7 +15,6 @@ from cycloid_mj.dynamics.planar.timestep import chosen, follows_pins
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.statics.law import ContactParameters
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from cycloid_mj.dynamics.planar import system as describing
 from cycloid_mj.dynamics.planar.contacts import MOST_TOUCHES, OPEN, Contacts, find, njit, room_for_contacts
 from cycloid_mj.dynamics.planar.equations import Equations, room_for_equations, solve
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.statics import impact
+from cycloid_mj.reducer import impact
 from cycloid_mj.statics.kernel import newton
 
 MOST_LOOKS = 4

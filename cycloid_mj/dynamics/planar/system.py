@@ -22,7 +22,6 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import MassProperties, moving_masses
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
-from cycloid_mj.statics.impact import impact_of
 
 TEETH, SEAT, CAM, OUTPUT = range(4)
 """Kinds of mating pairs, by what they are for."""
@@ -200,7 +199,7 @@ def _laws(reducer: Reducer) -> npt.NDArray[np.void]:
         for place, kind in kinds.items():
             if kind not in laws:
                 continue
-            law, impact = laws[kind], impact_of(reducer, kind)
+            law, impact = laws[kind], reducer.contacts[kind].impact
             of_impact = astuple(impact) if impact else (0.0,) * 4
             listed[disc, place] = (law.stiffness, law.damping, law.friction, law.creep, *of_impact)
     return listed

@@ -22,9 +22,10 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Prism, Solid, circle, crank_stretches
 from cycloid_mj.parts.export.curve import Circle, Curve
 from cycloid_mj.parts.export.section import PartSection
-from cycloid_mj.parts.output import AXIAL_GAP, RIM
+from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"

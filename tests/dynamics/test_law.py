@@ -10,24 +10,21 @@ from cycloid_mj.base.errors import ContactError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.law import (
+    COUPLED,
+    IMPRATIO,
+    ContactParameters,
+    contact_law,
+    leads,
+    solver_parameters,
+    stock_impratio,
+)
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role
-from cycloid_mj.statics.law import (
-    COUPLED,
-    IMPRATIO,
-    ContactParameters,
-    contact_law,
-    curvature_law,
-    damping_ratio,
-    leads,
-    pair_stiffness,
-    solver_parameters,
-    stock_impratio,
-)
-from cycloid_mj.statics.working import STRIBECK, working_force
+from cycloid_mj.reducer.contact import STRIBECK
 
 STIFFNESS, MASS = 2.6e8, 0.05
 
@@ -189,7 +186,7 @@ def others(kind: str, before: Design, after: Design) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"stiffness.{kind}_n_m=1.5e8")
-    assert pair_stiffness(Reducer(before), kind) != 1.5e8
+    assert Reducer(before).contacts[kind].stiffness != 1.5e8
     assert laws_of(after)[kind].stiffness == 1.5e8
     others(kind, before, after)
 
@@ -197,7 +194,7 @@ def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"damping.{kind}=0.1")
-    assert (damping_ratio(Reducer(before), kind), damping_ratio(Reducer(after), kind)) == (0.5, 0.1)
+    assert (Reducer(before).contacts[kind].damping_ratio, Reducer(after).contacts[kind].damping_ratio) == (0.5, 0.1)
     assert laws_of(after)[kind].damping == pytest.approx(0.2 * laws_of(before)[kind].damping, rel=1e-12)
     others(kind, before, after)
 
@@ -207,38 +204,43 @@ def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
     before, after = (
         with_pair(kind, "contact.working_force_n=100", *own) for own in ([], [f"working_force.{kind}_n=400"])
     )
-    assert working_force(Reducer(after), kind) == 400.0
+    assert Reducer(after).contacts[kind].force == 400.0
     others(kind, before, after)
     # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
     modulus = ideal_loads.contact_modulus(210e9, 0.28)
-    compliance = [math.pi * modulus * 10e-3 / curvature_law(Reducer(d), kind).stiffness for d in (before, after)]
+    compliance = [
+        math.pi * modulus * 10e-3 / Reducer(d).contacts[kind].curvature_law.stiffness for d in (before, after)
+    ]
     roller = 400.0 * STRIBECK / 20 if kind == "cam" else 400.0
     assert compliance[0] - compliance[1] == pytest.approx(math.log(roller / 100.0), rel=1e-9)
 
 
 def test_teeth_follow_their_own_stiffness_and_force() -> None:
     """The collider's law of the teeth, and the gap below which lines are one patch, follow the tooth pair's keys."""
-    law = curvature_law(Reducer(with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50")))
+    law = Reducer(
+        with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50")
+    ).contacts.teeth.curvature_law
     assert (law.stiffness, law.deflection) == (2e8, 50.0 / 2e8)
     # Those of the pins do not reach an internal gear.
-    assert curvature_law(Reducer(with_pair("tooth", "stiffness.pin_gear_n_m=2e8"))) == curvature_law(
-        Reducer(with_pair("tooth"))
+    assert (
+        Reducer(with_pair("tooth", "stiffness.pin_gear_n_m=2e8")).contacts.teeth.curvature_law
+        == Reducer(with_pair("tooth")).contacts.teeth.curvature_law
     )
 
 
 def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
     design = with_pair("pin_gear", "contact.stiffness_n_m=1e8", "contact.working_force_n=100")
-    assert pair_stiffness(Reducer(design), "pin_gear") == 1e8
-    assert pair_stiffness(Reducer(design), "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
-    assert pair_stiffness(Reducer(design), "pin_socket") == pytest.approx(2e8, rel=1e-12)
+    assert Reducer(design).contacts["pin_gear"].stiffness == 1e8
+    assert Reducer(design).contacts["cam"].stiffness == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
+    assert Reducer(design).contacts["pin_socket"].stiffness == pytest.approx(2e8, rel=1e-12)
 
 
 def test_one_working_force_may_be_given_for_all_pairs() -> None:
     design = with_pair("pin_gear", "contact.working_force_n=70")
-    assert {working_force(Reducer(design), kind) for kind in KINDS if kind != "cam"} == {70.0}
+    assert {Reducer(design).contacts[kind].force for kind in KINDS if kind != "cam"} == {70.0}
     # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
-    assert working_force(Reducer(design), "cam") == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
-    assert working_force(Reducer(override(design, ["gear.bearing=plain"])), "cam") == 70.0 * 36 / 4
+    assert Reducer(design).contacts["cam"].force == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
+    assert Reducer(override(design, ["gear.bearing=plain"])).contacts["cam"].force == 70.0 * 36 / 4
 
 
 def test_rollers_have_a_friction_of_their_own() -> None:
@@ -258,17 +260,25 @@ def test_rollers_have_a_friction_of_their_own() -> None:
 def test_a_plain_cam_is_a_conformal_bearing() -> None:
     design = with_pair("cam", "gear.bearing=plain", "contact.working_force_n=100")
     modulus = ideal_loads.contact_modulus(210e9, 0.28)
-    assert pair_stiffness(Reducer(design), "cam") == ideal_loads.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
+    assert Reducer(design).contacts["cam"].stiffness == ideal_loads.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
     # It is stiffer than the rollers, and no stiffer than a bearing without play.
     assert (
-        pair_stiffness(Reducer(with_pair("cam")), "cam")
-        < pair_stiffness(Reducer(design), "cam")
+        Reducer(with_pair("cam")).contacts["cam"].stiffness
+        < Reducer(design).contacts["cam"].stiffness
         < math.pi / 2 * modulus * 10e-3
     )
 
 
 def test_a_working_force_beyond_a_line_contact_is_told_by_its_key() -> None:
     with pytest.raises(ContactError, match=r"^working_force\.output_n "):
-        curvature_law(Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1")), "output")
+        assert (
+            Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1"))
+            .contacts["output"]
+            .series
+        )
     with pytest.raises(ContactError, match=r"^contact\.working_force_n "):
-        curvature_law(Reducer(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1")), "output")
+        assert (
+            Reducer(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1"))
+            .contacts["output"]
+            .series
+        )

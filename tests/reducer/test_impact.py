@@ -13,9 +13,7 @@ from cycloid_mj.dynamics.course import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import model_for, reducer_model, simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.impact import ImpactLaw, damper, impact_of, spring
-from cycloid_mj.statics.law import pair_stiffness
-from cycloid_mj.statics.working import working_force
+from cycloid_mj.reducer.impact import ImpactLaw, damper, spring
 
 IMPACT = ('contact.law="impact"', "settings.timestep_us=1", "drive.ramp_s=0", "drive.hold_s=0.0004")
 
@@ -23,7 +21,7 @@ IMPACT = ('contact.law="impact"', "settings.timestep_us=1", "drive.ramp_s=0", "d
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
 def test_every_contact_bears_what_the_law_says(preset):
     design = override(PRESETS[preset], IMPACT)
-    law = impact_of(Reducer(design))
+    law = Reducer(design).contacts.impact
     assert law is not None
     reduced = build(design)
     index = pair_index(reduced.model, reduced.pairs)
@@ -53,16 +51,16 @@ def test_a_run_without_the_law_is_left_as_it_is():
 
 
 def test_the_parameters_are_those_of_the_file():
-    law = impact_of(Reducer(override(PRESETS["pin"], ['contact.law="impact"'])))
+    law = Reducer(override(PRESETS["pin"], ['contact.law="impact"'])).contacts.impact
     assert law is not None
     assert spring(1e-3, law.stiffness, law.exponent) == pytest.approx(1e5)
     assert damper(1e-3, law.damping, law.depth) == pytest.approx(1e4)
     assert damper(0.5e-4, law.damping, law.depth) == pytest.approx(5e3)
     assert (spring(-1e-6, law.stiffness, law.exponent), damper(0.0, law.damping, law.depth)) == (0.0, 0.0)
-    other = impact_of(Reducer(override(PRESETS["pin"], ['contact.law="impact"', "contact.impact_exponent=1.5"])))
+    other = Reducer(override(PRESETS["pin"], ['contact.law="impact"', "contact.impact_exponent=1.5"])).contacts.impact
     assert other is not None
     assert spring(1e-3, other.stiffness, other.exponent) == pytest.approx(1e5)
-    assert impact_of(Reducer(PRESETS["pin"])) is None
+    assert Reducer(PRESETS["pin"]).contacts.impact is None
 
 
 def test_two_contacts_in_series_share_the_depth():
@@ -72,7 +70,7 @@ def test_two_contacts_in_series_share_the_depth():
     assert both.damping_ratio(50.0, 0.1) == pytest.approx(law.damping_ratio(50.0, 0.1) / 2.0**0.5)
     assert damper(8e-5, both.damping, both.depth) == pytest.approx(0.5 * damper(4e-5, law.damping, law.depth))
     design = override(PRESETS["pin"], ['contact.law="impact"', 'ring.pins="massless"'])
-    found, seat = impact_of(Reducer(design), "pin_gear"), impact_of(Reducer(design), "cam")
+    found, seat = Reducer(design).contacts["pin_gear"].impact, Reducer(design).contacts["cam"].impact
     assert found is not None
     assert seat is not None
     assert found == seat.in_series()
@@ -80,11 +78,11 @@ def test_two_contacts_in_series_share_the_depth():
 
 def test_elsewhere_the_law_is_its_secant_at_the_working_force():
     design = override(PRESETS["pin"], ['contact.law="impact"', "load.torque_nm=36.68"])
-    law = impact_of(Reducer(design))
+    law = Reducer(design).contacts.impact
     assert law is not None
     for kind in design.pair_kinds:
-        force = working_force(Reducer(design), kind)
-        assert pair_stiffness(Reducer(design), kind) * law.depth_under(force) == pytest.approx(force)
+        force = Reducer(design).contacts[kind].force
+        assert Reducer(design).contacts[kind].stiffness * law.depth_under(force) == pytest.approx(force)
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,6 @@ step(s) = s^2 (3 - 2 s) from nothing at the surface to the whole damping c at th
 import math
 from dataclasses import dataclass
 
-from cycloid_mj.base.units import MILLIMETRE
-from cycloid_mj.reducer import Reducer
-
 
 @dataclass(frozen=True)
 class ImpactLaw:
@@ -48,24 +45,6 @@ class ImpactLaw:
     def of_lines(self, lines: int) -> "ImpactLaw":
         """Return the law of each of so many lines that one contact is divided into."""
         return ImpactLaw(self.stiffness / lines, self.exponent, self.damping / lines, self.depth)
-
-
-def impact_of(reducer: Reducer, kind: str = "") -> ImpactLaw | None:
-    """Get the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
-
-    Without a `kind` it is that of a line across the whole disc; on a half of the ring lines are half as long.
-
-    Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
-    """
-    design = reducer.design
-    contact = design.contact
-    if contact.law != "impact":
-        return None
-    stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
-    law = ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
-    through = design.ring.has_massless_pins and kind == design.tooth_pair
-    law = law.in_series() if through else law
-    return law.of_lines(design.lines(kind)) if kind else law
 
 
 def spring(depth: float, stiffness: float, exponent: float) -> float:

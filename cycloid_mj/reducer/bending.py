@@ -1,0 +1,60 @@
+"""Bending of the output pins, as round beams: what gives way behind the contacts of the discs with them."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design.model import Material
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
+
+AXIAL_GAP = 1e-3
+"""Distance of the output disc and of the counterweight from the gear's faces [m]."""
+
+
+def pin_flexibility(reducer: "Reducer") -> Array:
+    """Compute by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
+
+    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
+    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
+    6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
+    """
+    design = reducer.design
+    planes, gear = np.array(design.gear.disc_planes), design.gear
+    if design.structure == "rigid":
+        return np.zeros((planes.size, planes.size))
+    material, radius = design.material_of("output"), design.output.root_radius
+    arms = gear.stack_width / 2.0 + AXIAL_GAP - planes
+    length = gear.stack_width + 2.0 * AXIAL_GAP
+    return beam_flexibility(material, radius, arms, length if design.output.support == "both_ends" else None)
+
+
+def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
+    """Compute the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
+
+    With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
+    """
+    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
+    coefficient = 6.0 * (1.0 + material.poisson) / (7.0 + 6.0 * material.poisson)
+    shearing = coefficient * shear_modulus(material) * math.pi * radius**2
+
+    def free(one: Array, other: Array) -> Array:
+        near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
+        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
+
+    flexibility = free(arms, arms)
+    if length is None:
+        return flexibility
+    end = np.array([length])
+    by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
+    turned = length**2 / (2.0 * bending)
+    of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
+    return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
+
+
+def shear_modulus(material: Material) -> float:
+    """Compute the shear modulus E/(2 (1 + nu)) [Pa]."""
+    return material.youngs_modulus / (2.0 * (1.0 + material.poisson))

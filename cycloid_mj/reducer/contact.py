@@ -1,0 +1,451 @@
+"""The contact of each kind of mating pair: the force that presses it, how stiff it is, the pressure that it bears.
+
+A line contact stiffens with its force; the model keeps one stiffness for a run, the secant at the working force. By
+default that is what ideal sharing puts on the most loaded contact of the kind under the load torque.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.base.units import MILLIMETRE
+from cycloid_mj.design.materials import SOFTEST_METAL
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.geometry.profile import CycloidGear
+from cycloid_mj.reducer.bending import pin_flexibility
+from cycloid_mj.reducer.impact import ImpactLaw
+from cycloid_mj.reducer.pressure import HERTZ_REACH
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
+
+STRIBECK = 4.08
+"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
+
+CREEP = 2e-3
+"""Creep speed as a share of the speed at which the gear's centre circles, c w.
+
+Friction below it is too small. Of six drives of 8 to 70 pins with plays up to 0.25 mm, at 3 % of the rated load and 100
+rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it within 0.25.
+"""
+
+SLOW_CREEP = 1e-4
+"""The same where the crank stands [m/s]."""
+
+_ANGLES = 97
+"""Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""
+
+Source = Literal["given", "working load", "load", "preload", "weight and inertia"]
+"""Where a working force comes from: given itself, or from a torque; without a load, from the gear's own forces."""
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class CurvatureLaw:
+    """How the stiffness of a tooth contact follows the local relative curvature kappa.
+
+    The compliance is in proportion to ``constant + ln kappa`` and has the value ``reference`` for a pin on a flat; a
+    ``reference`` of 0 switches the law off. At most the stiffness doubles: a contact that is more conformal than that
+    is no line contact any more.
+
+    Attributes
+    ----------
+    reference, constant
+        Dimensionless; see ``ideal_loads.line_contact_constant``.
+    stiffness
+        Of a pin on a flat [N/m].
+    deflection
+        Of a pin on a flat under the working force [m]: lines with less of a gap between them are one patch; 0: each
+        line is a contact of its own.
+    """
+
+    reference: float
+    constant: float
+    stiffness: float
+    deflection: float
+
+    def factor(self, relative_curvature: float) -> float:
+        """Compute the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
+        return float(self.factors(np.array(relative_curvature)))
+
+    def factors(self, relative_curvature: Array) -> Array:
+        """Compute `factor` at many relative curvatures, in their shape."""
+        if self.reference == 0.0:
+            return np.ones(relative_curvature.shape)
+        least = math.exp(0.5 * self.reference - self.constant)
+        return np.asarray(self.reference / (self.constant + np.log(np.maximum(relative_curvature, least))))
+
+
+class Contact:
+    """One kind of mating pair of a reducer, as ``"tooth"`` or ``"cam"``; what is dear of it is kept on the reducer."""
+
+    __slots__ = ("_reducer", "kind")
+
+    def __init__(self, reducer: "Reducer", kind: str) -> None:
+        self._reducer = reducer
+        self.kind = kind
+
+    @property
+    def force(self) -> float:
+        """The working force [N], at which the pair has its secant stiffness; of the cam, its whole force.
+
+        The pair's own in ``working_force``, or ``contact.working_force`` for all: then a rolling cam's most loaded
+        roller bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded
+        contact bears its working force. Where neither is given, it follows from `Contacts.working_load` T by ideal
+        sharing: 4 T/(N c (N-1)) on the most loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius
+        R, and the cam's mean force over a turn, which holds both; of several discs, each has its share of T.
+        """
+        design = self._reducer.design
+        stated: float = getattr(design.working_force, self.kind)
+        force = design.contact.working_force
+        if stated:
+            return stated
+        if not force:
+            return self._shared(self._reducer.contacts.working_load / design.gear.discs)
+        if self.kind != "cam":
+            return force
+        rolling = design.gear.bearing == "rolling"
+        return force * (design.contact.cam_rollers / STRIBECK if rolling else design.ring.teeth / 4.0)
+
+    @property
+    def source(self) -> Source:
+        """Where the working force comes from."""
+        design = self._reducer.design
+        if getattr(design.working_force, self.kind) or design.contact.working_force:
+            return "given"
+        if design.contact.working_load:
+            return "working load"
+        if abs(design.load.torque) >= self._reducer.contacts.working_load:
+            return "load"
+        return "preload" if design.ring.preload else "weight and inertia"
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping as a share of critical [1]."""
+        design = self._reducer.design
+        return float(getattr(design.damping, self.kind)) or design.contact.damping_ratio
+
+    @property
+    def modulus(self) -> float:
+        """Modulus E* [Pa] of the materials of both parts."""
+        one, other = self._reducer.design.partners(self.kind)
+        return ideal_loads.contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
+
+    @property
+    def strength(self) -> float:
+        """Yield strength [Pa] of the weaker of the two surfaces."""
+        return min(part.surface_strength for part in self._reducer.design.partners(self.kind))
+
+    @property
+    def weaker_is_plastic(self) -> bool:
+        """Whether the weaker of the two surfaces is a plastic."""
+        weaker = min(self._reducer.design.partners(self.kind), key=lambda part: part.surface_strength)
+        return weaker.youngs_modulus < SOFTEST_METAL
+
+    @property
+    def impact(self) -> ImpactLaw | None:
+        """The law IMPACT of each of the pair's lines where ``contact.law`` is "impact", else None.
+
+        Through a massless pin two of them act in series.
+        """
+        law, design = self._reducer.contacts.impact, self._reducer.design
+        if law is None:
+            return None
+        return (law.in_series() if self._is_through_pin else law).of_lines(design.lines(self.kind))
+
+    @property
+    def curvature_law(self) -> CurvatureLaw:
+        """Stiffness of the line contacts from material, face width, pin radius and working force; of the cam, a roller.
+
+        Raises
+        ------
+        ContactError
+            The working force flattens a pin beyond a line contact.
+        """
+        return self._kept(Contact.curvature_law, self._curvature_law)
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness [N/m]: the one given, or the secant stiffness at the working force; errors as `curvature_law`.
+
+        Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
+        rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
+        Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. A plain cam is
+        `ideal_loads.conformal_stiffness`. Of the law IMPACT it is the secant of its spring, wherever the parts touch.
+        """
+        return self._kept(Contact.stiffness, self._stiffness)
+
+    @property
+    def series(self) -> tuple[float, ...]:
+        """Stiffness on each disc as the simulation has it [N/m], with what gives in series; errors as `curvature_law`.
+
+        Of a massless pin, its seat is in series; of an output pin, its bending in a structure of springs.
+        """
+        contacts = self._reducer.contacts
+        stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness
+        bent = (
+            contacts.pin_flexibility.diagonal() if self.kind == "output" else np.zeros(self._reducer.design.gear.discs)
+        )
+        return tuple(1.0 / (1.0 / stiffness + one) if one else stiffness for one in bent.tolist())
+
+    @property
+    def curvature(self) -> float:
+        """Relative curvature [1/m] of any contact but the teeth; of a rolling cam, that of its rollers."""
+        design = self._reducer.design
+        if self.kind == "cam" and self._has_rollers:
+            return 1.0 / self._reducer.contacts.roller_radius + 1.0 / design.gear.bore_radius
+        inner, outer = {
+            "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
+            **self._seats,
+        }[self.kind]
+        return 1.0 / inner - 1.0 / outer
+
+    @property
+    def line_share(self) -> float:
+        """Share of the pair's force that its most loaded line contact bears [1]: of a rolling cam, one roller."""
+        rollers = self._reducer.design.contact.cam_rollers
+        return STRIBECK / rollers if self.kind == "cam" and self._has_rollers else 1.0
+
+    def pressure(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
+        """Compute Hertz's peak pressure [Pa] of whole lines; conformal ones count as flat on flat.
+
+        `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
+        """
+        return self._hertz(force, curvature).peak_pressure
+
+    def hertz_holds(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
+        """Tell where a line contact is no conformal one: its strip is narrow against the thinner body.
+
+        `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
+        """
+        return np.asarray(self._hertz(force, curvature).half_width < HERTZ_REACH * self._thinner_radius)
+
+    def _hertz(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> ideal_loads.HertzContact:
+        curvature = np.maximum(curvature, np.finfo(float).tiny)
+        return ideal_loads.hertz_line_contact(
+            force, self._reducer.design.line_length(self.kind), curvature, self.modulus
+        )
+
+    def _kept(self, what: object, compute: Callable[[], Value]) -> Value:
+        return self._reducer.kept((what, self.kind), compute)
+
+    @property
+    def _is_through_pin(self) -> bool:
+        """Whether gear and housing touch through a pin without inertia here."""
+        design = self._reducer.design
+        return design.ring.has_massless_pins and self.kind == design.tooth_pair
+
+    @property
+    def _has_rollers(self) -> bool:
+        return self._reducer.design.gear.bearing == "rolling"
+
+    @property
+    def _seats(self) -> dict[str, tuple[float, float]]:
+        """Radii [m] of the inner and the outer body where one lies in the other."""
+        design = self._reducer.design
+        ring, output, play = design.ring, design.output, design.clearance
+        return {
+            "pin_socket": (ring.pin_radius, ring.pin_radius + play.pin_socket),
+            "pin_sleeve": (ring.sleeve_bore_radius - play.pin_sleeve, ring.sleeve_bore_radius),
+            "output": (output.pin_radius, output.hole_radius + play.output),
+        }
+
+    @property
+    def _thinner_radius(self) -> float:
+        """Radius [m] of the smaller body."""
+        design = self._reducer.design
+        if self.kind == "cam":
+            return self._reducer.contacts.roller_radius if self._has_rollers else design.gear.bore_radius
+        return {"output": design.output.pin_radius, "pin_sleeve": design.ring.sleeve_bore_radius}.get(
+            self.kind, design.ring.pin_radius
+        )
+
+    @property
+    def _line_force(self) -> float:
+        """Working force of one line contact [N]; of the cam as of rollers, on the most loaded one."""
+        rollers = self._reducer.design.contact.cam_rollers
+        return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
+
+    def _shared(self, torque: float) -> float:
+        """Compute the force of ideal sharing [N] under a torque on the output [N m], of one disc."""
+        reducer, design = self._reducer, self._reducer.design
+        gear, output, torque = design.gear, design.output, reducer.share * torque
+        if self.kind == "output":
+            return 4.0 * torque / (output.pins * output.pin_circle_radius)
+        if self.kind == "cam":
+            return torque * _cam_share(reducer.tooth_profile, output.pins, output.pin_circle_radius)
+        return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
+
+    def _stiffness(self) -> float:
+        design, kind = self._reducer.design, self.kind
+        value: float = getattr(design.stiffness, kind)
+        if value:
+            return value
+        if impact := self._reducer.contacts.impact:
+            return impact.secant(self.force)
+        if kind == "cam" and not self._has_rollers:
+            face, clearance = design.gear.face_width, design.clearance.cam
+            return ideal_loads.conformal_stiffness(self.force, face, self.modulus, clearance)
+        law = self.curvature_law
+        if kind == "cam":
+            on_cam = self._roller_on_cam() or law.stiffness
+            return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
+        if kind in ("pin_gear", "tooth"):
+            return law.stiffness
+        inner, outer = self._seats[kind]
+        return law.stiffness * law.factor(1.0 / inner - 1.0 / outer)
+
+    def _roller_on_cam(self) -> float:
+        """Compute the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where all pairs' is given."""
+        design = self._reducer.design
+        if design.contact.stiffness:
+            return 0.0
+        shaft, depth = design.material_of("shaft"), design.ring.pin_radius
+        modulus = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
+        face, force = design.gear.face_width, self._line_force
+        return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
+
+    def _curvature_law(self) -> CurvatureLaw:
+        design = self._reducer.design
+        if impact := self._reducer.contacts.impact:
+            return CurvatureLaw(0.0, 1.0, impact.secant(self.force), 0.0)
+        force, depth, length, modulus = self._line_force, design.ring.pin_radius, design.gear.face_width, self.modulus
+        constant = ideal_loads.line_contact_constant(force, length, modulus, depth)
+        reference = constant - math.log(depth)
+        if reference <= 1.0:
+            raise ContactError(
+                f"{self._blamed} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact "
+                f"({force:g} N on one); lower it, or use a wider face or a stiffer material"
+            )
+        of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
+        stated = of_teeth or design.contact.stiffness
+        stiffness = stated or float(ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
+        local = design.contact.stiffness_law == "local"
+        return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
+
+    @property
+    def _blamed(self) -> str:
+        """Name of the design's value that the working force comes from."""
+        if self.source == "given":
+            own = getattr(self._reducer.design.working_force, self.kind)
+            return f"working_force.{self.kind}_n" if own else "contact.working_force_n"
+        key = "contact.working_load_nm" if self.source == "working load" else "load.torque_nm"
+        return f"{key} (a working load of {self._reducer.contacts.working_load:.4g} N m)"
+
+
+class Contacts:
+    """The contacts of a reducer by kind of pair, ``contacts["cam"]``, and what all of them have in common."""
+
+    __slots__ = ("_reducer",)
+
+    def __init__(self, reducer: "Reducer") -> None:
+        self._reducer = reducer
+
+    def __getitem__(self, kind: str) -> Contact:
+        return Contact(self._reducer, kind)
+
+    @property
+    def teeth(self) -> Contact:
+        """Contact of the teeth: pin on gear, or gear on internal gear."""
+        return self[self._reducer.design.tooth_pair]
+
+    @property
+    def working_load(self) -> float:
+        """Torque on the output [N m] that the working forces follow from.
+
+        ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`, and
+        in a drive whose ring is preloaded, which presses its contacts without any load, no less than the rated torque.
+        """
+        design = self._reducer.design
+        pressed = design.rated_torque if design.ring.preload else 0.0
+        return design.contact.working_load or max(abs(design.load.torque), self.own_load, pressed)
+
+    @property
+    def own_load(self) -> float:
+        """Torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
+
+        A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T
+        presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a
+        ring, for each disc. Its mass is that of a plain disc of its mean radius E - rho.
+        """
+        design = self._reducer.design
+        gear, ring, output = design.gear, design.ring, design.output
+        squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
+        area = math.pi * (squares - output.pins * output.hole_radius**2)
+        weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
+        flung = gear.eccentricity * design.drive.speed**2
+        force = design.material_of("gear").density * gear.face_width * area * (weight + flung)
+        return gear.discs * force * gear.eccentricity * design.reduction
+
+    @property
+    def creep_speed(self) -> float:
+        """Sliding speed at which friction is whole under the working force [m/s].
+
+        The one given, or `CREEP` of the speed c w at which the gear's centre circles; where the crank stands
+        `SLOW_CREEP`.
+        """
+        design = self._reducer.design
+        return design.contact.creep_speed or CREEP * design.gear.eccentricity * abs(design.drive.speed) or SLOW_CREEP
+
+    @property
+    def impact(self) -> ImpactLaw | None:
+        """The law IMPACT of a line across the whole disc where ``contact.law`` is "impact", else None.
+
+        In a design's file k is in N/mm^e, the force at a depth of 1 mm.
+        """
+        contact = self._reducer.design.contact
+        if contact.law != "impact":
+            return None
+        stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
+        return ImpactLaw(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
+
+    @property
+    def mesh_stiffness(self) -> float:
+        """Stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
+
+        A pin is a two-force body: play and compliance of its two contacts add up.
+        """
+        kinds = [kind for kind in (self._reducer.design.tooth_pair, self._reducer.design.seat_pair) if kind]
+        return 1.0 / sum(1.0 / self[kind].stiffness for kind in kinds)
+
+    @property
+    def pin_flexibility(self) -> Array:
+        """Bending of an output pin at each disc's plane, for a force at each plane [m/N], shape (D, D); `bending`."""
+        return pin_flexibility(self._reducer)
+
+    @property
+    def roller_radius(self) -> float:
+        """Radius of the cam's rollers [m], which fill its circle, one touching the next."""
+        design = self._reducer.design
+        return design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
+
+    def working_forces_text(self, kinds: Iterable[str]) -> str:
+        """Describe the working forces of kinds of pairs and the source of each."""
+        forces = [f"{kind} {self[kind].force:.3g} N ({self._source_text(self[kind].source)})" for kind in kinds]
+        return ", ".join(forces)
+
+    def _source_text(self, source: Source) -> str:
+        return {
+            "given": "given",
+            "working load": f"ideal sharing of {self.working_load:.4g} N m",
+            "load": f"ideal sharing of the load, {self.working_load:.4g} N m",
+            "preload": f"ideal sharing of the rated torque, {self.working_load:.4g} N m, as the ring is preloaded",
+            "weight and inertia": "the gear's own weight and inertia, as there is no larger load",
+        }[source]
+
+
+@lru_cache(maxsize=64)
+def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
+    """Compute the mean size of the cam's force under ideal sharing, over the load torque [1/m]."""
+    crank = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
+    output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)
+    return float(np.mean(np.linalg.norm(ideal_loads.cam_force(ring, output, crank), axis=1)))
