@@ -52,7 +52,7 @@ class Rig:
 def chain_point(gear: CycloidGear, share: np.ndarray) -> np.ndarray:
     """Surface of lobe 1 from mid-root to mid-root, clockwise, for a share from -2 over -1 (junction) to 2."""
     low, alpha = profile.best_phase(gear), envelope.largest_alpha(gear)
-    flank = envelope.sigma_points(gear, low + (np.pi - low) * np.clip(np.abs(share) - 1.0, 0.0, 1.0))
+    flank = envelope.Sigma(gear, low + (np.pi - low) * np.clip(np.abs(share) - 1.0, 0.0, 1.0)).points
     flank[:, 0] *= np.where(share < 0.0, 1.0, -1.0)
     arc = envelope.arc_points(gear, alpha * np.clip(np.abs(share), 0.0, 1.0))
     arc[:, 0] = np.abs(arc[:, 0]) * np.sign(share)

@@ -6,12 +6,13 @@ normal meets the pitch circle c N u(crank) of the ring twice, once for each enve
 counter-clockwise side of its lobe, and Sigma(2), its mirror image, B in [pi, 2 pi - B0], on the clockwise side of the
 next lobe. Arcs and Sigma join at B0 and 2 pi - B0 with a common tangent.
 
-No design without undercut fails here: sigma_radius >= the gear's own radius of curvature at the contact, so Sigma has
+No design without undercut fails here: `Sigma.radius` >= the gear's own radius of curvature at the contact, so Sigma has
 no cusps. Normals point out of the ring's material, into the bore; curvature is positive where the ring is convex.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -66,62 +67,83 @@ def arc_points(gear: CycloidGear, alpha: npt.ArrayLike) -> Array:
     return gear.pin_circle_radius * unit(0.0) - gear.pin_radius * unit(-np.asarray(alpha, float))
 
 
-def sigma_crank_angle_cw(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Clockwise crank angle [(N-2) B - (N-1) (pi + 2 alpha)] / N at which the gear touches Sigma at B [rad]."""
-    N = gear.ring_teeth
-    B = np.asarray(B, float)
-    return ((N - 2) * B - (N - 1) * (np.pi + 2 * profile.conjugate_alpha(gear, B))) / N
+class Sigma:
+    """Points of the second envelope of a gear, counter-clockwise of lobe 1, at phases `B` in [B0, 2 pi - B0] [rad]."""
 
+    def __init__(self, gear: CycloidGear, B: npt.ArrayLike) -> None:
+        self.gear = gear
+        self.B = np.asarray(B, float)
 
-def sigma_normal_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Clockwise angle psi = [pi - 2 B - (N-2) alpha] / N of the normal at B, out of the bore, from +y [rad]."""
-    N = gear.ring_teeth
-    B = np.asarray(B, float)
-    return (np.pi - 2 * B - (N - 2) * profile.conjugate_alpha(gear, B)) / N
+    @cached_property
+    def crank_angle_cw(self) -> Array:
+        """Clockwise crank angle [(N-2) B - (N-1) (pi + 2 alpha)] / N at which the gear touches it there [rad]."""
+        N = self.gear.ring_teeth
+        return ((N - 2) * self.B - (N - 1) * (np.pi + 2 * self._alpha)) / N
 
+    @cached_property
+    def normal_angle(self) -> Array:
+        """Clockwise angle psi = [pi - 2 B - (N-2) alpha] / N of the normal, out of the bore, from +y [rad]."""
+        N = self.gear.ring_teeth
+        return (np.pi - 2 * self.B - (N - 2) * self._alpha) / N
 
-def sigma_points(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Points (..., 2) [m] of Sigma counter-clockwise of lobe 1, B in [B0, 2 pi - B0].
+    @property
+    def points(self) -> Array:
+        """Points (..., 2) [m]: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
 
-    c N u(crank) + (h - rho) u(psi) with h = [(N-1) K + l^2] / (N l): on the common normal through the pitch point.
-    """
-    N, c, _, rho = gear.symbols
-    l_B = profile.pitch_distance(gear, B)
-    h = ((N - 1) * _K(gear) + l_B**2) / (N * l_B)
-    pitch_point = c * N * unit(sigma_crank_angle_cw(gear, B))
-    return pitch_point + (h - rho)[..., np.newaxis] * unit(sigma_normal_angle(gear, B))
+        They lie on the common normal through the pitch point.
+        """
+        N, c, _, rho = self.gear.symbols
+        h = ((N - 1) * _K(self.gear) + self._l**2) / (N * self._l)
+        return c * N * unit(self.crank_angle_cw) + (h - rho)[..., np.newaxis] * unit(self.normal_angle)
 
+    @property
+    def radius(self) -> Array:
+        """Concave radius of curvature [m].
 
-def sigma_radius(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Concave radius of curvature of Sigma at B [m].
+        2 [(N+1) l^4 + (N-1) K^2] / (N l [(N+2) l^2 - (N-2) K]) - rho, which is the arc rate over the turning rate.
+        """
+        return self.arc_rate / -self.turning_rate
 
-    2 [(N+1) l^4 + (N-1) K^2] / (N l [(N+2) l^2 - (N-2) K]) - rho, which is the arc rate over the turning rate.
-    """
-    return sigma_arc_rate(gear, B) / -_sigma_turning_rate(gear, B)
+    @property
+    def arc_rate(self) -> Array:
+        """Derivative of `arc_length` by B [m]: [(N+1) l + (N-1) K^2 / l^3] / N^2 less rho times the turning rate."""
+        N, _, _, rho = self.gear.symbols
+        return ((N + 1) * self._l + (N - 1) * _K(self.gear) ** 2 / self._l**3) / N**2 + rho * self.turning_rate
 
+    @property
+    def turning_rate(self) -> Array:
+        """Derivative of `normal_angle` by B: -[(N+2) l^2 - (N-2) K] / (2 N l^2), negative all along."""
+        N = self.gear.ring_teeth
+        return -(N + 2 - (N - 2) * _K(self.gear) / self._l**2) / (2 * N)
 
-def sigma_arc_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Differentiate `sigma_arc_length` by B [m]: [(N+1) l + (N-1) K^2 / l^3] / N^2 less rho times the turning rate."""
-    N, _, _, rho = gear.symbols
-    l_B = profile.pitch_distance(gear, B)
-    return ((N + 1) * l_B + (N - 1) * _K(gear) ** 2 / l_B**3) / N**2 + rho * _sigma_turning_rate(gear, B)
+    @property
+    def crank_rate(self) -> Array:
+        """Derivative of `crank_angle_cw` by B: [(N-1) K / l^2 - 1] / N."""
+        N = self.gear.ring_teeth
+        return ((N - 1) * _K(self.gear) / self._l**2 - 1) / N
 
+    @property
+    def arc_length(self) -> Array:
+        """Length [m] from the junction B0."""
+        return self._from_valley - Sigma(self.gear, profile.best_phase(self.gear))._from_valley
 
-def sigma_arc_length(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Length [m] of Sigma from its junction B0 to B.
+    @property
+    def _from_valley(self) -> Array:
+        """(4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal [m]."""
+        from scipy.special import ellipeinc
 
-    Differences of (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal.
-    """
-    from scipy.special import ellipeinc
+        N, _, _, rho = self.gear.symbols
+        scale, m = profile.trochoid_ellipse(self.gear)
+        elliptic = scale * ellipeinc(self.B / 2 + np.pi / 2, m)
+        return 4 / N * (elliptic + profile.moment_arm(self.gear, self.B)) + rho * self.normal_angle
 
-    N, _, _, rho = gear.symbols
-    scale, m = profile.trochoid_ellipse(gear)
+    @cached_property
+    def _l(self) -> Array:
+        return profile.pitch_distance(self.gear, self.B)
 
-    def from_valley(B: npt.ArrayLike) -> Array:
-        elliptic = scale * ellipeinc(np.asarray(B, float) / 2 + np.pi / 2, m)
-        return 4 / N * (elliptic + profile.moment_arm(gear, B)) + rho * sigma_normal_angle(gear, B)
-
-    return from_valley(B) - from_valley(profile.best_phase(gear))
+    @cached_property
+    def _alpha(self) -> Array:
+        return profile.conjugate_alpha(self.gear, self.B)
 
 
 def tightest_radius(gear: CycloidGear) -> float:
@@ -134,7 +156,7 @@ def tightest_radius(gear: CycloidGear) -> float:
     cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]
     y = min(float(np.max(np.roots(cubic).real)), (E + c * N) / (E - c * N))
     cos_B = (E**2 + (c * N) ** 2 - y * _K(gear)) / (2 * E * c * N)
-    return float(sigma_radius(gear, math.acos(max(-1.0, cos_B))))
+    return float(Sigma(gear, math.acos(max(-1.0, cos_B))).radius)
 
 
 def junction(gear: CycloidGear) -> Array:
@@ -197,14 +219,14 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     require_envelope(gear)
     B0, alpha, rho = profile.best_phase(gear), largest_alpha(gear), gear.pin_radius
     flank = SmoothArc(
-        points=lambda B: sigma_points(gear, B),
-        normal_angle=lambda B: sigma_normal_angle(gear, B),
-        turning_rate=lambda B: _sigma_turning_rate(gear, B),
-        arc_rate=lambda B: sigma_arc_rate(gear, B),
+        points=lambda B: Sigma(gear, B).points,
+        normal_angle=lambda B: Sigma(gear, B).normal_angle,
+        turning_rate=lambda B: Sigma(gear, B).turning_rate,
+        arc_rate=lambda B: Sigma(gear, B).arc_rate,
     )
     B = profile.sagitta_nodes(flank, B0, np.pi, chord_error)
     chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
-    half = np.concatenate([np.linspace(0, rho * alpha, chords + 1), rho * alpha + sigma_arc_length(gear, B[1:])])
+    half = np.concatenate([np.linspace(0, rho * alpha, chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length])
     half[-1] = perimeter(gear) / gear.ring_teeth / 2
     signed = np.concatenate([half, -half[-2:0:-1]])
     lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed < 0)
@@ -227,43 +249,31 @@ def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
 def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     """Contacts of the gear with Sigma at the counter-clockwise `crank_angle` [rad], in order of lobe.
 
-    Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `sigma_crank_angle_cw` = -crank_angle less the lobe's
+    Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `Sigma.crank_angle_cw` = -crank_angle less the lobe's
     angle, on each stretch of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
     """
     require_envelope(gear)
     zeta = profile.pin_angles(gear)
     contacts = []
     for low, high in _monotone_stretches(gear):
-        ends = sigma_crank_angle_cw(gear, [low, high])
+        ends = Sigma(gear, [low, high]).crank_angle_cw
         wanted = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
         lobe = np.flatnonzero(wanted < ends.max())
         B = profile.solve_monotone(
-            lambda B: sigma_crank_angle_cw(gear, B), lambda B: _sigma_crank_rate(gear, B), wanted[lobe], low, high
+            lambda B: Sigma(gear, B).crank_angle_cw, lambda B: Sigma(gear, B).crank_rate, wanted[lobe], low, high
         )
         contacts.append((lobe, B))
     lobe, B = (np.concatenate(column) for column in zip(*contacts, strict=True))
     order = np.lexsort((B, lobe))
     lobe, B = lobe[order], B[order]
-    points = _turned(sigma_points(gear, B), zeta[lobe])
-    angle = zeta[lobe] + sigma_normal_angle(gear, B)
-    return _contacts(gear, crank_angle, lobe, B, angle, points, -1 / sigma_radius(gear, B))
+    touched = Sigma(gear, B)
+    points, angle = _turned(touched.points, zeta[lobe]), zeta[lobe] + touched.normal_angle
+    return _contacts(gear, crank_angle, lobe, B, angle, points, -1 / touched.radius)
 
 
 def _K(gear: CycloidGear) -> float:
     N, c, E, _ = gear.symbols
     return E**2 - (c * N) ** 2
-
-
-def _sigma_turning_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Differentiate `sigma_normal_angle` by B: -[(N+2) l^2 - (N-2) K] / (2 N l^2), negative on Sigma."""
-    N = gear.ring_teeth
-    return -(N + 2 - (N - 2) * _K(gear) / profile.pitch_distance(gear, B) ** 2) / (2 * N)
-
-
-def _sigma_crank_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Differentiate `sigma_crank_angle_cw` by B: [(N-1) K / l^2 - 1] / N."""
-    N = gear.ring_teeth
-    return ((N - 1) * _K(gear) / profile.pitch_distance(gear, B) ** 2 - 1) / N
 
 
 def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
@@ -290,21 +300,22 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
     # Lobes are alike: each distance is solved once.
     unlike, row = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
-        lambda B: sigma_arc_length(gear, B),
-        lambda B: sigma_arc_rate(gear, B),
+        lambda B: Sigma(gear, B).arc_length,
+        lambda B: Sigma(gear, B).arc_rate,
         unlike - arc_half,
         profile.best_phase(gear),
         np.pi,
     )[row]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
     on_arc = distance <= arc_half
-    ahead = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), sigma_points(gear, B) * [-1, 1])
-    angle = np.where(on_arc, -alpha, -sigma_normal_angle(gear, B))
+    flank = Sigma(gear, B)
+    ahead = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
+    angle = np.where(on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
         points=_turned(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
         normals=-unit(zeta + side * angle),
-        curvature=np.where(on_arc, 1 / rho, -1 / sigma_radius(gear, B)),
+        curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,
     )

@@ -211,7 +211,8 @@ def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks 
 
 def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
     """Points [m] of Sigma in roots `root` at phases B, offset outwards by the pin radius, ring frame: (..., 2)."""
-    surface = envelope.sigma_points(gear, B) + gear.pin_radius * unit(envelope.sigma_normal_angle(gear, B))
+    flank = envelope.Sigma(gear, B)
+    surface = flank.points + gear.pin_radius * unit(flank.normal_angle)
     return rotate(surface, -profile.pin_angles(gear)[root])
 
 
@@ -233,7 +234,7 @@ def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks
         t=t,
         owner=(roots[row] - (vertices > np.pi)) % gear.ring_teeth,
         B=vertices,
-        ring_curvature=-1 / envelope.sigma_radius(gear, vertices),
+        ring_curvature=-1 / envelope.Sigma(gear, vertices).radius,
     )
 
 

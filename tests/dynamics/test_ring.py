@@ -79,7 +79,7 @@ def test_ideal_phase_inverts_the_envelope(name: str) -> None:
     low = profile.best_phase(gear)
     for crank in np.linspace(-low + 1e-6, low - 2 * np.pi / gear.ring_teeth - 1e-6, 101):
         phase = ideal_root_phase(crank, low, ring)
-        assert envelope.sigma_crank_angle_cw(gear, phase) == pytest.approx(crank, abs=1e-5)
+        assert envelope.Sigma(gear, phase).crank_angle_cw == pytest.approx(crank, abs=1e-5)
 
 
 @pytest.mark.parametrize("name", list(DESIGNS))
@@ -90,10 +90,10 @@ def test_offset_root_is_the_envelope_without_pin_radius(name: str) -> None:
     low = profile.best_phase(gear)
     for phase in np.linspace(low, 2 * np.pi - low, 50):
         x, y, psi, rate, curvature = offset_root(phase, ring)
-        assert [x, y] == pytest.approx(envelope.sigma_points(bare, phase), abs=1e-14)
-        assert psi == pytest.approx(envelope.sigma_normal_angle(gear, phase), abs=1e-14)
-        assert rate == pytest.approx(envelope.sigma_arc_rate(bare, phase), rel=1e-11)
-        assert curvature == pytest.approx(1.0 / envelope.sigma_radius(bare, phase), rel=1e-9)
+        assert [x, y] == pytest.approx(envelope.Sigma(bare, phase).points, abs=1e-14)
+        assert psi == pytest.approx(envelope.Sigma(gear, phase).normal_angle, abs=1e-14)
+        assert rate == pytest.approx(envelope.Sigma(bare, phase).arc_rate, rel=1e-11)
+        assert curvature == pytest.approx(1.0 / envelope.Sigma(bare, phase).radius, rel=1e-9)
 
 
 class BruteForce:

@@ -52,7 +52,7 @@ def test_relative_curvature_is_that_of_the_gap(gear):
     lines = contact_lines(gear, "nonpin", crank)
     arcs, roots = envelope.arc_contacts(gear, crank), envelope.sigma_contacts(gear, crank)
     normals = np.concatenate([arcs.normals, roots.normals])
-    bends = np.concatenate([np.full(gear.ring_teeth, 1 / gear.pin_radius), -1 / envelope.sigma_radius(gear, roots.B)])
+    bends = np.concatenate([np.full(gear.ring_teeth, 1 / gear.pin_radius), -1 / envelope.Sigma(gear, roots.B).radius])
     step = 2e-6
     found = []
     for point, normal, bend in zip(lines.points, normals, bends, strict=True):
@@ -93,7 +93,7 @@ def test_flanks_are_less_curved_than_pins_at_every_phase():
 def test_curvature_of_sigma_goes_to_zero_at_the_junction():
     """At B0 the normals of gear and flank turn at the same rate."""
     low = profile.best_phase(PAPER)
-    cranks = -envelope.sigma_crank_angle_cw(PAPER, low + np.array([1e-3, 1e-5]))
+    cranks = -envelope.Sigma(PAPER, low + np.array([1e-3, 1e-5])).crank_angle_cw
     flattest = [contact_lines(PAPER, "nonpin", crank).relative_curvature.min() for crank in cranks]
     assert flattest[1] < 0.02 * flattest[0] < 1.0
 

@@ -59,8 +59,8 @@ def test_ring_agrees_with_the_30_digit_reference():
     B = np.radians(table["B_deg"])
     # 1e-12 mm is some 100 units in the last place of the radius.
     assert np.abs(envelope.arc_points(PAPER, table["alpha_rad"][arc]) / MM - expected[arc]).max() < 1e-12
-    assert np.abs(envelope.sigma_points(PAPER, B[~arc]) / MM - expected[~arc]).max() < 1e-12
-    crank = envelope.sigma_crank_angle_cw(PAPER, B)
+    assert np.abs(envelope.Sigma(PAPER, B[~arc]).points / MM - expected[~arc]).max() < 1e-12
+    crank = envelope.Sigma(PAPER, B).crank_angle_cw
     assert np.abs(crank - table["crank_phi_rad"])[~arc].max() < 1e-13
     assert np.abs(np.exp(1j * (36 / 35 * crank - table["psi1_rad"])) + 1)[~arc].max() < 1e-13
 
@@ -73,7 +73,7 @@ def test_constants_of_the_paper_ring():
     assert envelope.perimeter(PAPER) / MM == pytest.approx(303.02245, abs=5e-6)
     assert envelope.area(PAPER) / MM**2 == pytest.approx(4895.8471, abs=5e-5)
     assert envelope.tightest_radius(PAPER) / MM == pytest.approx(0.545987, abs=5e-7)
-    assert envelope.sigma_radius(PAPER, math.radians(54.514)) == pytest.approx(
+    assert envelope.Sigma(PAPER, math.radians(54.514)).radius == pytest.approx(
         envelope.tightest_radius(PAPER), rel=1e-9
     )
 
@@ -154,9 +154,9 @@ def ring_radius(gear: CycloidGear, direction: float) -> float:
         )
         return float(np.linalg.norm(envelope.arc_points(gear, alpha)))
     B = brentq(
-        lambda B: polar(envelope.sigma_points(gear, B)) - folded, profile.best_phase(gear), math.pi + 1e-6, xtol=1e-14
+        lambda B: polar(envelope.Sigma(gear, B).points) - folded, profile.best_phase(gear), math.pi + 1e-6, xtol=1e-14
     )
-    return float(np.linalg.norm(envelope.sigma_points(gear, B)))
+    return float(np.linalg.norm(envelope.Sigma(gear, B).points))
 
 
 @pytest.mark.slow
@@ -177,7 +177,7 @@ def test_the_gear_of_another_pin_radius_does_not_sweep_this_ring(gear):
 
 def test_the_branch_below_best_phase_is_a_ghost_inside_the_swept_area():
     B = np.linspace(0.05, 0.9, 20) * profile.best_phase(PAPER)
-    ghost = envelope.sigma_points(PAPER, B)
+    ghost = envelope.Sigma(PAPER, B).points
     ring = [ring_radius(PAPER, polar(point)) for point in ghost]
     assert np.all(np.linalg.norm(ghost, axis=1) < np.array(ring) - 1e-6)
 
@@ -185,16 +185,16 @@ def test_the_branch_below_best_phase_is_a_ghost_inside_the_swept_area():
 @each_gear
 def test_normals_rates_and_radius_of_sigma_follow_from_its_points(gear):
     B, h = sigma_range(gear, 101), 1e-5
-    ahead, back = envelope.sigma_points(gear, B + h), envelope.sigma_points(gear, B - h)
+    ahead, back = envelope.Sigma(gear, B + h).points, envelope.Sigma(gear, B - h).points
     rate = (ahead - back) / (2 * h)
     speed = np.linalg.norm(rate, axis=1)
     # B grows counter-clockwise, so the outward normal lies to the right of the travel.
     normal = np.stack([rate[:, 1], -rate[:, 0]], axis=1) / speed[:, None]
-    assert np.abs(profile.unit(envelope.sigma_normal_angle(gear, B)) - normal).max() < 1e-7
-    assert np.abs(envelope.sigma_arc_rate(gear, B) / speed - 1).max() < 1e-7
-    turn = (envelope.sigma_normal_angle(gear, B + h) - envelope.sigma_normal_angle(gear, B - h)) / (2 * h)
-    assert np.abs(envelope.sigma_radius(gear, B) * -turn / speed - 1).max() < 1e-7
-    length = envelope.sigma_arc_length(gear, B + h) - envelope.sigma_arc_length(gear, B - h)
+    assert np.abs(profile.unit(envelope.Sigma(gear, B).normal_angle) - normal).max() < 1e-7
+    assert np.abs(envelope.Sigma(gear, B).arc_rate / speed - 1).max() < 1e-7
+    turn = (envelope.Sigma(gear, B + h).normal_angle - envelope.Sigma(gear, B - h).normal_angle) / (2 * h)
+    assert np.abs(envelope.Sigma(gear, B).radius * -turn / speed - 1).max() < 1e-7
+    length = envelope.Sigma(gear, B + h).arc_length - envelope.Sigma(gear, B - h).arc_length
     assert np.abs(length / (2 * h) / speed - 1).max() < 1e-6
 
 
@@ -205,13 +205,13 @@ def test_arcs_and_sigma_join_in_position_and_tangent(gear):
     turn = 2 * np.pi / gear.ring_teeth
     at_next_lobe = [cw[0] * np.cos(turn) - cw[1] * np.sin(turn), cw[0] * np.sin(turn) + cw[1] * np.cos(turn)]
     size = gear.pin_circle_radius
-    assert np.abs(envelope.sigma_points(gear, best) - ccw).max() < 1e-15 * size / MM
-    assert np.abs(envelope.sigma_points(gear, 2 * np.pi - best) - at_next_lobe).max() < 1e-15 * size / MM
-    assert envelope.sigma_normal_angle(gear, best) == pytest.approx(alpha, abs=1e-14)
-    assert envelope.sigma_normal_angle(gear, 2 * np.pi - best) == pytest.approx(-alpha - turn, abs=1e-14)
+    assert np.abs(envelope.Sigma(gear, best).points - ccw).max() < 1e-15 * size / MM
+    assert np.abs(envelope.Sigma(gear, 2 * np.pi - best).points - at_next_lobe).max() < 1e-15 * size / MM
+    assert envelope.Sigma(gear, best).normal_angle == pytest.approx(alpha, abs=1e-14)
+    assert envelope.Sigma(gear, 2 * np.pi - best).normal_angle == pytest.approx(-alpha - turn, abs=1e-14)
     joined = math.sqrt(gear.pin_circle_radius**2 - (gear.eccentricity * gear.ring_teeth) ** 2) - gear.pin_radius
-    assert envelope.sigma_radius(gear, best) == pytest.approx(joined, rel=1e-12)
-    assert np.linalg.norm(envelope.sigma_points(gear, np.pi)) == pytest.approx(envelope.radii(gear)[0], rel=1e-14)
+    assert envelope.Sigma(gear, best).radius == pytest.approx(joined, rel=1e-12)
+    assert np.linalg.norm(envelope.Sigma(gear, np.pi).points) == pytest.approx(envelope.radii(gear)[0], rel=1e-14)
 
 
 @pytest.mark.parametrize("gear", [*GEARS.values(), *random_gears(20)])
@@ -220,9 +220,9 @@ def test_area_and_perimeter_agree_with_quadrature(gear):
     edges = np.pi - (np.pi - profile.best_phase(gear)) * np.linspace(1, 0, 13) ** 3
     half = np.diff(edges)[:, None] / 2
     B = edges[:-1, None] + half * (1 + nodes)
-    rate, normal = envelope.sigma_arc_rate(gear, B), profile.unit(envelope.sigma_normal_angle(gear, B))
+    rate, normal = envelope.Sigma(gear, B).arc_rate, profile.unit(envelope.Sigma(gear, B).normal_angle)
     length = np.sum(half * rate * weights)
-    sector = np.sum(half * rate * np.sum(envelope.sigma_points(gear, B) * normal, axis=-1) * weights) / 2
+    sector = np.sum(half * rate * np.sum(envelope.Sigma(gear, B).points * normal, axis=-1) * weights) / 2
     alpha, E, rho = envelope.largest_alpha(gear), gear.pin_circle_radius, gear.pin_radius
     arc_sector = rho * (E * math.sin(alpha) - rho * alpha) / 2
     assert envelope.perimeter(gear) == pytest.approx(2 * gear.ring_teeth * (rho * alpha + length), rel=1e-11)
@@ -235,13 +235,13 @@ def test_no_gear_without_undercut_gives_a_cusped_ring():
         gear_curvature = profile.curvature(gear, -B / gear.lobes)
         assert gear_curvature.min() > 0
         # Rounding near the limits costs up to 1e-9 relative; where the contact is osculating, both are equal.
-        assert np.all(envelope.sigma_radius(gear, B) * gear_curvature > 1 - 1e-9)
+        assert np.all(envelope.Sigma(gear, B).radius * gear_curvature > 1 - 1e-9)
         assert envelope.tightest_radius(gear) > 0
 
 
 @pytest.mark.parametrize("gear", [*GEARS.values(), *random_gears(20)])
 def test_tightest_radius_is_the_smallest_along_sigma(gear):
-    radii = envelope.sigma_radius(gear, np.linspace(profile.best_phase(gear), np.pi, 100_001))
+    radii = envelope.Sigma(gear, np.linspace(profile.best_phase(gear), np.pi, 100_001)).radius
     assert envelope.tightest_radius(gear) == pytest.approx(radii.min(), rel=1e-7)
     assert envelope.tightest_radius(gear) <= radii.min() * (1 + 1e-12)
 
@@ -302,7 +302,7 @@ def test_normals_and_curvature_of_the_sampled_ring_are_limits_of_its_differences
     order = np.log2(coarse / fine)
     assert order[:2] == pytest.approx([2, 2], abs=0.1)
     # Where the curvature jumps but the tangent does not, the error is at most a quarter of jump times step.
-    jump = 1 / PAPER.pin_radius + 1 / envelope.sigma_radius(PAPER, profile.best_phase(PAPER))
+    jump = 1 / PAPER.pin_radius + 1 / envelope.Sigma(PAPER, profile.best_phase(PAPER)).radius
     assert fine[2] <= jump / 4 * (1 + 1e-3)
 
 
@@ -421,7 +421,7 @@ def test_contact_condition_of_the_paper(gear):
     N, c, E, _ = gear.symbols
     B = sigma_range(gear, 101)
     A = 2 * np.arctan2(E * np.sin(B), c * N - E * np.cos(B))
-    psi_1 = N / (N - 1) * envelope.sigma_crank_angle_cw(gear, B) - np.pi
+    psi_1 = N / (N - 1) * envelope.Sigma(gear, B).crank_angle_cw - np.pi
     assert np.abs(np.exp(1j * (N / (N - 1) * B + A + psi_1)) - 1).max() < 1e-13
     # The other sign of A, a plausible slip, does not close.
     assert np.abs(np.exp(1j * (N / (N - 1) * B - A + psi_1)) - 1).max() > 0.1
@@ -430,6 +430,6 @@ def test_contact_condition_of_the_paper(gear):
 def test_steep_design_is_beyond_the_monotone_range_and_the_others_are_not():
     for name, gear in GEARS.items():
         limit = (gear.ring_teeth - 2) / gear.ring_teeth
-        rising = np.diff(envelope.sigma_crank_angle_cw(gear, sigma_range(gear, 2001))) > 0
+        rising = np.diff(envelope.Sigma(gear, sigma_range(gear, 2001)).crank_angle_cw) > 0
         steep = gear.eccentricity * gear.ring_teeth / gear.pin_circle_radius > limit
         assert steep == (name == "steep") == (np.any(rising) and not np.all(rising))

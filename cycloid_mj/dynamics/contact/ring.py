@@ -40,7 +40,7 @@ flanks modified or not, every minimum found and passed over is the same as after
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
     """Find the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
 
-    The arc rate is positive and R is the concave radius of S (``envelope.sigma_radius`` at rho = 0).
+    The arc rate is positive and R is the concave radius of S (``envelope.Sigma.radius`` at rho = 0).
     """
     radius, eccentricity, teeth = ring
     base = eccentricity * teeth

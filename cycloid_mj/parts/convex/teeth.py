@@ -76,7 +76,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
     middle = (B[:-1] + B[1:]) / 2.0
     gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
-    bends = gear_bend - 1.0 / envelope.sigma_radius(gear, middle)
+    bends = gear_bend - 1.0 / envelope.Sigma(gear, middle).radius
     slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
     seen = envelope.sample_ring(gear, SAMPLES)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
@@ -134,17 +134,18 @@ def _ring_nodes(gear: CycloidGear, chord_error: float) -> Array:
     """Phases B from the junction to the middle of the root, where chords leave Sigma by `chord_error`."""
     envelope.require_envelope(gear)
     flank = SmoothArc(
-        points=lambda B: envelope.sigma_points(gear, B),
-        normal_angle=lambda B: envelope.sigma_normal_angle(gear, B),
-        turning_rate=lambda B: -envelope.sigma_arc_rate(gear, B) / envelope.sigma_radius(gear, B),
-        arc_rate=lambda B: envelope.sigma_arc_rate(gear, B),
+        points=lambda B: envelope.Sigma(gear, B).points,
+        normal_angle=lambda B: envelope.Sigma(gear, B).normal_angle,
+        turning_rate=lambda B: -envelope.Sigma(gear, B).arc_rate / envelope.Sigma(gear, B).radius,
+        arc_rate=lambda B: envelope.Sigma(gear, B).arc_rate,
     )
     return profile.sagitta_nodes(flank, profile.best_phase(gear), math.pi, chord_error)
 
 
 def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
     """Points (n, 2) [m] at the depth `into` [m] below Sigma."""
-    return envelope.sigma_points(gear, B) + into * profile.unit(envelope.sigma_normal_angle(gear, B))
+    flank = envelope.Sigma(gear, B)
+    return flank.points + into * profile.unit(flank.normal_angle)
 
 
 def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:

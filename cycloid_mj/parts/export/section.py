@@ -134,10 +134,10 @@ def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), profile.best_phase(gear)
     arc = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
     flank = SmoothCurve(
-        points=lambda B: envelope.sigma_points(gear, B),
-        arc_length=lambda B: envelope.sigma_arc_length(gear, B),
-        tangents=lambda B: profile.unit(envelope.sigma_normal_angle(gear, B) - math.pi / 2.0),
-        curvature=lambda B: -1.0 / envelope.sigma_radius(gear, B),
+        points=lambda B: envelope.Sigma(gear, B).points,
+        arc_length=lambda B: envelope.Sigma(gear, B).arc_length,
+        tangents=lambda B: profile.unit(envelope.Sigma(gear, B).normal_angle - math.pi / 2.0),
+        curvature=lambda B: -1.0 / envelope.Sigma(gear, B).radius,
     )
     root = fit_splines(flank, B0, 2.0 * math.pi - B0, splines)
     following = turned_curve(arc, -pitch)
