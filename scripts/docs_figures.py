@@ -219,14 +219,13 @@ def run_of(kind: str) -> dict[str, Value]:
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.reducer.member import gear_angle, output_angle
 
     run = short_run(kind)
     design, crank = design_of(run), run["crank_angle"]
     signals = {
         "crank_torque": run["crank_torque"],
-        "gear_error": run["gear_angle"] - gear_angle(design, crank),
-        "output_error": run["output_angle"] - output_angle(design, crank),
+        "gear_error": run["gear_angle"] - Reducer(design).member.gear_angle(crank),
+        "output_error": run["output_angle"] - Reducer(design).member.output_angle(crank),
     }
     settled = run.time > 0.5 * LENGTH
     return {key: float(np.sqrt(np.mean(values[settled] ** 2))) for key, values in signals.items()}

@@ -16,7 +16,7 @@ from cycloid_mj.base.record import LARGEST, Run
 from cycloid_mj.design import Design, loads
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.kinematics import CrankLaw
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 
 DESIGN_FILE = "design.toml"
 MOTION = (
@@ -218,8 +218,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         ramp=window.in_ramp(reducer, run.time),
         hold=hold,
         crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
-        output_angle=Compared(run["output_angle"], member.output_angle(design, crank_angle)),
-        output_speed=Compared(run["output_speed"], member.output_angle(design, crank_speed)),
+        output_angle=Compared(run["output_angle"], reducer.member.output_angle(crank_angle)),
+        output_speed=Compared(run["output_speed"], reducer.member.output_angle(crank_speed)),
         pin_1=_pin_1(run, reducer) if moving else None,
         **_disc_motion(run, reducer, q, 0),
     )
@@ -322,8 +322,8 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
     path = point_path(reducer, q, disc, crank_angle, crank_speed)
     position, velocity = _point_motion(run, reducer, q, disc)
     return {
-        "gear_angle": Compared(run[turn], member.gear_angle(design, crank_angle)),
-        "gear_speed": Compared(run[spin], member.gear_angle(design, crank_speed)),
+        "gear_angle": Compared(run[turn], reducer.member.gear_angle(crank_angle)),
+        "gear_speed": Compared(run[spin], reducer.member.gear_angle(crank_speed)),
         "q_position": Compared(position, path.position),
         "q_velocity": Compared(velocity, path.velocity),
     }

@@ -6,7 +6,6 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import gear_angle, output_angle
 
 
 def output_error(run: Run, reducer: Reducer) -> Array:
@@ -14,7 +13,7 @@ def output_error(run: Run, reducer: Reducer) -> Array:
 
     It is phi - theta/i of the output's angle phi, at the crank's own angle theta and the ratio i, -(N-1) or N.
     """
-    return run["output_angle"] - output_angle(reducer.design, run["crank_angle"])
+    return run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
 
 
 def gear_error(run: Run, reducer: Reducer) -> Array:
@@ -23,4 +22,4 @@ def gear_error(run: Run, reducer: Reducer) -> Array:
     It is phi + theta/(N-1) of the gear's angle phi, or phi where the ring is the output, as the gear does not turn.
     """
     turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
-    return np.mean(turned, axis=0) - gear_angle(reducer.design, run["crank_angle"])
+    return np.mean(turned, axis=0) - reducer.member.gear_angle(run["crank_angle"])

@@ -9,7 +9,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring, sense
 from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
@@ -33,7 +32,7 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     reducer, load = _loaded(reducer)
     design = reducer.design
     shown = 2.0 * np.pi * (turn + np.arange(POSES + 1) / POSES)
-    crank = shown / float(against_ring(design, 1.0))
+    crank = shown / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank)
     solved = loads(reducer, springs, load, follow=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
@@ -64,7 +63,7 @@ def error(reducer: Reducer) -> dict[str, Any]:
     crank = np.linspace(0.0, reducer.mesh_turn, PER_PERIOD * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
-        angle = ARCSECONDS * sense(design) * transmission_error(reducer, crank, share * load)[:, 1]
+        angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, share * load)[:, 1]
         angle = angle - angle.mean()
         spectrum = periodic_orders(crank, angle, 2.0 * np.pi / reducer.mesh_turn, MOST_ORDER)
         curves.append(

@@ -6,7 +6,6 @@ import numpy as np
 
 from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
-from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit
 
@@ -16,7 +15,7 @@ MOST_POSES = 36
 
 def assembly_checks(reducer: Reducer) -> Iterator[Check]:
     """Check the fit of a sound design that departs from the ideal mesh; an ideal one needs none."""
-    if is_ideal(reducer.design):
+    if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:
         yield _pins_in_sockets(reducer)

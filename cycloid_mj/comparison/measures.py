@@ -14,7 +14,6 @@ from cycloid_mj.comparison.forces import ForceSummary, forces
 from cycloid_mj.comparison.vibration import VibrationLevels, vibration
 from cycloid_mj.dynamics.swing import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import gear_angle
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def _fluctuation(motion: Series) -> Fluctuation:
     rows = slice(parts[0].start, parts[-1].stop)
     within = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
     angle = motion.crank_angle[rows]
-    turned = gear_angle(motion.design, angle)
+    turned = Reducer(motion.design).member.gear_angle(angle)
     path, velocity = (unshifted(q.error[rows], angle, turned) for q in (motion.q_position, motion.q_velocity))
     return Fluctuation(
         gear_speed_rad_s=level(motion.gear_speed.error, parts),

@@ -17,7 +17,6 @@ from cycloid_mj.dynamics.mjcf import ReducerModel
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import sense
 
 Signal = Callable[[Array], Array]
 
@@ -111,7 +110,7 @@ def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
 
 def braking(reducer: Reducer) -> float:
     """Compute the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
-    return math.copysign(1.0, reducer.design.drive.speed) * sense(reducer.design)
+    return math.copysign(1.0, reducer.design.drive.speed) * reducer.member.sense
 
 
 def servo_target(compiled: Held, law: CrankLaw, time: Array) -> Array:

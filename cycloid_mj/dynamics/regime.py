@@ -13,7 +13,6 @@ from cycloid_mj.design import Friction
 from cycloid_mj.dynamics.law import LEAST_IMPEDANCE, ContactParameters, leads
 from cycloid_mj.dynamics.timestep import FEWEST_STEPS, passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring
 from cycloid_mj.statics.friction import lacking_friction
 
 NOISE = 1e4 * 2.0**-52
@@ -81,7 +80,7 @@ def pace(reducer: Reducer, fewest: float = FEWEST_STEPS) -> tuple[str, ...]:
     `fewest` is of steps, as the run's solver needs them.
     """
     design = reducer.design
-    passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
+    passing = design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
     if not passing:
         return ()
     return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *_creeping(reducer))

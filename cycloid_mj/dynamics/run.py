@@ -55,7 +55,6 @@ from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.dynamics.timestep import Step, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import ring_and_carrier
 
 Groups = dict[str, dict[str, str]]
 
@@ -484,7 +483,7 @@ class _Recorder:
                 ),
             )
         lobes = self._design.lobes
-        ring, _ = ring_and_carrier(self._reducer, seen[:, self._output])
+        ring, _ = self._reducer.member.ring_and_carrier(seen[:, self._output])
         for number, gear in enumerate(self._gears, start=1):
             error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
             which = f"gear {number}" if len(self._gears) > 1 else "the gear"

@@ -14,7 +14,6 @@ from typing import NamedTuple
 from cycloid_mj.base import names
 from cycloid_mj.parts import moving_masses, output_inertia
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.member import against_ring
 
 RESOLVED = 6.4
 """K dt^2/m of a contact up to which the figures of a run hold, but for the seat of a moving pin, see `SEATED`.
@@ -157,7 +156,7 @@ def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> flo
 def passing_limit(reducer: Reducer, fewest: float = FEWEST_STEPS) -> float:
     """Compute the longest step [s] for the teeth that pass at the design's crank speed, so many steps each."""
     design = reducer.design
-    return 2.0 * math.pi / (fewest * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
+    return 2.0 * math.pi / (fewest * design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))))
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:

@@ -13,7 +13,6 @@ from cycloid_mj.figures import SAMPLED, compute, figure
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import output_angle
 
 KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 
@@ -62,7 +61,7 @@ def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = steady(loaded, SETTLED, design.ring.teeth, solver)
-    error = run["output_angle"] - output_angle(design, run["crank_angle"])
+    error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
     contacts = pressed(run, loaded)
     kinds = {"tooth_force_n": design.tooth_pair, **KINDS}
     return {

@@ -90,13 +90,6 @@ def profile_error(waves: Array, t: Array) -> Array:
     return error
 
 
-def is_ideal(design: Design) -> bool:
-    """Tell whether every part is as the ideal mesh has it: no errors, no modification, no halves that are turned."""
-    modification = design.modification
-    modified = modification.equidistant or modification.pin_circle or modification.rotation
-    return not (modified or design.ring.preload) and deviations(design).largest == 0.0
-
-
 def _of_discs(design: Design, name: str, standard_deviation: float, count: int) -> Array:
     """Compute the error of each of `count` like parts of every disc [m], shape (D, count)."""
     listed = getattr(design.errors, name)

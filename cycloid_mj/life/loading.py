@@ -13,7 +13,6 @@ from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.springs import POSES as ALL_ROUND
 from cycloid_mj.statics.springs import turn_evenly
@@ -84,12 +83,12 @@ class Loading:
 
 def relative_speed(reducer: Reducer, speed: float) -> float:
     """Compute the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
-    return abs(float(speed - gear_angle(reducer.design, speed)))
+    return abs(float(speed - reducer.member.gear_angle(speed)))
 
 
 def speed_past_ring(reducer: Reducer, speed: float) -> float:
     """Compute the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
-    return abs(float(against_ring(reducer.design, speed)))
+    return abs(float(reducer.member.against_ring(speed)))
 
 
 def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:

@@ -23,7 +23,6 @@ from cycloid_mj.dynamics.swing import closed_stiffness
 from cycloid_mj.measure import bench
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
@@ -160,7 +159,7 @@ def loop(
         torque=whole["load_torque"],
         turn=output_error(whole, reducer) + wind_up(reducer) * whole["load_torque"],
         gear_turn=gear_error(whole, reducer),
-        centre_lead=sense(reducer.design) * bench.centre_lead(whole, reducer),
+        centre_lead=reducer.member.sense * bench.centre_lead(whole, reducer),
         run=run,
     )
 

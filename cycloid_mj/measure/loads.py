@@ -25,7 +25,6 @@ from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import STRIBECK
-from cycloid_mj.reducer.member import against_ring, ring_and_carrier
 from cycloid_mj.reducer.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.statics.bearings import reaction_quantities, spatial
 from cycloid_mj.statics.ideal import ideal_peak
@@ -254,7 +253,7 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     shaft, pins, ring = (
         -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
     )
-    _, carrier = ring_and_carrier(reducer, run["output_angle"])
+    _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
     moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
@@ -339,7 +338,7 @@ def _shared(reducer: Reducer, crank: Array) -> Array:
     """Compute the forces of ideal sharing on the teeth [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
-    gear, turned = tooth_profile(design), against_ring(design, crank)
+    gear, turned = tooth_profile(design), reducer.member.against_ring(crank)
     each = [ideal_loads.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
     return np.concatenate([forces for forces in each for _ in range(halves)], axis=1)
 

@@ -19,7 +19,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, flank_gaps
 from cycloid_mj.reducer.limits import CAM_SIDES, stops_at
-from cycloid_mj.reducer.member import against_ring
 
 COARSE_SIDES = 180
 """Sides of the polygon around the cam's play over a whole turn, where many angles are solved: larger by 1.6e-4."""
@@ -44,7 +43,7 @@ def parts_alone(reducer: Reducer, cranks: npt.ArrayLike) -> dict[str, Array]:
     Kind of pair -> shape (k,); (1,) at one angle.
     """
     design = reducer.design
-    seen = np.atleast_1d(against_ring(design, np.asarray(cranks, float)))
+    seen = np.atleast_1d(reducer.member.against_ring(np.asarray(cranks, float)))
     mesh_gaps = arc_gaps(reducer, seen)
     most, least = _arms(reducer, mesh_gaps, design.tooth_pair)
     if design.ring.kind == "nonpin":

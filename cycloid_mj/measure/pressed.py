@@ -9,7 +9,6 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring
 
 CARRIES = 0.01
 """A contact carries where its force is at least this share of the largest of its kind."""
@@ -94,7 +93,7 @@ def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     contacts = {}
     for kind in reducer.mechanism.kinds:
         vector = run.forces(kind)
-        curvature = relative_curvature(reducer, kind, against_ring(reducer.design, crank))
+        curvature = relative_curvature(reducer, kind, reducer.member.against_ring(crank))
         contact = reducer.contacts[kind]
         force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
         pressure, holds = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)

@@ -21,7 +21,6 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, trace
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
 
@@ -116,7 +115,9 @@ def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
     points = SOLVED * design.ring.teeth * turns + 1
     crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
     turning = reducer.but(drive={"speed": case.speed})
-    errors = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+    errors = (
+        ARCSECONDS * reducer.member.sense * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+    )
     return ErrorCurves(crank, errors[:, 0], errors[:, 1])
 
 

@@ -12,7 +12,6 @@ from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import sense
 
 HIGHEST = 3
 """Mesh orders up to which orders are told."""
@@ -107,7 +106,7 @@ def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
         "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
         "wind_up": ("loaded less unloaded, forward: elastic wind-up", loaded, back),
     }
-    if sense(reducer.design) < 0:
+    if reducer.member.sense < 0:
         pairs = {
             "reversal": ("reverse less forward, unloaded: backlash", ahead, back),
             "wind_up": ("unloaded less loaded, forward: elastic wind-up", back, loaded),

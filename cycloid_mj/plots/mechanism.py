@@ -16,7 +16,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
 
 CRANK_ANGLE = math.radians(35.0)
@@ -82,8 +82,8 @@ def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
     """Compute the columns of the ideal mechanism's motion at one crank angle."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
-    turn = member.gear_angle(design, crank)
-    columns = {"crank_angle": crank, "output_angle": member.output_angle(design, crank)}
+    turn = reducer.member.gear_angle(crank)
+    columns = {"crank_angle": crank, "output_angle": reducer.member.output_angle(crank)}
     for name, phase in zip(gears(design.gear.discs), reducer.phases, strict=True):
         columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, crank + phase).T, turn), strict=True))
     return columns

@@ -19,7 +19,7 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import Deviations, deviations
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.reducer.member import turning_and_held
+from cycloid_mj.reducer.member import member_of
 from cycloid_mj.reducer.sockets import socket_half_angle
 
 
@@ -262,7 +262,7 @@ def mechanism(design: Design) -> Mechanism:
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
-    turning, holder = turning_and_held(design)
+    turning, holder = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
     carrier = names.HOUSING if turning == names.HOUSING else ""
     yield Body(holder, holder, (), axis, axis)

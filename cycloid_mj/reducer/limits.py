@@ -13,7 +13,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
 
 _SCALE = 1e-6
@@ -62,15 +62,15 @@ def best_fit(reducer: Reducer, crank: float) -> Fit:
 
 def pressed_fit(reducer: Reducer, crank: float, pose: Array) -> Fit:
     """Tell a pose of the unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad]; its room is not looked for."""
-    return _fit(reducer, gaps(reducer, float(member.against_ring(reducer.design, crank))), pose, math.nan)
+    return _fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
 
 
 def _fit(reducer: Reducer, mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
-    output = member.sense(design) * reducer.share * carrier
-    ring, _ = member.ring_and_carrier(reducer, output)
+    output = reducer.member.sense * reducer.share * carrier
+    ring, _ = reducer.member.ring_and_carrier(output)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
     turned = turned + ring * design.ring.teeth / design.lobes
     return Fit(least, discs[:, :2], turned, output, _aside(reducer, mesh_gaps, pose))
@@ -95,7 +95,7 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
     """Return the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
     from scipy.optimize import linprog
 
-    crank = float(member.against_ring(reducer.design, crank))
+    crank = float(reducer.member.against_ring(crank))
     mesh_gaps = gaps(reducer, crank)
     slope, room = _limits(reducer, crank, mesh_gaps, _FIT_SIDES)
     count = unknowns(reducer)
@@ -139,7 +139,7 @@ def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
     from scipy.sparse import block_diag, csc_array
 
     design, count = reducer.design, unknowns(reducer)
-    seen = member.against_ring(design, cranks).tolist()
+    seen = reducer.member.against_ring(cranks).tolist()
     limits = [_limits(reducer, angle, gaps(reducer, angle), sides) for angle in seen]
     slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
     room = np.concatenate([room for _, room in limits for _ in range(2)])
@@ -158,7 +158,7 @@ def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
             )
         raise RunError(f"the gear jams {at}: its errors are larger than its clearances")
     turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * _SCALE / design.output.pin_circle_radius
-    return np.sort(member.sense(design) * reducer.share * turns, axis=1)
+    return np.sort(reducer.member.sense * reducer.share * turns, axis=1)
 
 
 def widest_play(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> float:

@@ -8,7 +8,7 @@ ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -17,63 +17,77 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
 
-if TYPE_CHECKING:
-    from cycloid_mj.reducer import Reducer
 
+@dataclass(frozen=True)
+class Member:
+    """How crank, gear, carrier, ring and output turn together.
 
-def gear_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Compute the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a carrier that is held.
-
-    Of speeds it gives speeds.
+    Attributes
+    ----------
+    turns_ring
+        Whether the ring gives the turn out, and the carrier is held.
+    teeth, lobes
+        Of the ring, N, and of the gear, N - 1.
     """
-    crank = np.asarray(crank, dtype=np.float64)
-    return np.zeros_like(crank) if design.output.turns_ring else -crank / design.lobes
+
+    turns_ring: bool
+    teeth: int
+    lobes: int
+
+    def gear_angle(self, crank: npt.ArrayLike) -> Array:
+        """Compute the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a held carrier.
+
+        Of speeds it gives speeds.
+        """
+        crank = np.asarray(crank, dtype=np.float64)
+        return np.zeros_like(crank) if self.turns_ring else -crank / self.lobes
+
+    def ring_angle(self, crank: npt.ArrayLike) -> Array:
+        """Compute the angle of the ring [rad], at crank angles [rad]: 0, or theta/N if it turns. Of speeds, speeds."""
+        crank = np.asarray(crank, dtype=np.float64)
+        return crank / self.teeth if self.turns_ring else np.zeros_like(crank)
+
+    def output_angle(self, crank: npt.ArrayLike) -> Array:
+        """Compute the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
+        return np.asarray(crank, dtype=np.float64) / (self.teeth if self.turns_ring else -self.lobes)
+
+    def against_ring(self, crank: npt.ArrayLike) -> Array:
+        """Compute the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
+        return np.asarray(np.asarray(crank, dtype=np.float64) - self.ring_angle(crank))
+
+    def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
+        """Compute the angles of ring and carrier [rad] from that of the output, which is one of them: the other's is 0.
+
+        Of speeds, speeds.
+        """
+        output = np.asarray(output, dtype=np.float64)
+        still = np.zeros_like(output)
+        return (output, still) if self.turns_ring else (still, output)
+
+    @property
+    def turning_and_held(self) -> tuple[str, str]:
+        """Names of the body that the load is on, the carrier's ``output`` or the ring's ``housing``, and the other."""
+        return (names.HOUSING, names.OUTPUT) if self.turns_ring else (names.OUTPUT, names.HOUSING)
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
+
+        And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of
+        statics are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier,
+        clockwise of the ring; see `sense`.
+        """
+        return self.lobes / self.teeth if self.turns_ring else 1.0
+
+    @property
+    def sense(self) -> int:
+        """1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
+        return -1 if self.turns_ring else 1
 
 
-def ring_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Compute the angle of the ring [rad], at crank angles [rad]: 0, or theta/N where it turns. Of speeds, speeds."""
-    crank = np.asarray(crank, dtype=np.float64)
-    return crank / design.ring.teeth if design.output.turns_ring else np.zeros_like(crank)
-
-
-def output_angle(design: Design, crank: npt.ArrayLike) -> Array:
-    """Compute the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
-    return np.asarray(crank, dtype=np.float64) / design.ratio
-
-
-def against_ring(design: Design, crank: npt.ArrayLike) -> Array:
-    """Compute the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
-    return np.asarray(np.asarray(crank, dtype=np.float64) - ring_angle(design, crank))
-
-
-def ring_and_carrier(reducer: "Reducer", output: npt.ArrayLike) -> tuple[Array, Array]:
-    """Compute the angles of ring and carrier [rad] from that of the output, which is one of them: the other's is 0.
-
-    Of speeds, speeds.
-    """
-    output = np.asarray(output, dtype=np.float64)
-    still = np.zeros_like(output)
-    return (output, still) if reducer.design.output.turns_ring else (still, output)
-
-
-def turning_and_held(design: Design) -> tuple[str, str]:
-    """Name the body that the load is on, the carrier's ``output`` or the ring's ``housing``, and the other one."""
-    return (names.HOUSING, names.OUTPUT) if design.output.turns_ring else (names.OUTPUT, names.HOUSING)
-
-
-def share(design: Design) -> float:
-    """Compute the torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
-
-    And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of statics
-    are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier, clockwise of the
-    ring; see `sense`.
-    """
-    return design.lobes / design.ring.teeth if design.output.turns_ring else 1.0
-
-
-def sense(design: Design) -> int:
-    """Return 1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
-    return -1 if design.output.turns_ring else 1
+def member_of(design: Design) -> Member:
+    """Return the member that gives the turn out in a design."""
+    return Member(design.output.turns_ring, design.ring.teeth, design.lobes)
 
 
 def seen_from_ring(design: Design) -> Design:
@@ -83,7 +97,7 @@ def seen_from_ring(design: Design) -> Design:
     """
     if not design.output.turns_ring:
         return design
-    of = share(design)
+    of = member_of(design).share
     return design.model_copy(
         update={
             "output": design.output.model_copy(update={"member": "carrier"}),

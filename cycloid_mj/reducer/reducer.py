@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cycloid_mj.geometry.profile import CycloidGear
     from cycloid_mj.reducer.bodies import Mechanism
     from cycloid_mj.reducer.contact import Contacts
+    from cycloid_mj.reducer.member import Member
 
 Given = ParamSpec("Given")
 Value = TypeVar("Value")
@@ -155,6 +156,13 @@ class Reducer:
         return self.kept("deviations", lambda: deviations(self.design))
 
     @property
+    def is_ideal(self) -> bool:
+        """Whether every part is as the ideal mesh has it: no errors, no modification, no halves that are turned."""
+        modification = self.design.modification
+        modified = modification.equidistant or modification.pin_circle or modification.rotation
+        return not (modified or self.design.ring.preload) and self.deviations.largest == 0.0
+
+    @property
     def mechanism(self) -> "Mechanism":
         """Bodies, surfaces and mating pairs."""
         from cycloid_mj.reducer.bodies import mechanism
@@ -169,11 +177,16 @@ class Reducer:
         return Contacts(self)
 
     @property
-    def share(self) -> float:
-        """Torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns [1]."""
-        from cycloid_mj.reducer.member import share
+    def member(self) -> "Member":
+        """Which member gives the turn out, and how the turns and torques of the others follow."""
+        from cycloid_mj.reducer.member import member_of
 
-        return self.shape.kept("share", lambda: share(self.design))
+        return self.shape.kept("member", lambda: member_of(self.design))
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier over that on the output, without losses; `Member.share`."""
+        return self.shape.kept("share", lambda: self.member.share)
 
     @property
     def mesh_turn(self) -> float:

@@ -23,7 +23,7 @@ from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.measure import spread
 from cycloid_mj.parts import mass_properties, turning_inertia
 from cycloid_mj.parts.parts import body_solids
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import ripple, works
@@ -189,7 +189,7 @@ def play_of(reducer: Reducer, poses: int) -> Play:
     low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
     shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
     wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
-    return Play(rated, (low, high) if member.sense(reducer.design) > 0 else (-high, -low), wind_up)
+    return Play(rated, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
 
 
 def inertias(reducer: Reducer) -> tuple[float, float]:

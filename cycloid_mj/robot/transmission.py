@@ -11,7 +11,6 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import sense
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import springs_of
@@ -47,7 +46,7 @@ def ripple(reducer: Reducer, on_step: Callable[[], None]) -> Ripple:
     kept = _kept([fine for fine, _ in spectra.values()])
     # forward, the load pushes the output of a carrier counter-clockwise, to its upper stop
     stops = {}
-    for name, way in (("low", -sense(reducer.design)), ("high", sense(reducer.design))):
+    for name, way in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
         each = [spectra[load, way] for load in shares]
         stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
         stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
@@ -87,7 +86,7 @@ def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
     turning = reducer.but(drive={"speed": way * abs(design.drive.speed)})
     count = reducer.mesh_periods * PER_MESH_PERIOD
     springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
-    return sense(design) * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn
+    return reducer.member.sense * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn
 
 
 def waves(values: Array) -> tuple[Waves, Waves]:

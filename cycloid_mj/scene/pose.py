@@ -11,7 +11,6 @@ from cycloid_mj.base.names import FORCE_X, FORCE_Y, HOUSING, OUTPUT, SHAFT, colu
 from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import ring_and_carrier
 
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
@@ -56,7 +55,7 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
             f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
         )
     still = np.zeros_like(columns["crank_angle"])
-    ring, carrier = ring_and_carrier(reducer, columns["output_angle"])
+    ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
     by_part = {
         HOUSING: _pose(still, still, ring),
         SHAFT: _pose(still, still, columns["crank_angle"]),

@@ -10,7 +10,6 @@ from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring, gear_angle
 from cycloid_mj.statics.jam import BORNE, friction_borne
 from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Left, balance
 from cycloid_mj.statics.springs import Springs, springs_of
@@ -80,7 +79,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
 
 def _on_ring(reducer: Reducer, springs: Springs, torque: float | Array, balanced: Loads, follow: bool) -> Loads:
     """Correct the balance under a torque on a ring [N m] for the losses, and turn it back with the ring."""
-    carried, speed = reducer.share * torque, float(against_ring(reducer.design, reducer.design.drive.speed))
+    carried, speed = reducer.share * torque, float(reducer.member.against_ring(reducer.design.drive.speed))
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
         lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values())
         carried = (torque - lost / speed) / (1.0 + 1.0 / reducer.design.lobes)
@@ -177,7 +176,7 @@ def _friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     """Compute the powers that friction takes at each crank angle [W], shape (m,)."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
-    turning = abs(float(design.drive.speed - gear_angle(design, design.drive.speed)))
+    turning = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
     pressed = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     return {
         "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),

@@ -6,7 +6,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
-from cycloid_mj.reducer.member import against_ring
 
 _PHASES, _HALVINGS = 12, 50
 """Crank angles in a mesh period over which friction is averaged, and halvings of a turn until it is exact."""
@@ -36,7 +35,7 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
-    speed = abs(float(against_ring(design, design.drive.speed)))
+    speed = abs(float(reducer.member.against_ring(design.drive.speed)))
     crank = np.arange(_PHASES) / _PHASES * 2.0 * np.pi / gear.ring_teeth
     B = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)

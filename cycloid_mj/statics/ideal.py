@@ -7,7 +7,6 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import against_ring
 from cycloid_mj.statics.springs import body_force
 
 
@@ -38,7 +37,7 @@ def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
 def _shared(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
     """Share the load of the disc at a `phase`: the ring, the output pins, and the crank's angles against the ring."""
     design = reducer.design
-    gear, output, turned = reducer.tooth_profile, design.output, against_ring(design, crank)
+    gear, output, turned = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
     torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs
     ring = ideal_loads.ideal_load_sharing(gear, torque, turned + phase)
     pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, turned, phase)

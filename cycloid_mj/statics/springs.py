@@ -10,7 +10,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
-from cycloid_mj.reducer.member import against_ring, ring_angle
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.friction import rubbing
 
@@ -83,8 +82,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         crank = turn_evenly(reducer)
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
-    crank = against_ring(reducer.design, crank)
-    speed, reducer = float(against_ring(reducer.design, reducer.design.drive.speed)), reducer.at_rated_load
+    crank = reducer.member.against_ring(crank)
+    speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
     mesh_gaps = arc_gaps(reducer, crank)
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     curvature = mesh_gaps.relative_curvature[:, :teeth]
@@ -163,7 +162,9 @@ def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
     holes = output.pins * (output.hole_radius + clearance.output) ** 2
     bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
     area = profile.area(reducer.gear_profile, reducer.profile_offset) - bored
-    x, y, turned = design.environment.gravity_x, design.environment.gravity_y, ring_angle(design, crank)
+    x, y, turned = design.environment.gravity_x, design.environment.gravity_y, reducer.member.ring_angle(crank)
     gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
-    flung = design.drive.speed**2 * kinematics.gear_centre(reducer.tooth_profile, against_ring(design, crank) + phase)
+    flung = design.drive.speed**2 * kinematics.gear_centre(
+        reducer.tooth_profile, reducer.member.against_ring(crank) + phase
+    )
     return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

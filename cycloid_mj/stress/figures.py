@@ -12,7 +12,6 @@ from cycloid_mj.comparison import settling
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.member import share
 from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
 from cycloid_mj.stress.given import given
@@ -34,7 +33,8 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     if design.drive.speed == 0.0:
         return design
     rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
-    return design.steady(settling(Reducer(design)), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
+    reducer = Reducer(design)
+    return design.steady(settling(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 
 
 @once

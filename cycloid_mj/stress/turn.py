@@ -14,7 +14,7 @@ from cycloid_mj.base.names import CAM, FORCE_X, column, of_disc
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PARTS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import columns_from_ring, ring_and_carrier
+from cycloid_mj.reducer.member import columns_from_ring
 
 DEGREES = np.radians(np.arange(360.0))
 """Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""
@@ -89,7 +89,8 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
             "there are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
-    (angle, _), (speed, _) = (ring_and_carrier(Reducer(ran), run[f"output_{rate}"]) for rate in ("angle", "speed"))
+    member = Reducer(ran).member
+    (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
     run = replace(run, columns=columns_from_ring(ran, run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))

@@ -13,7 +13,6 @@ from cycloid_mj.base.validation import ValidationRow, absolute, deviation
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
-from cycloid_mj.reducer.member import share
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path, state, state_after
 from cycloid_mj.statics.samples import alike, solve_samples
@@ -114,7 +113,7 @@ def balance_rows(built: str, *changes: str) -> list[ValidationRow]:
     springs = springs_of(reducer, [CRANK], friction=False)
     _, exact = pressed(reducer)
     contact_loads = loads(reducer, springs, rig.RATED_LOAD)
-    z, load = contact_loads.departures[0], springs.load(share(design) * rig.RATED_LOAD)[0]
+    z, load = contact_loads.departures[0], springs.load(Reducer(design).share * rig.RATED_LOAD)[0]
     ours = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
     name = ", ".join((built, *changes))
     return [

@@ -13,7 +13,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import kinematics, profile
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
 
 _STEP = 1e-8
@@ -43,9 +43,9 @@ def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, outp
     shape (D, 2), and by a turn [rad], shape (D,); and the output, carrier or ring, turned on by an angle [rad].
     """
     design = reducer.design
-    ring, carrier = float(member.ring_angle(design, crank)), float(member.gear_angle(design, crank))
+    ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = carrier + turns
-    with_ring, with_carrier = member.ring_and_carrier(reducer, output)
+    with_ring, with_carrier = reducer.member.ring_and_carrier(output)
     ring, carrier = ring + float(with_ring), carrier + float(with_carrier)
     seen = crank - ring
     ideal = float(kinematics.gear_rotation(reducer.tooth_profile, seen))

@@ -15,7 +15,7 @@ from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.deviations import deviations, is_ideal, profile_error
+from cycloid_mj.geometry.deviations import deviations, profile_error
 from cycloid_mj.geometry.modification import flank_ends, gear_profile, profile_offset, sample_turned
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts.gear import gear_outline
@@ -93,8 +93,8 @@ def test_errors_survive_the_round_trip() -> None:
     assert dump(loads(dump(design))) == dump(design)
     assert override(design, ["load.torque_nm=3"]).errors == design.errors
     assert loads("[errors]\npin_dr_um = {2 = 1}").errors.pin_dr == (0.0, 1e-6, *[0.0] * 34)
-    assert is_ideal(PRESETS["pin"])
-    assert not is_ideal(design)
+    assert Reducer(PRESETS["pin"]).is_ideal
+    assert not Reducer(design).is_ideal
 
 
 @pytest.mark.parametrize(

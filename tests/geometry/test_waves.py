@@ -16,13 +16,12 @@ from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.deviations import deviations, is_ideal, profile_error
+from cycloid_mj.geometry.deviations import deviations, profile_error
 from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.modification import gear_profile, profile_offset
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
-from cycloid_mj.reducer.member import output_angle
 from cycloid_mj.statics.balance import loads as static_loads
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -65,7 +64,7 @@ def compared(design: Design) -> tuple[Array, Array, Array, Array]:
     )
     # a run's output is the model's: what carrier and shaft twist is beyond it
     turned = found.output_turn - wind_up(Reducer(design)) * TORQUE
-    seen = orders(run["output_angle"] - output_angle(design, run["crank_angle"]))
+    seen = orders(run["output_angle"] - Reducer(design).member.output_angle(run["crank_angle"]))
     return seen, orders(turned), np.linalg.norm(run.forces(design.tooth_pair), axis=2), found.teeth
 
 
@@ -147,5 +146,5 @@ def test_convex_slices_refuse_waves_of_the_profile() -> None:
 
 def test_waves_are_no_ideal_parts_and_survive_the_file() -> None:
     design = override(PRESETS["pin"], ["errors.profile_sin_um={35 = 1.0}"])
-    assert not is_ideal(design)
+    assert not Reducer(design).is_ideal
     assert loads(dump(design)) == design

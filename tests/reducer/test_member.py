@@ -80,13 +80,13 @@ def test_willis(design: Design) -> None:
     assert (Reducer(design).mesh_periods, Reducer(ring).mesh_periods) == (design.ring.teeth, design.ring.teeth - 1)
     for one in (design, ring):
         # of both: seen from the ring the carrier turns by -1/(N - 1) of the crank
-        about = member.ring_angle(one, theta)
-        ring_turn, carrier_turn = member.ring_and_carrier(Reducer(one), member.output_angle(one, theta))
+        about = Reducer(one).member.ring_angle(theta)
+        ring_turn, carrier_turn = Reducer(one).member.ring_and_carrier(Reducer(one).member.output_angle(theta))
         assert ring_turn == pytest.approx(about, abs=1e-14)
-        assert carrier_turn == pytest.approx(member.gear_angle(one, theta), abs=1e-14)
-        assert member.gear_angle(one, theta) - about == pytest.approx(-(theta - about) / one.lobes, abs=1e-14)
-        assert member.against_ring(one, theta) == pytest.approx(theta - about, abs=1e-14)
-    assert member.output_angle(ring, theta) == pytest.approx(theta / design.ring.teeth)
+        assert carrier_turn == pytest.approx(Reducer(one).member.gear_angle(theta), abs=1e-14)
+        assert Reducer(one).member.gear_angle(theta) - about == pytest.approx(-(theta - about) / one.lobes, abs=1e-14)
+        assert Reducer(one).member.against_ring(theta) == pytest.approx(theta - about, abs=1e-14)
+    assert Reducer(ring).member.output_angle(theta) == pytest.approx(theta / design.ring.teeth)
     seen = member.seen_from_ring(turned_over(design))
     assert seen.drive.speed == pytest.approx(design.drive.speed)
     assert seen == design.but(drive={"speed": seen.drive.speed}, load={"torque": seen.load.torque})
@@ -112,7 +112,7 @@ def test_the_ring_has_the_carriers_stops_by_the_ratio_of_the_ratios(design: Desi
     errors = design.but(errors={"pin_position": 5e-7, "hole_position": 5e-7})
     ring, of = errors.but(output=RING), errors.lobes / errors.ring.teeth
     for theta in (0.0, 1.0):
-        low, high = stops(Reducer(errors), float(member.against_ring(ring, theta)))
+        low, high = stops(Reducer(errors), float(Reducer(ring).member.against_ring(theta)))
         assert stops(Reducer(ring), theta) == pytest.approx((-of * high, -of * low), rel=1e-9)
         assert best_fit(Reducer(ring), theta).room == pytest.approx(
             best_fit(Reducer(errors), theta / (1 + 1 / errors.lobes)).room
@@ -126,12 +126,12 @@ def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
         assert Reducer(ring).contacts[kind].force == pytest.approx(Reducer(carrier).contacts[kind].force)
     theta = np.linspace(0.0, 6.0, 7)
     own = loads(Reducer(ring), springs_of(Reducer(ring), theta), 30.0 * more)
-    same = loads(Reducer(carrier), springs_of(Reducer(carrier), member.against_ring(ring, theta)), 30.0)
+    same = loads(Reducer(carrier), springs_of(Reducer(carrier), Reducer(ring).member.against_ring(theta)), 30.0)
     for name in ("teeth", "output"):
         assert getattr(own, name) == pytest.approx(getattr(same, name), rel=2e-4, abs=0.02), name
     assert own.output_turn == pytest.approx(same.output_turn / more, rel=1e-3)
     assert own.gear_turn == pytest.approx(same.output_turn - same.gear_turn, rel=1e-3)
-    theta = float(member.against_ring(ring, 0.5))
+    theta = float(Reducer(ring).member.against_ring(0.5))
     wound = windups(Reducer(ring), [0.5], 30.0 * more)[0], windups(Reducer(carrier), [theta], 30.0)[0]
     stiff = [1.0 / one.compliance(one.turn) for one in wound]
     assert stiff[0] == pytest.approx(more**2 * stiff[1], rel=1e-6)
@@ -242,10 +242,12 @@ def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     for way, sign in (("forward", 1.0), ("reverse", -1.0)):
         case = TraceCondition("loaded", way, "speed", torque, sign * stiff.drive.speed)
         first, second = (trace(Reducer(one), build(one), 0.02, case) for one in (stiff, soft))
-        twist = sign * member.sense(stiff) * more * torque * ARCSECONDS
+        twist = sign * Reducer(stiff).member.sense * more * torque * ARCSECONDS
         assert second.output - first.output == pytest.approx(np.full(first.output.size, twist), rel=1e-3)
         assert second.gear == pytest.approx(first.gear, rel=1e-4)
-        solved = ARCSECONDS * member.sense(stiff) * transmission_error(Reducer(soft), second.crank, sign * torque)
+        solved = (
+            ARCSECONDS * Reducer(stiff).member.sense * transmission_error(Reducer(soft), second.crank, sign * torque)
+        )
         assert second.gear.mean() == pytest.approx(solved[:, 0].mean(), rel=0.05)
         assert second.output.mean() == pytest.approx(solved[:, 1].mean(), rel=0.05)
 
@@ -278,7 +280,7 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
     periods, loaded = 3 / Reducer(slow).mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
     found = trace(loaded, compiled, periods, case)
     solved = transmission_error(loaded, found.crank, case.torque)
-    theory = ARCSECONDS * member.sense(free) * solved
+    theory = ARCSECONDS * Reducer(free).member.sense * solved
     assert found.gear == pytest.approx(theory[:, 0], abs=0.02 * np.abs(theory[:, 0]).max())
     assert found.output == pytest.approx(theory[:, 1], abs=0.02 * np.abs(theory[:, 1]).max())
     assert found.output.mean() < 0.0
@@ -292,7 +294,7 @@ def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turnin
     crank = 2.0 * np.pi * (36 if turning == "ring" else 35) * np.arange(points) / points
     made = {
         TraceCondition(load, way, "speed", 1.0, sign): ErrorCurves(
-            crank, *2 * [np.full(points, sign * member.sense(design) * lag[load])]
+            crank, *2 * [np.full(points, sign * Reducer(design).member.sense * lag[load])]
         )
         for load in lag
         for way, sign in (("forward", 1.0), ("reverse", -1.0))
@@ -331,14 +333,14 @@ def test_the_closed_form_of_efficiency_at_the_ring_is_its_balance_of_power() -> 
 def turning() -> Run:
     """Run a ring under its load, with friction and weight, for a turn of the crank from it and a little more."""
     steady = RIGID.but(output=RING, load={"torque": 30.0})
-    return simulate(steady.steady(0.012, 1.05 / member.share(steady)))
+    return simulate(steady.steady(0.012, 1.05 / Reducer(steady).share))
 
 
 def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
     design = design_of(turning)
     seen, carrier = member.columns_from_ring(design, turning.columns), member.seen_from_ring(design)
     late = turning.time > 0.008
-    slow = member.output_angle(carrier, seen["crank_speed"])
+    slow = Reducer(carrier).member.output_angle(seen["crank_speed"])
     assert seen["output_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
     assert seen["gear_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
     step = float(np.diff(turning.time).mean())

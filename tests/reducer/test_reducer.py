@@ -15,7 +15,7 @@ from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.deviations import deviations
-from cycloid_mj.reducer import Reducer, bodies, gaps, member, reducer
+from cycloid_mj.reducer import Reducer, bodies, gaps, reducer
 from cycloid_mj.reducer.bodies import mechanism
 
 VARIANTS = {
@@ -167,7 +167,9 @@ def test_what_parts_are_drawn_from_is_computed_once_for_all_loads_and_speeds(nam
 @pytest.mark.parametrize("name", UNLIKE)
 def test_in_a_turn_of_the_mesh_the_crank_passes_the_ring_once(name: str) -> None:
     design = unlike(name)
-    assert float(member.against_ring(design, Reducer(design).mesh_turn)) == pytest.approx(2.0 * math.pi, rel=1e-15)
+    assert float(Reducer(design).member.against_ring(Reducer(design).mesh_turn)) == pytest.approx(
+        2.0 * math.pi, rel=1e-15
+    )
 
 
 def test_what_is_kept_goes_as_soon_as_other_designs_are_at_work() -> None:

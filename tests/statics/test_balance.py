@@ -8,7 +8,6 @@ import pytest
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import share
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.balance import require_balance
 from cycloid_mj.statics.jam import friction_borne
@@ -46,7 +45,7 @@ def test_every_odd_drive_balances_under_every_load(path: Path) -> None:
         smooth = springs_of(Reducer(turning), cranks, friction=False)
         for torque in sign * np.array(SHARES) * design.rated_torque:
             assert np.isfinite(loads(Reducer(turning), springs, torque).teeth).all()
-            found, load = loads(Reducer(turning), smooth, torque), smooth.load(share(design) * torque)
+            found, load = loads(Reducer(turning), smooth, torque), smooth.load(Reducer(design).share * torque)
             for k, z in enumerate(found.departures):
                 left = state(smooth.contacts, k, load[k], z)
                 assert np.abs(left.residual).max() < 1e-3 * np.abs(load[k]).max()

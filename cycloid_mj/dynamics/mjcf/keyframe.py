@@ -4,9 +4,8 @@ import math
 from typing import Any
 
 from cycloid_mj.base import names
-from cycloid_mj.geometry.deviations import is_ideal
 from cycloid_mj.geometry.kinematics import gear_centre
-from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import Fit, best_fit, pressed_fit
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import springs_of
@@ -46,16 +45,15 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
     the gear does not turn, and the ring does, at speed/N.
     Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
     """
-    design = reducer.design
     gear = reducer.tooth_profile
-    turned, slow = float(member.gear_angle(design, crank)), float(member.gear_angle(design, speed))
-    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(member.output_angle(design, crank))}
-    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(member.output_angle(design, speed))}
+    turned, slow = float(reducer.member.gear_angle(crank)), float(reducer.member.gear_angle(speed))
+    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}
+    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(reducer.member.output_angle(speed))}
     for disc, phase in zip(reducer.mechanism.discs, reducer.mechanism.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
         position |= dict(zip(disc.joints, (x, y, turned), strict=True))
         velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
-    if not is_ideal(design):
+    if not reducer.is_ideal:
         for joint, shift in _room(reducer, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
@@ -76,7 +74,7 @@ def _fit(reducer: Reducer, crank: float) -> Fit:
 
 def _room(reducer: Reducer, crank: float) -> dict[str, float]:
     """Compute how far joints are from the ideal mesh where the parts fit best."""
-    fit, angle = _fit(reducer, crank), float(member.ring_angle(reducer.design, crank))
+    fit, angle = _fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}
     for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):

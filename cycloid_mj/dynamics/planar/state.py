@@ -6,7 +6,6 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import ring_and_carrier
 
 
 def start(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
@@ -18,7 +17,9 @@ def start(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
         names.CRANK_JOINT,
     ]
     places, speeds = ([joints.get(joint, 0.0) for joint in order] for joints in (position, velocity))
-    turn, rate = (float(ring_and_carrier(reducer, joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity))
+    turn, rate = (
+        float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
+    )
     s, c = np.sin(turn), np.cos(turn)
     for pin in reducer.mechanism.pins:
         x, y = pin.place + [position.get(joint, 0.0) for joint in pin.joints[:2]]

@@ -38,7 +38,6 @@ from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import gear_angle, ring_angle
 
 COLOURS: Mapping[str, Colour] = {
     names.HOUSING: (0.55, 0.58, 0.62, 1.0),
@@ -84,7 +83,7 @@ def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) ->
 
 def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Place]:
     design, origin = reducer.design, np.zeros(3)
-    ring, carrier = float(ring_angle(design, crank)), float(gear_angle(design, crank))
+    ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
     for body, angle in turned.items():
         yield _carried(body, body, origin, angle)
