@@ -6,7 +6,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import build
-from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts.gear import tooth_profile
 
@@ -51,7 +51,7 @@ class Rig:
 
 def chain_point(gear: CycloidGear, share: np.ndarray) -> np.ndarray:
     """Surface of lobe 1 from mid-root to mid-root, clockwise, for a share from -2 over -1 (junction) to 2."""
-    low, alpha = profile.best_phase(gear), envelope.largest_alpha(gear)
+    low, alpha = gear.best_phase, envelope.largest_alpha(gear)
     flank = envelope.Sigma(gear, low + (np.pi - low) * np.clip(np.abs(share) - 1.0, 0.0, 1.0)).points
     flank[:, 0] *= np.where(share < 0.0, 1.0, -1.0)
     arc = envelope.arc_points(gear, alpha * np.clip(np.abs(share), 0.0, 1.0))

@@ -331,7 +331,7 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
 
 def _point_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
-    columns = _planar(names.gears(reducer.design.gear.discs)[disc])
+    columns = _planar(reducer.gears[disc])
     place, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
     return place - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
 

@@ -21,5 +21,5 @@ def gear_error(run: Run, reducer: Reducer) -> Array:
 
     It is phi + theta/(N-1) of the gear's angle phi, or phi where the ring is the output, as the gear does not turn.
     """
-    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
+    turned = [run[names.planar_joints(gear)[2]] for gear in reducer.gears]
     return np.mean(turned, axis=0) - reducer.member.gear_angle(run["crank_angle"])

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.geometry import profile
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.structure import wind_up
@@ -40,7 +40,7 @@ def closed_stiffness(reducer: Reducer) -> float:
     k = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
     k |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
     gear, output = reducer.tooth_profile, design.output
-    arms = ideal_loads.ideal_load_sharing(gear, 1.0, 0.0).arms
+    arms = profile.moment_arm(gear, profile.pin_angles(gear))
     per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
     mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
     cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2

@@ -184,4 +184,4 @@ def _masses(reducer: Reducer) -> tuple[float, float, float]:
     """Compute a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none, of a shape."""
     masses = moving_masses(reducer)
     pin = masses[names.PIN].mass if reducer.design.ring.has_pin_bodies else 0.0
-    return masses[names.of_disc(names.GEAR, 0, reducer.design.gear.discs)].mass, output_inertia(reducer), pin
+    return masses[reducer.gears[0]].mass, output_inertia(reducer), pin

@@ -59,7 +59,7 @@ class RingContacts:
 
 def largest_alpha(gear: CycloidGear) -> float:
     """Half angle asin(c N / E) of the arc of each lobe [rad], where Sigma takes over (B = B0)."""
-    return math.pi / 2 - profile.best_phase(gear)
+    return math.pi / 2 - gear.best_phase
 
 
 def arc_points(gear: CycloidGear, alpha: npt.ArrayLike) -> Array:
@@ -78,13 +78,13 @@ class Sigma:
     def crank_angle_cw(self) -> Array:
         """Clockwise crank angle [(N-2) B - (N-1) (pi + 2 alpha)] / N at which the gear touches it there [rad]."""
         N = self.gear.ring_teeth
-        return ((N - 2) * self.B - (N - 1) * (np.pi + 2 * self._alpha)) / N
+        return ((N - 2) * self.B - (N - 1) * (np.pi + 2 * self.alpha)) / N
 
     @cached_property
     def normal_angle(self) -> Array:
         """Clockwise angle psi = [pi - 2 B - (N-2) alpha] / N of the normal, out of the bore, from +y [rad]."""
         N = self.gear.ring_teeth
-        return (np.pi - 2 * self.B - (N - 2) * self._alpha) / N
+        return (np.pi - 2 * self.B - (N - 2) * self.alpha) / N
 
     @property
     def points(self) -> Array:
@@ -125,7 +125,7 @@ class Sigma:
     @property
     def arc_length(self) -> Array:
         """Length [m] from the junction B0."""
-        return self._from_valley - Sigma(self.gear, profile.best_phase(self.gear))._from_valley
+        return self._from_valley - Sigma(self.gear, self.gear.best_phase)._from_valley
 
     @property
     def _from_valley(self) -> Array:
@@ -142,7 +142,8 @@ class Sigma:
         return profile.pitch_distance(self.gear, self.B)
 
     @cached_property
-    def _alpha(self) -> Array:
+    def alpha(self) -> Array:
+        """Angle from the common normal to the pin's radius [rad]; ``profile.conjugate_alpha``."""
         return profile.conjugate_alpha(self.gear, self.B)
 
 
@@ -183,7 +184,7 @@ def area(gear: CycloidGear) -> float:
     A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N + 2 N c^2) + 6 c sqrt(K).
     """
     N, c, E, rho = gear.symbols
-    B0 = profile.best_phase(gear)
+    B0 = gear.best_phase
     A0 = math.pi * (N + 1) * (E**2 / N + 2 * c**2) - 2 * B0 * (E**2 / N + 2 * N * c**2) + 6 * c * math.sqrt(_K(gear))
     return A0 - rho * (profile.length(gear, 0.0) + 8 * c) + math.pi * rho**2
 
@@ -217,7 +218,7 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     The junctions are among the points, so that each chord spans an arc or a Sigma only.
     """
     require_envelope(gear)
-    B0, alpha, rho = profile.best_phase(gear), largest_alpha(gear), gear.pin_radius
+    B0, alpha, rho = gear.best_phase, largest_alpha(gear), gear.pin_radius
     flank = SmoothArc(
         points=lambda B: Sigma(gear, B).points,
         normal_angle=lambda B: Sigma(gear, B).normal_angle,
@@ -243,7 +244,7 @@ def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
     alpha = profile.conjugate_alpha(gear, B)
     points = gear.pin_circle_radius * unit(zeta) - gear.pin_radius * unit(zeta - alpha)
     ring_curvature = np.full(gear.ring_teeth, 1 / gear.pin_radius)
-    return _contacts(gear, crank_angle, np.arange(gear.ring_teeth), B, zeta - alpha, points, ring_curvature)
+    return _contacts(gear, crank_angle, np.arange(gear.ring_teeth), B, alpha, zeta - alpha, points, ring_curvature)
 
 
 def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
@@ -268,7 +269,7 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     lobe, B = lobe[order], B[order]
     touched = Sigma(gear, B)
     points, angle = _turned(touched.points, zeta[lobe]), zeta[lobe] + touched.normal_angle
-    return _contacts(gear, crank_angle, lobe, B, angle, points, -1 / touched.radius)
+    return _contacts(gear, crank_angle, lobe, B, touched.alpha, angle, points, -1 / touched.radius)
 
 
 def _K(gear: CycloidGear) -> float:
@@ -279,7 +280,7 @@ def _K(gear: CycloidGear) -> float:
 def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
     """Stretches of B between B0 and 2 pi - B0 without a turning point l^2 = (N-1) K of the crank angle."""
     N, c, E, _ = gear.symbols
-    B0 = profile.best_phase(gear)
+    B0 = gear.best_phase
     turning = (E**2 + (c * N) ** 2 - (N - 1) * _K(gear)) / (2 * E * c * N)
     if turning <= -1:
         return [(B0, 2 * math.pi - B0)]
@@ -303,7 +304,7 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
         lambda B: Sigma(gear, B).arc_length,
         lambda B: Sigma(gear, B).arc_rate,
         unlike - arc_half,
-        profile.best_phase(gear),
+        gear.best_phase,
         np.pi,
     )[row]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
@@ -326,11 +327,12 @@ def _contacts(
     crank_angle: float | Array,
     lobe: Integers,
     B: Array,
+    alpha: Array,
     angle: Array,
     points: Array,
     ring_curvature: Array,
 ) -> RingContacts:
-    """Contacts from the phase B and the clockwise `angle` of the gear's outward normal in the ring frame."""
-    t = angle - crank_angle / gear.lobes + profile.conjugate_alpha(gear, B)
+    """Contacts from phase B, conjugate angle and clockwise `angle` of the gear's outward normal in the ring frame."""
+    t = angle - crank_angle / gear.lobes + alpha
     relative = ring_curvature + profile.curvature(gear, t)
     return RingContacts(lobe=lobe, B=B, t=t, points=points, normals=-unit(angle), relative_curvature=relative)

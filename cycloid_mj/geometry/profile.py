@@ -64,6 +64,12 @@ class CycloidGear:
         """The same four values as the equations order them: N, c, E, rho."""
         return self.ring_teeth, self.eccentricity, self.pin_circle_radius, self.pin_radius
 
+    @property
+    def best_phase(self) -> float:
+        """Phase B0 = acos(c N / E) [rad] of the largest moment arm, c (N-1), and the smallest pressure angle."""
+        N, c, E, _ = self.symbols
+        return math.acos(c * N / E)
+
 
 @dataclass(frozen=True)
 class Outline:
@@ -150,7 +156,7 @@ def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw:
 
 
 def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Pressure angle pi/2 - |alpha| [rad] at phase B, smallest at +-`best_phase`."""
+    """Pressure angle pi/2 - |alpha| [rad] at phase B, smallest at +-`CycloidGear.best_phase`."""
     return np.pi / 2 - np.abs(conjugate_alpha(gear, B))
 
 
@@ -161,12 +167,6 @@ def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
     """
     N, c, E, _ = gear.symbols
     return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)
-
-
-def best_phase(gear: CycloidGear) -> float:
-    """Phase B0 = acos(c N / E) [rad] of the largest moment arm, c (N-1), and the smallest pressure angle."""
-    N, c, E, _ = gear.symbols
-    return math.acos(c * N / E)
 
 
 def normal_angle(gear: CycloidGear, t: npt.ArrayLike) -> Array:

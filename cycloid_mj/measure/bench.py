@@ -231,7 +231,7 @@ def centre_lead(run: Run, reducer: Reducer) -> Array:
     Of several discs, in the mean.
     """
     leads = []
-    for gear, phase in zip(names.gears(reducer.design.gear.discs), reducer.phases, strict=True):
+    for gear, phase in zip(reducer.gears, reducer.phases, strict=True):
         (x, y, _), ahead = names.planar_joints(gear), run["crank_angle"] + phase
         leads.append(-run[x] * np.cos(ahead) - run[y] * np.sin(ahead))
     return np.asarray(np.mean(leads, axis=0))

@@ -157,7 +157,8 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
     side = _quarter_turned(push)
     rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
     lever = rubbed - gear.pin_radius
-    ahead, behind = (profile.curvature(gear, lines.t + step, 0.0) for step in (_STEP, -_STEP))
+    behind, bend, ahead = (profile.curvature(gear, lines.t + step, 0.0) for step in (-_STEP, 0.0, _STEP))
+    twist = (ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe + half * design.ring.teeth,
@@ -168,8 +169,8 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
         slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
-        bend=profile.curvature(gear, lines.t, 0.0),
-        twist=np.asarray((ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))),
+        bend=bend,
+        twist=np.asarray(twist),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
         slip_slope=_by_unknown(reducer, disc, side, rubbed, np.zeros(arm.shape)),

@@ -96,8 +96,8 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
     from scipy.optimize import linprog
 
     crank = float(reducer.member.against_ring(crank))
-    mesh_gaps = gaps(reducer, crank)
-    slope, room = _limits(reducer, crank, mesh_gaps, _FIT_SIDES)
+    mesh_gaps, cams = gaps(reducer, crank), cam_places(reducer, crank)
+    slope, room = _limits(reducer, mesh_gaps, cams, _FIT_SIDES)
     count = unknowns(reducer)
     matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
     best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
@@ -140,7 +140,7 @@ def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
 
     design, count = reducer.design, unknowns(reducer)
     seen = reducer.member.against_ring(cranks).tolist()
-    limits = [_limits(reducer, angle, gaps(reducer, angle), sides) for angle in seen]
+    limits = [_limits(reducer, gaps(reducer, angle), cam_places(reducer, angle), sides) for angle in seen]
     slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
     room = np.concatenate([room for _, room in limits for _ in range(2)])
     goal = np.zeros((len(cranks), 2, count))
@@ -170,11 +170,14 @@ def widest_play(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> float
     return high - low
 
 
-def _limits(reducer: Reducer, crank: float, mesh_gaps: Gaps, sides: int) -> tuple[Array, Array]:
-    """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
+def _limits(reducer: Reducer, mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
+    """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then polygons of `cams`.
+
+    These are the cams' places [m], shape (D, 2).
+    """
     slopes, rooms = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
-    for disc, place in enumerate(cam_places(reducer, crank)):
+    for disc, place in enumerate(cams):
         slope = np.zeros((sides, unknowns(reducer)))
         slope[:, 3 * disc : 3 * disc + 2] = -around
         slopes.append(slope)

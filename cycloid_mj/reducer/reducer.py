@@ -10,6 +10,7 @@ from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache, wraps
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
+from cycloid_mj.base import names
 from cycloid_mj.design import Design
 
 if TYPE_CHECKING:
@@ -126,6 +127,11 @@ class Reducer:
         from cycloid_mj.reducer.bodies import phases
 
         return self.shape.kept("phases", lambda: phases(self.design))
+
+    @property
+    def gears(self) -> tuple[str, ...]:
+        """Names of the bodies of all discs."""
+        return names.gears(self.design.gear.discs)
 
     @property
     def tooth_profile(self) -> "CycloidGear":

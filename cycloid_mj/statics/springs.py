@@ -84,12 +84,11 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = reducer.member.against_ring(crank)
     speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
-    mesh_gaps = arc_gaps(reducer, crank)
+    mesh_gaps, cams, motion = arc_gaps(reducer, crank), cam_places(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     curvature = mesh_gaps.relative_curvature[:, :teeth]
     holding = np.array(reducer.contacts["output"].series)
     output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
-    motion = ideal_motion(reducer, crank) * speed
     radius = reducer.design.output.pin_circle_radius
     drag = math.copysign(reducer.design.friction_of("cam"), speed) * reducer.design.gear.bore_radius / radius
     return Springs(
@@ -113,7 +112,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
                 float(reducer.design.ring.teeth),
             ),
             stiffness=np.concatenate([tooth_stiffness(reducer, curvature), output], axis=1),
-            cam_place=cam_places(reducer, crank),
+            cam_place=cams,
             cam_clearance=reducer.design.clearance.cam,
             cam_stiffness=reducer.contacts["cam"].stiffness,
             rubbing=rubbing(reducer, mesh_gaps, motion) if friction else np.zeros((0, *mesh_gaps.slope.shape[1:])),

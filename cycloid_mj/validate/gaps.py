@@ -218,7 +218,7 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
     """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
-    low = profile.best_phase(gear)
+    low = gear.best_phase
     B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
     sampled_places = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
     sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)

@@ -128,7 +128,7 @@ def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
     """Compute what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
     turned = float(kinematics.gear_rotation(reducer.tooth_profile, CRANK)) + z / reducer.design.output.pin_circle_radius
     read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
-    for disc, gear in enumerate(names.gears(reducer.design.gear.discs)):
+    for disc, gear in enumerate(reducer.gears):
         x, y = pose_of(reducer, CRANK, z, disc).centre
         read |= dict(zip(names.planar_joints(gear), (x, y, turned[3 * disc + 2]), strict=True))
     return read

@@ -168,7 +168,7 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """
     design = reducer.design
     gear = tooth_profile(design)
-    roots, low = envelope.sigma_contacts(gear, crank), profile.best_phase(gear)
+    roots, low = envelope.sigma_contacts(gear, crank), gear.best_phase
     pose = GearPose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
     deflection = design.contact.working_force / design.contact.stiffness
     middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2

@@ -37,7 +37,7 @@ def _shared(
     reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
     gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat
-    low, stiffness = profile.best_phase(gear), stiffness.copy()
+    low, stiffness = gear.best_phase, stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}
     for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - flanks.offset)):
         arc = arcs.get(int(mesh.owner[row]))

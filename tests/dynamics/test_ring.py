@@ -76,7 +76,7 @@ def test_ideal_phase_inverts_the_envelope(name: str) -> None:
     gear = tooth_profile(nonpin(*DESIGNS[name]))
     ring = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     assert is_monotone(ring)
-    low = profile.best_phase(gear)
+    low = gear.best_phase
     for crank in np.linspace(-low + 1e-6, low - 2 * np.pi / gear.ring_teeth - 1e-6, 101):
         phase = ideal_root_phase(crank, low, ring)
         assert envelope.Sigma(gear, phase).crank_angle_cw == pytest.approx(crank, abs=1e-5)
@@ -87,7 +87,7 @@ def test_offset_root_is_the_envelope_without_pin_radius(name: str) -> None:
     gear = tooth_profile(nonpin(*DESIGNS[name]))
     bare = replace(gear, pin_radius=1e-15)
     ring = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
-    low = profile.best_phase(gear)
+    low = gear.best_phase
     for phase in np.linspace(low, 2 * np.pi - low, 50):
         x, y, psi, rate, curvature = offset_root(phase, ring)
         assert [x, y] == pytest.approx(envelope.Sigma(bare, phase).points, abs=1e-14)

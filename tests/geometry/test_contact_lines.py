@@ -92,7 +92,7 @@ def test_flanks_are_less_curved_than_pins_at_every_phase():
 
 def test_curvature_of_sigma_goes_to_zero_at_the_junction():
     """At B0 the normals of gear and flank turn at the same rate."""
-    low = profile.best_phase(PAPER)
+    low = PAPER.best_phase
     cranks = -envelope.Sigma(PAPER, low + np.array([1e-3, 1e-5])).crank_angle_cw
     flattest = [contact_lines(PAPER, "nonpin", crank).relative_curvature.min() for crank in cranks]
     assert flattest[1] < 0.02 * flattest[0] < 1.0

@@ -35,7 +35,7 @@ def reference_ring() -> dict[str, np.ndarray]:
 
 
 def sigma_range(gear: CycloidGear, points: int, fraction: float = 1.0) -> np.ndarray:
-    best = profile.best_phase(gear)
+    best = gear.best_phase
     return np.pi + fraction * np.linspace(best - np.pi, np.pi - best, points)
 
 
@@ -153,9 +153,7 @@ def ring_radius(gear: CycloidGear, direction: float) -> float:
             lambda a: polar(envelope.arc_points(gear, a)) - folded, -envelope.largest_alpha(gear), 0, xtol=1e-15
         )
         return float(np.linalg.norm(envelope.arc_points(gear, alpha)))
-    B = brentq(
-        lambda B: polar(envelope.Sigma(gear, B).points) - folded, profile.best_phase(gear), math.pi + 1e-6, xtol=1e-14
-    )
+    B = brentq(lambda B: polar(envelope.Sigma(gear, B).points) - folded, gear.best_phase, math.pi + 1e-6, xtol=1e-14)
     return float(np.linalg.norm(envelope.Sigma(gear, B).points))
 
 
@@ -176,7 +174,7 @@ def test_the_gear_of_another_pin_radius_does_not_sweep_this_ring(gear):
 
 
 def test_the_branch_below_best_phase_is_a_ghost_inside_the_swept_area():
-    B = np.linspace(0.05, 0.9, 20) * profile.best_phase(PAPER)
+    B = np.linspace(0.05, 0.9, 20) * PAPER.best_phase
     ghost = envelope.Sigma(PAPER, B).points
     ring = [ring_radius(PAPER, polar(point)) for point in ghost]
     assert np.all(np.linalg.norm(ghost, axis=1) < np.array(ring) - 1e-6)
@@ -200,7 +198,7 @@ def test_normals_rates_and_radius_of_sigma_follow_from_its_points(gear):
 
 @each_gear
 def test_arcs_and_sigma_join_in_position_and_tangent(gear):
-    best, alpha = profile.best_phase(gear), envelope.largest_alpha(gear)
+    best, alpha = gear.best_phase, envelope.largest_alpha(gear)
     ccw, cw = envelope.junction(gear)
     turn = 2 * np.pi / gear.ring_teeth
     at_next_lobe = [cw[0] * np.cos(turn) - cw[1] * np.sin(turn), cw[0] * np.sin(turn) + cw[1] * np.cos(turn)]
@@ -217,7 +215,7 @@ def test_arcs_and_sigma_join_in_position_and_tangent(gear):
 @pytest.mark.parametrize("gear", [*GEARS.values(), *random_gears(20)])
 def test_area_and_perimeter_agree_with_quadrature(gear):
     nodes, weights = np.polynomial.legendre.leggauss(60)
-    edges = np.pi - (np.pi - profile.best_phase(gear)) * np.linspace(1, 0, 13) ** 3
+    edges = np.pi - (np.pi - gear.best_phase) * np.linspace(1, 0, 13) ** 3
     half = np.diff(edges)[:, None] / 2
     B = edges[:-1, None] + half * (1 + nodes)
     rate, normal = envelope.Sigma(gear, B).arc_rate, profile.unit(envelope.Sigma(gear, B).normal_angle)
@@ -241,7 +239,7 @@ def test_no_gear_without_undercut_gives_a_cusped_ring():
 
 @pytest.mark.parametrize("gear", [*GEARS.values(), *random_gears(20)])
 def test_tightest_radius_is_the_smallest_along_sigma(gear):
-    radii = envelope.Sigma(gear, np.linspace(profile.best_phase(gear), np.pi, 100_001)).radius
+    radii = envelope.Sigma(gear, np.linspace(gear.best_phase, np.pi, 100_001)).radius
     assert envelope.tightest_radius(gear) == pytest.approx(radii.min(), rel=1e-7)
     assert envelope.tightest_radius(gear) <= radii.min() * (1 + 1e-12)
 
@@ -302,7 +300,7 @@ def test_normals_and_curvature_of_the_sampled_ring_are_limits_of_its_differences
     order = np.log2(coarse / fine)
     assert order[:2] == pytest.approx([2, 2], abs=0.1)
     # Where the curvature jumps but the tangent does not, the error is at most a quarter of jump times step.
-    jump = 1 / PAPER.pin_radius + 1 / envelope.Sigma(PAPER, profile.best_phase(PAPER)).radius
+    jump = 1 / PAPER.pin_radius + 1 / envelope.Sigma(PAPER, PAPER.best_phase).radius
     assert fine[2] <= jump / 4 * (1 + 1e-3)
 
 
@@ -392,7 +390,7 @@ def test_contacts_are_all_the_solutions_of_the_meshing_equation(gear):
         assert apart.min(axis=0).max() <= 1.01 * spacing
         unexplained = roots[apart.min(axis=1) > 1.01 * spacing]
         phases = np.abs(np.angle(np.exp(1j * profile.phase(gear, unexplained))))
-        assert np.all(phases < profile.best_phase(gear) + gear.lobes * spacing)
+        assert np.all(phases < gear.best_phase + gear.lobes * spacing)
 
 
 @pytest.mark.slow
@@ -401,7 +399,7 @@ def test_counts_of_contacts_of_the_paper_ring():
     found = [envelope.sigma_contacts(PAPER, crank) for crank in cranks]
     counts = np.array([len(contacts.B) for contacts in found])
     assert set(counts) == {4, 5}
-    mean = 36 * profile.best_phase(PAPER) / np.pi - 1
+    mean = 36 * PAPER.best_phase / np.pi - 1
     assert mean == pytest.approx(4.588, abs=5e-4)
     # Each of the 36 flanks is in touch over one stretch of the crank, known to two of the 900 steps.
     assert counts.mean() == pytest.approx(mean, abs=2 * 36 / 900)
@@ -409,7 +407,7 @@ def test_counts_of_contacts_of_the_paper_ring():
         np.angle(np.exp(1j * (np.arctan2(contacts.points[:, 0], contacts.points[:, 1]) + crank)))
         for contacts, crank in zip(found, cranks, strict=True)
     ]
-    limit = profile.best_phase(PAPER) - math.radians(2.86664135902833452)
+    limit = PAPER.best_phase - math.radians(2.86664135902833452)
     assert math.degrees(limit) == pytest.approx(25.07, abs=5e-3)
     assert np.abs(np.concatenate(aside)).max() == pytest.approx(limit, abs=2 * np.pi / 900)
     assert np.abs(np.concatenate(aside)).max() < limit

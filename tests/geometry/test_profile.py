@@ -165,7 +165,7 @@ def test_length_and_area_agree_with_quadrature(gear):
 
 def test_constants_of_the_paper_gear():
     known = key_constants()
-    valley, tip, best = 0.0, np.pi / 35, profile.best_phase(PAPER) / 35
+    valley, tip, best = 0.0, np.pi / 35, PAPER.best_phase / 35
     sharpest = math.radians(known["minRconvex_B_deg"]) / 35
     for t, name in [
         (valley, "gear_valley_R"),
@@ -174,7 +174,7 @@ def test_constants_of_the_paper_gear():
         (sharpest, "gear_min_convex_R"),
     ]:
         assert 1 / profile.curvature(PAPER, t) / MM == pytest.approx(known[name], rel=1e-12)
-    assert math.degrees(profile.best_phase(PAPER)) == pytest.approx(known["B0_deg"], rel=1e-14)
+    assert math.degrees(PAPER.best_phase) == pytest.approx(known["B0_deg"], rel=1e-14)
     assert math.degrees(profile.inflection_phase(PAPER)) == pytest.approx(known["inflection_B_deg"], rel=1e-13)
     assert profile.undercut_radius(PAPER) / MM == pytest.approx(known["rho_max_no_undercut"], rel=1e-13)
     assert profile.radii(PAPER) == pytest.approx((known["gear_root_radius"] * MM, known["gear_tip_radius"] * MM))
@@ -184,7 +184,7 @@ def test_constants_of_the_paper_gear():
 
 @each_gear
 def test_best_phase_has_the_largest_arm_and_the_smallest_pressure_angle(gear):
-    best = profile.best_phase(gear)
+    best = gear.best_phase
     around = best + np.linspace(-0.2, 0.2, 401)
     assert profile.moment_arm(gear, best) == pytest.approx(gear.eccentricity * gear.lobes, rel=1e-14)
     assert np.argmax(profile.moment_arm(gear, around)) == 200

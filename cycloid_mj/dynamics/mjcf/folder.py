@@ -134,7 +134,7 @@ def _manifest(
     design = reducer.design
     moving = [
         names.SHAFT,
-        *names.gears(design.gear.discs),
+        *reducer.gears,
         names.OUTPUT,
         *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
     ]

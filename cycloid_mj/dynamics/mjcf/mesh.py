@@ -139,7 +139,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which meet objects from outside."""
     sector, ahead = rest.sector, reducer.phases
-    bodies = names.gears(reducer.design.gear.discs) if sector.part == names.GEAR else (sector.part,)
+    bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
     for index, piece in enumerate(rest.pieces, start=1):
         name = f"{sector.part}_rest_{number}_{index}"
         _add_stl(spec, name, stl_bytes(piece))

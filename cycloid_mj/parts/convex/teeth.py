@@ -139,7 +139,7 @@ def _ring_nodes(gear: CycloidGear, chord_error: float) -> Array:
         turning_rate=lambda B: -envelope.Sigma(gear, B).arc_rate / envelope.Sigma(gear, B).radius,
         arc_rate=lambda B: envelope.Sigma(gear, B).arc_rate,
     )
-    return profile.sagitta_nodes(flank, profile.best_phase(gear), math.pi, chord_error)
+    return profile.sagitta_nodes(flank, gear.best_phase, math.pi, chord_error)
 
 
 def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:

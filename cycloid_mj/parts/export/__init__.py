@@ -189,9 +189,7 @@ def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Expo
     if file_format in ("stl", "obj"):
         return _meshes(reducer, file_format, chord_error)
     sections = part_sections(reducer, SPLINES if file_format == "step" else 1)
-    discs = [
-        [_loop_points(loop) for loop in sections[gear][0].loops] for gear in names.gears(reducer.design.gear.discs)
-    ]
+    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in reducer.gears]
     clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
@@ -200,7 +198,7 @@ def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Expo
 
 def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
     solids = parts(reducer, chord_error)
-    discs = [solids[gear].prisms[0] for gear in names.gears(reducer.design.gear.discs)]
+    discs = [solids[gear].prisms[0] for gear in reducer.gears]
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
     meshes = {name: fused(solid) for name, solid in _apart(reducer, solids).items()}

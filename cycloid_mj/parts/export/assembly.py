@@ -95,7 +95,7 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
             yield _carried(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier)
         for number, centre in enumerate(output_centres(reducer), start=1):
             yield _carried(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, np.array([*centre, 0.0]), carrier)
-    discs = zip(names.gears(design.gear.discs), reducer.phases, design.gear.disc_planes, strict=True)
+    discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
         yield Place(gear, gear, (float(x), float(y), plane), carrier)

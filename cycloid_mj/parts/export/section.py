@@ -60,7 +60,7 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSec
     teeth = _gear_outline(reducer, splines)
     gears = {
         name: (PartSection("gear", (_ahead(reducer, teeth, phase), *_gear_holes(reducer)), -width, width),)
-        for name, phase in zip(names.gears(design.gear.discs), reducer.phases, strict=True)
+        for name, phase in zip(reducer.gears, reducer.phases, strict=True)
     }
     sections = {"housing": (wheel, *_cores(reducer, half)), **_crank(reducer), **gears, "output": _output(reducer)}
     if design.ring.kind == "pin":
@@ -131,7 +131,7 @@ def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     Sigma from B0 to 2 pi - B0 is the whole root counter-clockwise of lobe 1.
     """
     gear = reducer.tooth_profile
-    pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), profile.best_phase(gear)
+    pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), gear.best_phase
     arc = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
     flank = SmoothCurve(
         points=lambda B: envelope.Sigma(gear, B).points,
