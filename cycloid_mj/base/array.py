@@ -39,3 +39,8 @@ def on_grid(values: npt.ArrayLike) -> Array:
     decimals = -int(np.log10(LENGTH))
     rounded: Array = np.asarray(values, dtype=np.float64).round(decimals) + 0.0
     return rounded
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Compute the z of vector products of planar vectors, shapes (..., 2)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

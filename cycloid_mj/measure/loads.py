@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
@@ -256,7 +256,7 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
-    moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
+    moments = np.sum(cross(place, pins), axis=-1)
     whole = moments.sum(axis=1, keepdims=True)
     # parts that cross their play carry nothing at times, of which there are no shares
     yield from disc_shares(moments[whole[:, 0] != 0.0] / whole[whole != 0.0][:, np.newaxis])

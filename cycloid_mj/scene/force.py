@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.names import (
     FORCE_X,
     FORCE_Y,
@@ -245,6 +245,6 @@ def _aside(wrench: Array, along: Array, arm: Array) -> Array:
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
-    surplus = arm[..., 0] * along[..., 1] - arm[..., 1] * along[..., 0] - lever
+    surplus = cross(arm, along) - lever
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
     return np.clip(surplus, -LONGEST_SHIFT, LONGEST_SHIFT)[..., np.newaxis] * across

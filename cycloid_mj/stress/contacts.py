@@ -1,12 +1,16 @@
-"""Contacts of each part along a crank turn: forces in the part's frame, where they act, and how sharply."""
+"""Contacts of each part along a crank turn: forces in the part's frame, where they act, and how sharply.
+
+Where a force acts is where its line of action, from force and moment, meets the surface that it presses on.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from scipy.special import j1
 
-from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.array import Array, Mask, cross
 from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
@@ -17,7 +21,6 @@ from cycloid_mj.base.names import (
     PIN,
     SOCKET,
     column,
-    gears,
     numbered,
     of_disc,
     planar_joints,
@@ -27,7 +30,6 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import wall_radius
-from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
 from cycloid_mj.stress.turn import Turn
 
@@ -37,6 +39,76 @@ WIDEST = np.pi / 3
 A cylinder in a hole with little clearance touches that arc, where Hertz's strip would be wider than the cylinder; and
 so does a roller bearing with its loaded half.
 """
+
+
+NEGLIGIBLE = 1e-9
+"""A force below this share of the turn's largest is rounding and is left out."""
+
+
+@dataclass(frozen=True)
+class Action:
+    """A force along a turn: `force` [N] (k, 2), and its `moment` [N m] (k,) about the origin of its frame."""
+
+    force: Array
+    moment: Array
+
+    @property
+    def size(self) -> Array:
+        """Size of the force [N], shape (k,)."""
+        return np.linalg.norm(self.force, axis=-1)
+
+    @property
+    def direction(self) -> Array:
+        """Unit vectors along the force, nan where there is none, shape (k, 2)."""
+        size = self.size[..., np.newaxis]
+        return np.divide(self.force, size, out=np.full_like(self.force, np.nan), where=size > 0.0)
+
+    @property
+    def foot(self) -> Array:
+        """Point of the line of action nearest to the origin [m], nan where there is no force, shape (k, 2)."""
+        squared = self.size**2
+        arm = np.divide(self.moment, squared, out=np.full_like(squared, np.nan), where=squared > 0.0)
+        return arm[..., np.newaxis] * turned_right(self.force)
+
+    def reaction(self) -> "Action":
+        """Compute the reaction: the same action on the other body."""
+        return Action(-self.force, -self.moment)
+
+    def seen_from(self, origin: Array, angle: Array) -> "Action":
+        """Compute the action in a frame at `origin` [m] (k, 2) of the present one, turned by `angle` [rad] (k,)."""
+        return Action(turned(self.force, -angle), self.moment - cross(origin, self.force))
+
+    def without_rounding(self) -> "Action":
+        """Compute the action with negligible forces set to zero."""
+        return self.where(self.size > NEGLIGIBLE * np.max(self.size, initial=0.0))
+
+    def where(self, chosen: Mask) -> "Action":
+        """Compute the action at the chosen samples (k,), and no force at the others."""
+        return Action(np.where(chosen[..., np.newaxis], self.force, 0.0), np.where(chosen, self.moment, 0.0))
+
+    def on_hole(self, centre: Array, radius: float, half_width: Array | float = 0.0) -> Array:
+        """Compute where the force presses on the wall of a hole [m], (k, 2): ahead of the hole's centre."""
+        return self._on_circle(centre, radius, half_width, 1.0)
+
+    def on_disc(self, centre: Array, radius: float, half_width: Array | float = 0.0) -> Array:
+        """Compute where the force presses on a disc [m], (k, 2): behind the disc's centre."""
+        return self._on_circle(centre, radius, half_width, -1.0)
+
+    def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
+        """Compute the middle of a patch of a half width [m] on a circle.
+
+        A narrow patch lies where the line of action meets the circle. The tractions of a wide one point in many
+        directions: for the same force they add up to more, and so does the moment of friction. Their resultant acts at
+        a larger radius (the friction radius of a journal bearing), where the line of action is met. A line that misses
+        the circle by rounding touches it.
+        """
+        along = self.direction
+        out = self.foot - centre
+        across = out - dot(out, along)[..., np.newaxis] * along
+        reach = radius / mean_cosine(np.asarray(half_width) / radius)
+        depth = np.sqrt(np.maximum(reach**2 - dot(across, across), 0.0))
+        met = across + side * depth[..., np.newaxis] * along
+        return centre + met * (radius / reach)[..., np.newaxis]
 
 
 @dataclass(frozen=True)
@@ -92,7 +164,7 @@ def frame(turn: Turn, part: str) -> PartFrame:
     """Return the frame of a part, that of its solid, as it moves."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
-    if part in gears(turn.reducer.design.gear.discs):
+    if part in turn.reducer.gears:
         x, y, angle = planar_joints(part)
         return PartFrame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
@@ -106,8 +178,8 @@ def frame(turn: Turn, part: str) -> PartFrame:
 
 def contacts(turn: Turn, part: str) -> list[PartContact]:
     """List every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
-    if part in gears(turn.reducer.design.gear.discs):
-        return _of_gear(turn, gears(turn.reducer.design.gear.discs).index(part))
+    if part in turn.reducer.gears:
+        return _of_gear(turn, turn.reducer.gears.index(part))
     return {"shaft": _of_shaft, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}[part](turn)
 
 
@@ -162,7 +234,7 @@ def _discs(turn: Turn) -> range:
 
 def _disc(turn: Turn, disc: int) -> PartFrame:
     """Return the frame of a disc."""
-    return frame(turn, gears(turn.reducer.design.gear.discs)[disc])
+    return frame(turn, turn.reducer.gears[disc])
 
 
 def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
@@ -182,7 +254,7 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 def _of_gear(turn: Turn, disc: int) -> list[PartContact]:
     return [
-        *_teeth(turn, gears(turn.reducer.design.gear.discs)[disc], disc),
+        *_teeth(turn, turn.reducer.gears[disc], disc),
         _cam_in_bore(turn, disc),
         *_holes(turn, disc),
     ]
@@ -213,7 +285,10 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
     for lobe in range(gear.ring_teeth):
         name = numbered(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
-        place, curvature = lobe_place(flank, _in(on_teeth, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
+        seen = _in(on_teeth, action)
+        place, curvature = lobe_place(
+            flank, seen.foot, seen.direction, lines[:, lobe], curvatures[:, lobe], ahead, offset
+        )
         place = turned(place, on_teeth.angle - seat.angle)
         if part == "ring":
             place, action = place + on_teeth.origin, action.reaction()
@@ -286,7 +361,7 @@ def _of_pin(turn: Turn) -> list[PartContact]:
     """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
     gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
     radius, contacts, sockets = gear.pin_radius, [], []
-    for disc, name in enumerate(gears(turn.reducer.design.gear.discs)):
+    for disc, name in enumerate(turn.reducer.gears):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
         curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
@@ -353,3 +428,26 @@ def total(contacts: Sequence[PartContact]) -> Action:
     """Sum the actions of contacts."""
     force = np.sum([contact.action.force for contact in contacts], axis=0)
     return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))
+
+
+def mean_cosine(half_angle: Array) -> Array:
+    """Average the cosine over an elliptical pressure of a half angle a [rad]: 2 J1(a)/a."""
+    a = np.maximum(half_angle, 1e-9)
+    return 2.0 * j1(a) / a
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Compute inner products along the last axis."""
+    return np.sum(a * b, axis=-1)
+
+
+def turned_right(vectors: Array) -> Array:
+    """Turn vectors (..., 2) by a quarter turn clockwise."""
+    return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
+
+
+def turned(vectors: Array, angle: Array) -> Array:
+    """Turn vectors (..., 2) counter-clockwise by angles (...) [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

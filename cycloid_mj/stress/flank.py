@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, cross
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear
-from cycloid_mj.stress.action import Action, cross
 
 ROUNDS = 30
 FARTHEST = 0.5
@@ -41,7 +40,13 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
 
 
 def lobe_place(
-    gear: CycloidGear, action: Action, lines: Array, curvature: Array, turn: Array, offset: float
+    gear: CycloidGear,
+    foot: Array,
+    along: Array,
+    lines: Array,
+    curvature: Array,
+    turn: Array,
+    offset: float,
 ) -> tuple[Array, Array]:
     """Compute where a lobe's force presses on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
 
@@ -50,8 +55,8 @@ def lobe_place(
 
     Parameters
     ----------
-    action
-        The force on the gear, gear frame, (k,).
+    foot, along
+        A point of the force's line of action [m], and the unit vector along the force, gear frame, (k, 2).
     lines, curvature
         Of this lobe, from `lobe_lines`, (k, 3).
     turn
@@ -59,7 +64,6 @@ def lobe_place(
     offset
         Of the flank from the trochoid [m].
     """
-    along, foot = action.direction, action.foot
     starts = lines + turn[:, np.newaxis]
     missed = np.abs(_miss(gear, starts, foot[:, np.newaxis], along[:, np.newaxis], offset))
     facing = np.sum(profile.normals(gear, starts) * along[:, np.newaxis], axis=-1) < 0.0

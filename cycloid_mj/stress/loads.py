@@ -13,8 +13,7 @@ from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.action import Action, turned
-from cycloid_mj.stress.contacts import contacts, frame, total
+from cycloid_mj.stress.contacts import Action, contacts, frame, total, turned
 from cycloid_mj.stress.turn import DEGREES, Turn, turn
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")

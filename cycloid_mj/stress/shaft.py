@@ -17,7 +17,7 @@ import numpy as np
 from scipy import sparse
 
 from cycloid_mj.base import names
-from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask, cross
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
@@ -192,7 +192,7 @@ def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[
         yield weight * np.cos(order * middle)
         if order:
             yield weight * np.sin(order * middle)
-    yield arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
+    yield cross(arm, force)
 
 
 def _half_cosine(order: int) -> float:

@@ -15,6 +15,7 @@ from hsieh2014.one_run import claims
 from hsieh2014.stated import is_ours, stress_references
 from made_run import TORQUE, made_run
 
+from cycloid_mj.base.array import cross
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.base.names import gears
 from cycloid_mj.cli import app
@@ -32,9 +33,8 @@ from cycloid_mj.log import write
 from cycloid_mj.parts import mass_properties, output_centres, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.action import Action, cross, turned
 from cycloid_mj.stress.closed import largest_von_mises, line_stress, von_mises_below
-from cycloid_mj.stress.contacts import contacts
+from cycloid_mj.stress.contacts import Action, contacts, turned
 from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
