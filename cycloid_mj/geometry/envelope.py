@@ -242,9 +242,15 @@ def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
     zeta = profile.pin_angles(gear)
     B = zeta + crank_angle
     alpha = profile.conjugate_alpha(gear, B)
-    points = gear.pin_circle_radius * unit(zeta) - gear.pin_radius * unit(zeta - alpha)
-    ring_curvature = np.full(gear.ring_teeth, 1 / gear.pin_radius)
-    return _contacts(gear, crank_angle, np.arange(gear.ring_teeth), B, alpha, zeta - alpha, points, ring_curvature)
+    normals, t = -unit(zeta - alpha), zeta - alpha - crank_angle / gear.lobes + alpha
+    return RingContacts(
+        lobe=np.arange(gear.ring_teeth),
+        B=B,
+        t=t,
+        points=gear.pin_circle_radius * unit(zeta) + gear.pin_radius * normals,
+        normals=normals,
+        relative_curvature=1 / gear.pin_radius + profile.curvature(gear, t),
+    )
 
 
 def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
@@ -268,8 +274,16 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     order = np.lexsort((B, lobe))
     lobe, B = lobe[order], B[order]
     touched = Sigma(gear, B)
-    points, angle = _turned(touched.points, zeta[lobe]), zeta[lobe] + touched.normal_angle
-    return _contacts(gear, crank_angle, lobe, B, touched.alpha, angle, points, -1 / touched.radius)
+    angle = zeta[lobe] + touched.normal_angle
+    t = angle - crank_angle / gear.lobes + touched.alpha
+    return RingContacts(
+        lobe=lobe,
+        B=B,
+        t=t,
+        points=_turned(touched.points, zeta[lobe]),
+        normals=-unit(angle),
+        relative_curvature=-1 / touched.radius + profile.curvature(gear, t),
+    )
 
 
 def _K(gear: CycloidGear) -> float:
@@ -320,19 +334,3 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,
     )
-
-
-def _contacts(
-    gear: CycloidGear,
-    crank_angle: float | Array,
-    lobe: Integers,
-    B: Array,
-    alpha: Array,
-    angle: Array,
-    points: Array,
-    ring_curvature: Array,
-) -> RingContacts:
-    """Contacts from phase B, conjugate angle and clockwise `angle` of the gear's outward normal in the ring frame."""
-    t = angle - crank_angle / gear.lobes + alpha
-    relative = ring_curvature + profile.curvature(gear, t)
-    return RingContacts(lobe=lobe, B=B, t=t, points=points, normals=-unit(angle), relative_curvature=relative)

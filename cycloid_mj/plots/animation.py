@@ -85,7 +85,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         raise UsageError(f"an animation {width} pixels wide: give {LEAST_WIDTH} to {LARGEST_WIDTH}")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
-    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.design, columns)
+    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
     drawn = drawing(reducer, gaps(reducer, seen, motion.disc), scene.magnification)
     script = Script(
         reducer=motion.reducer,

@@ -9,6 +9,7 @@ ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,9 @@ import numpy.typing as npt
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,7 @@ def seen_from_ring(design: Design) -> Design:
     )
 
 
-def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
+def columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
     """Compute the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
 
     Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
@@ -116,17 +120,17 @@ def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str,
 
     Parameters
     ----------
-    design
-        The design that ran.
+    reducer
+        What ran.
     columns
         Name -> values, shape (n,), in SI units; any of a run's.
     """
     seen = dict(columns)
-    if not design.output.turns_ring:
+    if not reducer.member.turns_ring:
         return seen
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
     slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
-    for gear in names.gears(design.gear.discs):
+    for gear in reducer.gears:
         x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
         slower |= {turn: angle, spin: speed}
         _turn_back(seen, x, y, angle)

@@ -33,7 +33,7 @@ def mechanism(motion: Series) -> dict[str, Any]:
     """Collect the mechanism's outlines [mm] and its motion over one settled crank turn."""
     rows = _rows(motion)
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
-    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.design, columns)
+    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
     widest = widest_gap(reducer, gaps(reducer, seen))
     return _shape(motion.reducer) | {
         "usual": fitting_magnification(reducer, widest, MAGNIFICATIONS),

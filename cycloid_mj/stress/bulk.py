@@ -68,8 +68,8 @@ class Distances:
         return min(float(self.at(angle, vertices).max()) for angle in range(len(self.ends) - 1))
 
 
-def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
-    """Compute the distances of a part's nodes from the patches of its case, at its first angles, and its corners."""
+def distances_of(grid: Grid, case: LoadCase) -> Distances:
+    """Compute the distances of a part's nodes from the patches of its case, at all of its angles, and its corners."""
     points = grid.points
     outside = np.zeros(len(points))
     if grid.section is not None:
@@ -79,7 +79,7 @@ def distances_of(grid: Grid, case: LoadCase, angles: int) -> Distances:
     if len(grid.keep_off):
         at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
-    ends = np.searchsorted(case.angle[order], np.arange(angles + 1))
+    ends = np.searchsorted(case.angle[order], np.arange(case.angles + 1))
     return Distances(points, outside, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
 
 

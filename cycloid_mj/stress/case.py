@@ -50,6 +50,8 @@ class LoadCase:
         The factorised part.
     response
         Answers the loads at the angles of given indices (c,).
+    angles
+        How many there are.
     angle, points
         Centres (p, 2) [m] of narrow patches, about which stress falls as 1/distance, and the index of the angle (p,) of
         each.
@@ -57,6 +59,7 @@ class LoadCase:
 
     body: ElasticBody
     response: Callable[[Integers], Response]
+    angles: int
     angle: Integers
     points: Array
 
@@ -77,7 +80,7 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
         moved = elastic.displacements(part, forces)
         return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
 
-    return LoadCase(part, response, put.angle, put.points)
+    return LoadCase(part, response, len(loads.angle), put.angle, put.points)
 
 
 def _lifted(section: SectionGrid, loads: PartLoads) -> Any:

@@ -25,12 +25,13 @@ from cycloid_mj.base.names import (
     of_disc,
     planar_joints,
 )
+from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import hertz_line_contact
-from cycloid_mj.geometry.profile import unit
+from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import wall_radius
-from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
+from cycloid_mj.stress.flank import lobe_lines, lobe_place
 from cycloid_mj.stress.turn import Turn
 
 WIDEST = np.pi / 3
@@ -218,6 +219,15 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     return nominal + turn.vectors(*planar_joints(numbered(PIN, pin + 1))[:2])
 
 
+def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
+    """Compute the relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
+
+    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's.
+    """
+    t = profile.pin_angles(gear)[pin] + gear_angle
+    return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
+
+
 def _on_gear(turn: Turn, name: str, disc: int) -> Action:
     """Compute the logged force of a pair on a disc, about the reducer's axis."""
     return _logged(turn, _called(turn, name, disc), _disc(turn, disc).origin)
@@ -302,7 +312,7 @@ def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
-    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
+    curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
     pressed = line(turn.reducer, "pin_gear", action.size, curvature)
     return PartContact(_called(turn, name, disc), action, place, width, pressed)
@@ -363,7 +373,7 @@ def _of_pin(turn: Turn) -> list[PartContact]:
     radius, contacts, sockets = gear.pin_radius, [], []
     for disc, name in enumerate(turn.reducer.gears):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
-        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
+        curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
         pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
         contacts.append(PartContact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))

@@ -126,8 +126,8 @@ def solve(
     """
     reducer = Reducer(design)
     case = part_case(reducer, grid, loads)
-    answers = list(_answers(case, len(loads.angle)))
-    apart = distances_of(grid, case, len(loads.angle))
+    answers = list(_answers(case))
+    apart = distances_of(grid, case)
     del case  # its factor: beside it the operators would be the peak of memory
     operators, material = recovery(grid), material_of(reducer, grid.part)
     return _maxima(grid, loads, apart, distance, answers, lambda moved: stresses(operators, moved, material))
@@ -156,9 +156,7 @@ def loaded(reducer: Reducer, grid: Grid, loads: PartLoads) -> Loaded:
     """Factorise a part under its loads; raises as ``solve``."""
     operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
-    return Loaded(
-        grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case, len(loads.angle))
-    )
+    return Loaded(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
 
 
 Seen = Callable[[int, Array], None]
@@ -171,14 +169,14 @@ def unseen(index: int, stress: Array) -> None:
 
 def maxima(part: Loaded, distance: float | None = None, seen: Seen = unseen) -> PartStress:
     """Compute the maxima of stress at each crank angle, see ``solve``; what they are of is shown on the way."""
-    answers = _answers(part.case, len(part.loads.angle))
+    answers = _answers(part.case)
     return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components, seen)
 
 
-def _answers(case: LoadCase, angles: int) -> Iterator[Response]:
+def _answers(case: LoadCase) -> Iterator[Response]:
     """Yield what a part answers to its loads, a block of angles at a time."""
-    for start in range(0, angles, BLOCK):
-        yield case.response(np.arange(start, min(start + BLOCK, angles)))
+    for start in range(0, case.angles, BLOCK):
+        yield case.response(np.arange(start, min(start + BLOCK, case.angles)))
 
 
 def _maxima(
@@ -232,9 +230,7 @@ def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, f
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
     bulk = []
     for factor in CORNERS:
-        apart = distances_of(
-            replace(grid, corner_distance=factor * grid.corner_distance), part.case, len(part.loads.angle)
-        )
+        apart = distances_of(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
         kept = min(distance, apart.farthest() * (1.0 - 1e-9))
         sizes, _ = largest(apart, np.array([kept]), index, stress)
         bulk.append((factor * grid.corner_distance, float(sizes[0])))

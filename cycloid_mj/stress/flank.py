@@ -13,15 +13,6 @@ FARTHEST = 0.5
 """How far a place may lie from the ideal contact line it is sought from, as a share of a lobe's angle."""
 
 
-def pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Compute the relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
-
-    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's.
-    """
-    t = profile.pin_angles(gear)[pin] + gear_angle
-    return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
-
-
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
     """Compute parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
 

@@ -178,7 +178,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
             moments=section_moments(grid.points, units @ some + on_pads, shaft.stations),
         )
 
-    return LoadCase(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
+    return LoadCase(part, response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:

@@ -91,7 +91,7 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     run = run.usable()
     member = Reducer(ran).member
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
-    run = replace(run, columns=columns_from_ring(ran, run.columns))
+    run = replace(run, columns=columns_from_ring(Reducer(ran), run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))
     crank = run["crank_angle"][rows]

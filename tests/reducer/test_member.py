@@ -338,7 +338,7 @@ def turning() -> Run:
 
 def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
     design = design_of(turning)
-    seen, carrier = member.columns_from_ring(design, turning.columns), member.seen_from_ring(design)
+    seen, carrier = member.columns_from_ring(Reducer(design), turning.columns), member.seen_from_ring(design)
     late = turning.time > 0.008
     slow = Reducer(carrier).member.output_angle(seen["crank_speed"])
     assert seen["output_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
@@ -349,7 +349,7 @@ def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
     middle = np.hypot(seen["gear_x"], seen["gear_y"])
     assert middle == pytest.approx(np.hypot(turning["gear_x"], turning["gear_y"]))
     assert seen["load_torque"][late].mean() == pytest.approx(30.0 - turning["crank_torque"][late].mean(), rel=1e-6)
-    assert member.columns_from_ring(RIGID, turning.columns) == turning.columns
+    assert member.columns_from_ring(Reducer(RIGID), turning.columns) == turning.columns
 
 
 def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None:
@@ -372,7 +372,7 @@ def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None
 
 def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
     design = design_of(turning)
-    seen = member.columns_from_ring(design, turning.columns)
+    seen = member.columns_from_ring(Reducer(design), turning.columns)
     measured = gaps(Reducer(member.seen_from_ring(design)), seen)
     late = turning.time > 0.008
     assert np.abs(measured.deviation[late, :2]).max() < 20e-6
