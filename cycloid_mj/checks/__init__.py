@@ -8,7 +8,7 @@ and those of `margin` and `strength`. An error is what cannot be made, put toget
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
-from cycloid_mj.checks.body import balance, bearings, body_rules
+from cycloid_mj.checks.body import body_rules, whole_rules
 from cycloid_mj.checks.limit import Check, Checks, Limit, judged
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_rules
@@ -66,21 +66,8 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
     shape = (*judged(reducer, tooth_rules(reducer)), *judged(reducer, body_rules(reducer)))
     stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
     whole = all(item.passed or item.severity == "warning" for item in shape) and stands_out
-    of_whole = _of_whole(reducer) if whole else ()
+    of_whole = (*judged(reducer, whole_rules(reducer)), *assembly_checks(reducer)) if whole else ()
     return (*shape, *of_whole, *judged(reducer, mechanical_rules(reducer, whole)))
-
-
-def _of_whole(reducer: Reducer) -> tuple[Check, ...]:
-    """List what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
-
-    Several discs balance each other, and need none.
-    """
-    if reducer.design.gear.discs > 1:
-        rules = [bearings(reducer)]
-    else:
-        balanced = balance(reducer)
-        rules = [balanced, bearings(reducer)] if balanced.limit.holds(reducer) else [balanced]
-    return (*judged(reducer, rules), *assembly_checks(reducer))
 
 
 def require_sound(reducer: Reducer) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from cycloid_mj.checks.limit import Check, Demand, Limit, millimetres, wall_rule
 from cycloid_mj.checks.teeth import WALL_SHARE, pitches
 from cycloid_mj.design.units import MILLIMETRE
-from cycloid_mj.geometry import profile
 from cycloid_mj.reducer import Reducer
 
 HOLE_TOLERANCE = 1e-9
@@ -46,6 +45,17 @@ def body_rules(reducer: Reducer) -> Iterator[Demand | Check]:
     yield wall_rule("holes_to_root", holes_to_root, WALL_SHARE, E, f"between the output holes and {root_text}")
     yield _neighbouring_holes(reducer)
     yield _hole_size(reducer)
+
+
+def whole_rules(reducer: Reducer) -> tuple[Demand, ...]:
+    """State what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
+
+    Several discs balance each other, and need none.
+    """
+    if reducer.design.gear.discs > 1:
+        return (bearings(reducer),)
+    balanced = balance(reducer)
+    return (balanced, bearings(reducer)) if balanced.limit.holds(reducer) else (balanced,)
 
 
 def balance(reducer: Reducer) -> Demand:
@@ -94,9 +104,7 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
     design = reducer.design
     gear, shaft = design.gear, design.shaft
     lighter = design.material_of("gear").density / design.material_of("shaft").density
-    cut_out = math.pi * (_bore(reducer) ** 2 + design.output.pins * _hole(reducer) ** 2)
-    area = profile.area(reducer.gear_profile, reducer.profile_offset) - cut_out
-    area = lighter * area + math.pi * gear.bore_radius**2
+    area = lighter * reducer.disc_section + math.pi * gear.bore_radius**2
     moment = gear.face_width * gear.eccentricity * area
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 

@@ -12,8 +12,8 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.design import override
-from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, unit_of
+from cycloid_mj.design import Design, override
+from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, section_of, unit_of
 from cycloid_mj.reducer import Reducer
 
 SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator.gt, "at least": operator.ge}
@@ -108,47 +108,55 @@ class Limit:
 
     def formatted(self, reducer: Reducer) -> tuple[str, str]:
         """Format value and limit in the file's unit."""
-        return value_and_limit(self.value(reducer), self.side, self.bound, unit_of(self._field(reducer)))
+        return value_and_limit(self.value(reducer), self.side, self.bound, self.unit)
 
     def numbers(self, reducer: Reducer) -> tuple[float, float, str]:
         """Return value, bound and the file's unit of both."""
-        unit = unit_of(self._field(reducer))
-        return unit.from_si(self.value(reducer)), unit.from_si(self.bound), unit.suffix
+        return self.unit.from_si(self.value(reducer)), self.unit.from_si(self.bound), self.unit.suffix
 
     def remedy(self, reducer: Reducer) -> str:
         """Tell the change that keeps the limit, rounded to the safe side; empty if the file allows none."""
         if not SMALLEST < abs(self.bound) < math.inf:
             return ""
-        number = self._number(reducer)
+        number = self._number
         try:
-            override(reducer.design, [f"{self.file_key(reducer)}={number}"])
+            override(reducer.design, [f"{self.file_key}={number}"])
         except DesignError:
             return ""
         turn, beyond = ("lower", "less") if self.side in UPPER else ("raise", "more")
-        return f"{turn} {self.file_key(reducer)} to {number} or {beyond}"
-
-    def file_key(self, reducer: Reducer) -> str:
-        """Return the key as the design file has it, with its unit."""
-        table, name = self.key.split(".")
-        return f"{table}.{file_key(name, self._field(reducer))}"
+        return f"{turn} {self.file_key} to {number} or {beyond}"
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
         """Return the file's key and the value that keeps the limit; nothing if the file allows none."""
-        return (self.file_key(reducer), float(self._number(reducer))) if self.remedy(reducer) else None
+        return (self.file_key, float(self._number)) if self.remedy(reducer) else None
 
-    def _number(self, reducer: Reducer) -> str:
-        """Return the last number of four digits (or the last integer) inside the limit, in the file's unit."""
-        unit, whole = unit_of(self._field(reducer)), self._field(reducer).annotation is int
+    @property
+    def unit(self) -> Unit:
+        """Unit of the value in the design file."""
+        return unit_of(self._field)
+
+    @property
+    def file_key(self) -> str:
+        """The key as the design file has it, with its unit."""
+        table, name = self.key.split(".")
+        return f"{table}.{file_key(name, self._field)}"
+
+    @property
+    def _number(self) -> str:
+        """The last number of four digits (or the last integer) inside the limit, in the file's unit."""
+        whole = self._field.annotation is int
         inward = -1 if self.side in UPPER else 1
         margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
-        bound = unit.from_si(self.bound + inward * margin)
+        bound = self.unit.from_si(self.bound + inward * margin)
         step = 1.0 if whole else 10.0 ** (math.floor(math.log10(abs(bound))) - 3)
         steps = math.floor(bound / step) if inward < 0 else math.ceil(bound / step)
         return f"{steps * step:.10g}"
 
-    def _field(self, reducer: Reducer) -> FieldInfo:
+    @property
+    def _field(self) -> FieldInfo:
         table, name = self.key.split(".")
-        return type(getattr(reducer.design, table)).model_fields[name]
+        field: FieldInfo = section_of(Design.model_fields[table]).model_fields[name]
+        return field
 
 
 @dataclass(frozen=True)
@@ -210,7 +218,7 @@ def _judged(reducer: Reducer, rule: Demand) -> Check:
     helpful = [] if passed else [*([] if rule.tied else [limit]), *rule.instead]
     remedy = "" if passed else _remedy(reducer, helpful)
     value, bound, unit = limit.numbers(reducer)
-    key, changes = limit.file_key(reducer), single_changes(reducer, helpful)
+    key, changes = limit.file_key, single_changes(reducer, helpful)
     check = Check(rule.name, passed, got, allowed, rule.why, remedy, rule.severity, key, value, bound, unit, changes)
     if rule.first is None or rule.first.limit.holds(reducer):
         return check
@@ -231,7 +239,7 @@ def joint_change(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...
 def _remedy(reducer: Reducer, limits: list[Limit]) -> str:
     """Tell each single change that helps, or that none does."""
     single = [remedy for limit in limits if (remedy := limit.remedy(reducer))]
-    together = " and ".join(limit.file_key(reducer) for limit in limits)
+    together = " and ".join(limit.file_key for limit in limits)
     return ", or ".join(single) or f"no single change that the file allows is enough: change {together} together"
 
 

@@ -42,11 +42,11 @@ def mechanical_rules(reducer: Reducer, whole: bool) -> Iterator[Demand | Check]:
     tables = ("material", *(f"{part}_material" for part in PARTS))
     for table in tables:
         if material := getattr(design, table):
-            yield from _material_rules(reducer, table, material)
+            yield from _material_rules(table, material)
     yield from _drive_rules(reducer)
 
 
-def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterator[Demand]:
+def _material_rules(table: str, material: Material) -> Iterator[Demand]:
     """State the rules of one table of material; the names of a part's own begin with the part's."""
     part = table.removesuffix("material")
     yield Demand(
@@ -56,8 +56,8 @@ def _material_rules(reducer: Reducer, table: str, material: Material) -> Iterato
         (Limit(f"{table}.tensile_strength", "at least", material.yield_strength),),
     )
     for name, (low, high) in PLAUSIBLE.items():
-        at_least = Limit(f"{table}.{name}", "at least", low)
-        limit = Limit(at_least.key, "at most", high) if at_least.holds(reducer) else at_least
+        side, bound = ("at most", high) if getattr(material, name) >= low else ("at least", low)
+        limit = Limit(f"{table}.{name}", side, bound)
         why = "no material between polymers and tungsten carbide lies beyond (a slip of units?)"
         yield Demand(f"{part}{name}", limit, why, severity="warning")
 

@@ -280,9 +280,9 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
         lobe=lobe,
         B=B,
         t=t,
-        points=_turned(touched.points, zeta[lobe]),
         normals=-unit(angle),
         relative_curvature=-1 / touched.radius + profile.curvature(gear, t),
+        points=_turned(touched.points, zeta[lobe]),
     )
 
 
@@ -328,8 +328,8 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
     angle = np.where(on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
-        points=_turned(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
         normals=-unit(zeta + side * angle),
+        points=_turned(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
         curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,

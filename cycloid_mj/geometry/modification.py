@@ -7,6 +7,7 @@ offset and another pin-circle radius of the profile. Symbols as in ``profile``; 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -77,14 +78,13 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
         )
     middles = np.array([half_pitch, 0.0])
     t = profile.solve_monotone(
-        lambda t: _polar_angle(gear, t, offset),
-        lambda t: _polar_rate(gear, t, offset),
+        lambda t: _Polar(gear, t, offset).angle,
+        lambda t: _Polar(gear, t, offset).rate,
         middles - rotation,
         middles - half_pitch,
         middles,
     )
-    radius = np.linalg.norm(profile.outline(gear, t, offset), axis=1)
-    before = middles - t
+    radius, before = _Polar(gear, t, offset).radius, middles - t
     return FlankEnds(float(before[0]), float(radius[0]), float(before[1]), float(radius[1]))
 
 
@@ -105,8 +105,8 @@ def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation
     bend = float(np.clip(profile.inflection_phase(gear) / gear.lobes, low, high))
     concave = profile.sagitta_nodes(flank, low, bend, chord_error)
     t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, bend, high, chord_error)])
-    radius = np.linalg.norm(profile.outline(gear, t, offset), axis=1)
-    angle = _polar_angle(gear, t, offset) + rotation
+    polar = _Polar(gear, t, offset)
+    radius, angle = polar.radius, polar.angle + rotation
     angle[0], angle[-1] = 0.0, half_pitch
     lobe_angle = np.concatenate([angle, 2 * half_pitch - angle[-2:0:-1]])
     angles = 2 * half_pitch * np.arange(gear.lobes)[:, np.newaxis] + lobe_angle
@@ -114,13 +114,32 @@ def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation
     return np.asarray(radii[:, np.newaxis] * profile.unit(angles.ravel()))
 
 
-def _polar_angle(gear: CycloidGear, t: Array, offset: float) -> Array:
-    """Clockwise angle of the outline's point from +y [rad], within half a turn of t."""
-    x, y = profile.outline(gear, t, offset).T
-    return np.asarray(t + np.mod(np.arctan2(x, y) - t + np.pi, 2 * np.pi) - np.pi)
+class _Polar:
+    """Points of an outline at parameters t [rad], shape (n,), in polar coordinates about the gear's centre."""
 
+    def __init__(self, gear: CycloidGear, t: Array, offset: float) -> None:
+        self._gear = gear
+        self._t = t
+        self._offset = offset
 
-def _polar_rate(gear: CycloidGear, t: Array, offset: float) -> Array:
-    points = profile.outline(gear, t, offset)
-    across = np.cos(profile.normal_angle(gear, t) - np.arctan2(points[:, 0], points[:, 1]))
-    return np.asarray(profile.arc_rate(gear, t, offset) * across / np.linalg.norm(points, axis=1))
+    @cached_property
+    def _points(self) -> Array:
+        return profile.outline(self._gear, self._t, self._offset)
+
+    @property
+    def radius(self) -> Array:
+        """Distance from the centre [m]."""
+        return np.asarray(np.linalg.norm(self._points, axis=1))
+
+    @property
+    def angle(self) -> Array:
+        """Clockwise angle from +y [rad], within half a turn of t."""
+        x, y = self._points.T
+        return np.asarray(self._t + np.mod(np.arctan2(x, y) - self._t + np.pi, 2 * np.pi) - np.pi)
+
+    @property
+    def rate(self) -> Array:
+        """Derivative of `angle` by t [1]."""
+        normal = profile.normal_angle(self._gear, self._t)
+        across = np.cos(normal - np.arctan2(self._points[:, 0], self._points[:, 1]))
+        return np.asarray(profile.arc_rate(self._gear, self._t, self._offset) * across / self.radius)

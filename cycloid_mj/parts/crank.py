@@ -7,7 +7,6 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.output import near_face
 from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -89,7 +88,7 @@ def shaft_measures(reducer: Reducer) -> ShaftDimensions:
     prisms = crank_stretches(reducer)
     journal, weight = prisms[JOURNAL], prisms.get(COUNTERWEIGHT)
     cams = [(prism.z0, prism.z1) for name, prism in prisms.items() if names.family(name) == names.CAM]
-    end = min(journal.z1, near_face(reducer))
+    end = min(journal.z1, reducer.near_face)
     return ShaftDimensions(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,

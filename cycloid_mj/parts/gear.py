@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from cycloid_mj.base import names
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, sample_turned, tooth_profile
 from cycloid_mj.parts.accuracy import drawing_error
@@ -50,8 +49,9 @@ def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0
     hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
     holes = [hole + centre for centre in output_centres(reducer)]
     half = design.gear.face_width / 2
-    name = names.of_disc(names.GEAR, disc, design.gear.discs)
-    return Solid(name, (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density)
+    return Solid(
+        reducer.gears[disc], (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density
+    )
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
@@ -76,9 +76,10 @@ def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
     design = reducer.design
     _require_room(reducer)
     chord_error = drawing_error(reducer, chord_error)
+    inside = _area_inside(reducer, chord_error)
     bore = signed_area(circle(design.gear.bore_radius + design.clearance.cam, chord_error))
     hole = signed_area(circle(design.output.hole_radius + design.clearance.output, chord_error))
-    return _area_inside(reducer, chord_error) - bore - design.output.pins * hole
+    return inside - bore - design.output.pins * hole
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:

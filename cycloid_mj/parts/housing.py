@@ -30,10 +30,10 @@ def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """
     design = reducer.design
     chord_error = drawing_error(reducer, chord_error)
-    outline = circle(design.ring.pin_radius, chord_error)
-    bore = (_sleeve_bore(reducer, chord_error),) if design.ring.has_sleeves else ()
+    bores = [sleeve_core_radius(reducer) + design.clearance.pin_sleeve] if design.ring.has_sleeves else []
+    outline, *holes = (circle(radius, chord_error) for radius in (design.ring.pin_radius, *bores))
     half = design.gear.stack_width / 2 / design.ring.halves
-    return Solid("pin", (Prism(outline, bore, -half, half),), design.material_of("pin").density)
+    return Solid("pin", (Prism(outline, tuple(holes), -half, half),), design.material_of("pin").density)
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
@@ -98,11 +98,6 @@ def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
         for low, high, ahead in ring_stretches(reducer)
         for centre in design.ring.pin_circle_radius * unit(angles - ahead)
     ]
-
-
-def _sleeve_bore(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the bore of a sleeve as a polygon."""
-    return circle(sleeve_core_radius(reducer) + reducer.design.clearance.pin_sleeve, chord_error)
 
 
 def _pinwheel(reducer: Reducer, chord_error: float) -> Array:

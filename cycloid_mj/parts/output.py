@@ -15,12 +15,6 @@ RIM = 0.5
 """Width of the disc outside its pins, as a share of their radius."""
 
 
-def near_face(reducer: Reducer) -> float:
-    """Compute where along z what lies on the input side of the discs ends, the second output disc counted in [m]."""
-    output, near = reducer.design.output, -reducer.design.gear.stack_width / 2 - AXIAL_GAP
-    return near - output.disc_thickness - AXIAL_GAP if output.support == "both_ends" else near
-
-
 def output_centres(reducer: Reducer) -> Array:
     """Compute the centres of the output pins, and of the gear's holes, (n, 2) [m]: the first on +y, then clockwise."""
     output = reducer.design.output
@@ -45,12 +39,12 @@ def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     gear, output, half = design.gear, design.output, design.gear.stack_width / 2
     face = half + AXIAL_GAP
     both_ends = output.support == "both_ends"
+    radius, centres = pin_radius(reducer), output_centres(reducer)
     rim = circle(output.pin_circle_radius + (1 + RIM) * output.pin_radius, chord_error)
-    pin = circle(pin_radius(reducer), chord_error)
+    pin, eye = circle(radius, chord_error), circle(gear.bore_radius + gear.eccentricity, chord_error)
     disc = Prism(rim, (), face, face + output.disc_thickness)
     start = -face if both_ends else -half
-    pins = [Prism(pin + centre, (), start, face) for centre in output_centres(reducer)]
-    eye = circle(gear.bore_radius + gear.eccentricity, chord_error)
+    pins = [Prism(pin + centre, (), start, face) for centre in centres]
     second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
     return Solid(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
 

@@ -10,7 +10,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below, too_small
 from cycloid_mj.parts.gear import section_area
-from cycloid_mj.parts.output import near_face
 from cycloid_mj.parts.polygon import arc, area_moments, circle, turned
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
@@ -85,8 +84,8 @@ def _with_counterweight(reducer: Reducer, chord_error: float) -> dict[str, Prism
     shaft, half = design.shaft, design.gear.face_width / 2
     journal = _journal(reducer, chord_error)
     cam = Prism(circle(design.gear.bore_radius, chord_error, (0.0, design.gear.eccentricity)), (), -half, half)
-    counterweight = _counterweight(reducer, chord_error)
-    end = near_face(reducer)
+    counterweight = _counterweight(reducer, journal, chord_error)
+    end = reducer.near_face
     start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
     prisms = {
         JOURNAL: Prism(journal, (), end - shaft.length, start),
@@ -105,7 +104,7 @@ def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
     require_below("shaft.radius", shaft.radius, room, "the cams leave no wall around the shaft")
     journal, cam = circle(shaft.radius, chord_error), circle(gear.bore_radius, chord_error, (0.0, gear.eccentricity))
     ring = circle(spacer_radius(reducer), chord_error)
-    planes, end = gear.disc_planes, near_face(reducer)
+    planes, end = gear.disc_planes, reducer.near_face
     prisms = {JOURNAL: Prism(journal, (), end - shaft.length, planes[0] - half)}
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
@@ -143,7 +142,7 @@ def bearing_seats(
     `prisms` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
     """
     shaft, prisms = reducer.design.shaft, prisms or stretches(reducer)
-    start, end = prisms[JOURNAL].z0, min(prisms[JOURNAL].z1, near_face(reducer))
+    start, end = prisms[JOURNAL].z0, min(prisms[JOURNAL].z1, reducer.near_face)
     width = bearing_width(reducer, end - start)
     near = end - shaft.bearing_offset
     far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
@@ -159,12 +158,11 @@ def _far_journal(reducer: Reducer, outline: Array, journal: float) -> dict[str, 
     return {FAR: Prism(outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))}
 
 
-def _counterweight(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the outline of the lower half disc, joined to the whole shaft in its middle."""
+def _counterweight(reducer: Reducer, journal: Array, chord_error: float) -> Array:
+    """Compute the outline of the lower half disc, joined to the whole shaft, the `journal`, in its middle."""
     shaft = reducer.design.shaft
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     lower = arc(shaft.counterweight_radius, math.pi, 2 * math.pi, chord_error)
-    journal = _journal(reducer, chord_error)
     return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
 
 

@@ -190,6 +190,24 @@ class Reducer:
         return self.shape.kept("member", lambda: member_of(self.design))
 
     @property
+    def disc_section(self) -> float:
+        """Area of a disc's section [m2]: its outline less bore and holes, with clearances; turned flanks not cut."""
+        from cycloid_mj.geometry import profile
+
+        gear, output, clearance = self.design.gear, self.design.output, self.design.clearance
+        holes = output.pins * (output.hole_radius + clearance.output) ** 2
+        bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
+        return profile.area(self.gear_profile, self.profile_offset) - bored
+
+    @property
+    def near_face(self) -> float:
+        """Where along z what lies on the input side of the discs ends [m], the second output disc counted in."""
+        from cycloid_mj.reducer.bending import AXIAL_GAP
+
+        output, near = self.design.output, -self.design.gear.stack_width / 2 - AXIAL_GAP
+        return near - output.disc_thickness - AXIAL_GAP if output.support == "both_ends" else near
+
+    @property
     def share(self) -> float:
         """Torque on the carrier over that on the output, without losses; `Member.share`."""
         return self.shape.kept("share", lambda: self.member.share)

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.geometry import kinematics, profile
+from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
 from cycloid_mj.statics import kernel
@@ -154,16 +154,14 @@ def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
 
     The disc is ahead of the crank by its `phase` [rad].
 
-    Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
+    Its mass is that of `Reducer.disc_section`.
     """
     design = reducer.design
-    gear, output, clearance = design.gear, design.output, design.clearance
-    holes = output.pins * (output.hole_radius + clearance.output) ** 2
-    bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
-    area = profile.area(reducer.gear_profile, reducer.profile_offset) - bored
     x, y, turned = design.environment.gravity_x, design.environment.gravity_y, reducer.member.ring_angle(crank)
     gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
     flung = design.drive.speed**2 * kinematics.gear_centre(
         reducer.tooth_profile, reducer.member.against_ring(crank) + phase
     )
-    return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))
+    return np.asarray(
+        design.material_of("gear").density * design.gear.face_width * reducer.disc_section * (gravity + flung)
+    )

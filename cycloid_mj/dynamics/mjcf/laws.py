@@ -28,7 +28,7 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
     IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`).
     """
-    design = reducer.design
+    design, step = reducer.design, timestep(reducer)
     laws = {}
     for kind, mass in effective_masses(reducer).items():
         lines = design.lines(kind)  # each bears its share of force and mass
@@ -42,6 +42,6 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
             effective_mass=mass,
             friction=friction,
             creep=friction * force / reducer.contacts.creep_speed,
-            timestep=timestep(reducer),
+            timestep=step,
         )
     return laws
