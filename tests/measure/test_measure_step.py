@@ -13,7 +13,6 @@ from cycloid_mj.dynamics.swing import swing_period
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Losses, course_along
-from cycloid_mj.statics.working import working_at
 
 TEETH21 = unlike("teeth21")
 CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
@@ -42,7 +41,7 @@ def test_planar_steps_grow_with_the_swing_of_a_soft_drive_unless_pins_move():
 @pytest.mark.parametrize("name", ["nonpin-n33-d2-ring-60um", "fixed-n31-d1-carrier-250um"])
 def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
     design = unlike(name)
-    reducer = working_at(Reducer(design), design.rated_torque)
+    reducer = Reducer(design).working_at(design.rated_torque)
     crank = float(bench.crank_angles(reducer, 2)[1])
     loop = hysteresis.loop(reducer, crank, design.rated_torque, hysteresis.slow_period(reducer, design.rated_torque))
     course = np.linspace(0.0, 1.25, 1200)
