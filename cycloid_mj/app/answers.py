@@ -164,9 +164,9 @@ def _broken(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
             "name": _spoken(one.name),
             "severity": one.severity,
             "place": PLACES.get(one.name, ""),
-            "what": _in_words(f"{_plain(one.key)} is {one.got}, must be {one.limit}"),
-            "why": _in_words(one.why),
-            "remedy": "" if one.name in KINDS else _in_words(one.remedy),  # of those the page asks for ways
+            "what": in_words(f"{_plain(one.key)} is {one.got}, must be {one.limit}"),
+            "why": in_words(one.why),
+            "remedy": "" if one.name in KINDS else in_words(one.remedy),  # of those the page asks for ways
             "changes": [_change(reducer, change) for change in one.changes],
         }
         for one in failed
@@ -198,7 +198,7 @@ def _turned(reducer: Reducer, values: Mapping[str, float]) -> str:
     return "; ".join(told).replace(f", {CLEARANCE}", ", ")
 
 
-def _in_words(text: str) -> str:
+def in_words(text: str) -> str:
     """Put the page's words and symbols for the keys of the file and the units in a sentence."""
     text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: _plain(key[0]), text)
     text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)

@@ -13,6 +13,7 @@ from importlib import resources
 from typing import Any
 from urllib.parse import quote, unquote
 
+from cycloid_mj.app.answers import in_words
 from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER, loaded, long_work
 from cycloid_mj.app.jobs import Jobs
 from cycloid_mj.app.local import REFUSED, allowed
@@ -117,7 +118,7 @@ class Handler(BaseHTTPRequestHandler):
                 raise ValueError("an object is expected")
             self._send_json(HTTPStatus.OK, self.server.ask(self.path.strip("/").removeprefix("ask/"), content))
         except CycloidError as error:
-            self._send_json(HTTPStatus.OK, {"refused": str(error).removeprefix("override: ")})
+            self._send_json(HTTPStatus.OK, {"refused": in_words(str(error).removeprefix("override: "))})
         except KeyError:
             self._send_json(HTTPStatus.NOT_FOUND, {"error": "nobody answers that"})
         except (ValueError, RecursionError) as error:

@@ -86,7 +86,7 @@ def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
     page.run("document.querySelector('[data-key=\"ring.teeth\"] [type=number]').select()")
     page.type("3")
     page.key("Enter")
-    page.wait("document.querySelector('.refused .said')?.innerText.includes('ring.teeth = 3')", "refused where it is")
+    page.wait("document.querySelector('.refused .said')?.innerText.includes('ring teeth = 3')", "refused where it is")
     solved(page)
 
 
@@ -98,6 +98,17 @@ def test_the_file_is_saved_under_the_designs_own_name(page: Tab, downloads: Path
             break
         page.listen(0.1)
     assert "teeth = 16" in file.read_text()
+
+
+@pytest.mark.parametrize("width", [1000, 1400, 1920])
+def test_the_header_is_seen_from_the_last_slider(page: Tab, width: int) -> None:
+    page.screen(width, 900)
+    page.run("document.getElementById('k-service.life_h').scrollIntoView({ block: 'nearest' })")
+    page.wait("document.getElementById('k-service.life_h').getBoundingClientRect().bottom <= innerHeight", "a slider")
+    for part in ("head", "section"):
+        top, bottom = page.run(f"(b => [b.top, b.bottom])(document.getElementById('{part}').getBoundingClientRect())")
+        assert top >= 0.0, f"the {part} has gone"
+        assert bottom <= 900.0, f"the {part} has gone"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
