@@ -61,11 +61,10 @@ def fitted() -> dict[str, Any]:
         play = pin.clearance.pin_gear
         twin = drawn.but(clearance={"pin_gear": play, "tooth": play, "output": play}, springs=pin.springs.model_dump())
         predicted = cm.predict_loops(Reducer(twin), loops)
-        own = cm.predict_loops(Reducer(calibration.design), loops)
         content[kind] = {
             **{key: content_of[key] for key in ("parameters", "measured", "model")},
             "shares": [loop["residual_share"] for loop in content_of["loops"]],
-            "shares_without_offset": list(own.shares),
+            "shares_without_offset": [loop["residual_share_without_offset"] for loop in content_of["loops"]],
             "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
             "predicted_shares": list(predicted.shares),
             "parts": wind_up_by_part(Reducer(drawn)),

@@ -13,7 +13,7 @@ from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
-from cycloid_mj.bench.fit import Fitted, fit
+from cycloid_mj.bench.fit import AT_BOUND, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
@@ -35,9 +35,9 @@ MOST_KNOWN = 0.5
 SILENT = 1e-6
 """Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
 
-RADIANS, MINUTES, MILLIMETRES = 8.0, 30.0, 30.0
+RADIANS, MINUTES, MILLIMETRES, KILO = 8.0, 30.0, 30.0, 1e-3
 """How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
-minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm."""
+minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm, and in kN m."""
 
 RESIDUAL = (
     "rms difference of all measured deflections from the fitted loop's at the same torque, without those on the way to "
@@ -197,6 +197,7 @@ class Calibration(Presented):
                 loop.height / DEGREE,
                 self.fitted.rms(place) / DEGREE,
                 f"{self.fitted.rms(place) / loop.height:.1%}",
+                f"{self.fitted.rms_without(place) / loop.height:.1%}",
                 2.0 * loop.most,
             )
             for place, loop in enumerate(self.fitted.loops)
@@ -210,7 +211,15 @@ class Calibration(Presented):
             Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), figures),
             Table(
                 "loops",
-                ("loop", "points", "height [deg]", "residual rms [deg]", "of the height", "torque range [N m]"),
+                (
+                    "loop",
+                    "points",
+                    "height [deg]",
+                    "residual rms [deg]",
+                    "of the height",
+                    "with no offset of torque",
+                    "torque range [N m]",
+                ),
                 loops,
             ),
         ]
@@ -280,6 +289,7 @@ class Calibration(Presented):
                     "height_deg": loop.height / DEGREE,
                     "residual_rms_deg": self.fitted.rms(place) / DEGREE,
                     "residual_share": self.fitted.rms(place) / loop.height,
+                    "residual_share_without_offset": self.fitted.rms_without(place) / loop.height,
                     "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
                     "offset_torque_nm": float(self.fitted.offsets[place, 0]),
                     "offset_deg": float(self.fitted.offsets[place, 1]) / DEGREE,
@@ -505,8 +515,8 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
     ]
     notes += [
         f"{one.key} came out at the end of what is looked for, {value:.4g} {one.unit}: its interval is one-sided"
-        for one, value, bound in zip(fitted.parameters, fitted.values, fitted.at_bound, strict=False)
-        if bound
+        for one, value, place in zip(fitted.parameters, fitted.values, fitted.places, strict=False)
+        if min(place - one.place(one.least), one.place(one.most) - place) < AT_BOUND
     ]
     return tuple(notes)
 
@@ -520,6 +530,11 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
                 f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's "
                 f"rated {rated:.4g} N m: is {TORQUE} in N mm? then divide it by 1000; if not, give the design its "
                 "drive.torque_nm"
+            )
+        if loop.most < KILO * rated:
+            raise UsageError(
+                f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
+                f"{rated:.4g} N m: is {TORQUE} in kN m? then multiply it by 1000; if not, measure a loop of more torque"
             )
         try:
             turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])

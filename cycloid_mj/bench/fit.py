@@ -9,10 +9,16 @@ A model is off by more than noise. Whatever the course of an error of the rms va
 than d times the root of its inverse curvature (by Cauchy and Schwarz, where the model is straight): intervals reach as
 much farther than noise alone carries them, with d = `DISCREPANCY`. What is known without the loops, as of a clearance
 whose tolerance the design states, counts as one that is off by as much at one standard deviation.
+
+Such intervals leave a room in which the loops tell no values from others. What a design is asked for is the loop again:
+of all values within their intervals those are taken with which the model's turns miss the measured ones least, rms at
+the same torque, and what that does not ask for stays where it is likeliest (`FitProblem.nearest`). The likeliest values
+need not be these where the model is off: their measure is the distance from a branch, in which a leap across the play
+that comes a little early counts little, and an outlier less.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 
@@ -45,12 +51,15 @@ class Fitted:
     ----------
     model, parameters, bench, loops
         What was fitted to what.
+    likeliest
+        Places of the parameters, then of each loop's offsets of torque and deflection, on their scales: where the
+        residuals are least.
     places
-        Of the parameters, then each loop's offsets of torque and deflection, on their scales.
+        The same where the model repeats the loops best, within the intervals of 95 %.
     residuals
-        Of each loop's points, as shares of its range.
+        Of each loop's points, as shares of its range, where they are least.
     slopes
-        Of all residuals by all places, shape (points, values).
+        Of all residuals by all places there, shape (points, values).
     spread
         How sure the places are; of those at a bound, which is no measurement, 0.
     at_bound
@@ -65,6 +74,7 @@ class Fitted:
     parameters: tuple[Parameter, ...]
     bench: LoopCondition
     loops: tuple[MeasuredLoop, ...]
+    likeliest: Array
     places: Array
     residuals: tuple[Array, ...]
     slopes: Array
@@ -127,6 +137,12 @@ class Fitted:
         loop = self.loops[place]
         return rms((self.turns[place] - loop.deflection)[loop.lead :])
 
+    def rms_without(self, place: int) -> float:
+        """Compute that difference with no offset of torque, as in a scene, and the best of deflection [rad]."""
+        loop = self.loops[place]
+        turn = deflections(loop, model_branches(self.calibrated, self.bench, loop))
+        return float(np.std((turn - loop.deflection)[loop.lead :]))
+
 
 def fit(
     model: Model,
@@ -139,7 +155,8 @@ def fit(
 ) -> Fitted:
     """Fit parameters to loops by robust least squares, from several starts or one; `on_step` is called at each trial.
 
-    Without `intervals` they are those of the straight neighbourhood, which take no further search.
+    Without `intervals` they are those of the straight neighbourhood, which take no further search, and the values are
+    the likeliest.
     """
     search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
     starts = search.starts() if start is None else [start]
@@ -153,7 +170,7 @@ def fit(
             break
         others.append((cost, place))
         place = better
-    return fitted
+    return replace(fitted, places=search.nearest(place, *fitted.ends.T)) if intervals else fitted
 
 
 def _fitted(search: FitProblem, places: Array) -> Fitted:
@@ -183,6 +200,7 @@ def _fitted(search: FitProblem, places: Array) -> Fitted:
         parameters=search.parameters,
         bench=search.bench,
         loops=search.loops,
+        likeliest=places,
         places=places,
         residuals=tuple(parts),
         slopes=slopes,
@@ -200,12 +218,12 @@ def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Arr
     loops as well as the interval allows, an end of its own is looked for, and the farthest one counts.
     """
     inverse, least = fitted.spread.inverse, valleys[0][0]
-    apart = [np.any(np.abs(one - fitted.places) > fitted.spread.errors) for _, one in valleys[1:]]
+    apart = [np.any(np.abs(one - fitted.likeliest) > fitted.spread.errors) for _, one in valleys[1:]]
     valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
     for place in np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)]):
         for side, end in enumerate(fitted.ends[place].tolist()):
-            straight = end - fitted.places[place]
+            straight = end - fitted.likeliest[place]
             # what the sum of squares rises by there, where it is a paraboloid
             allowed, reached = 0.5 * straight**2 / inverse[place, place], []
             for cost, middle in valleys:

@@ -29,6 +29,12 @@ OFF_LOOP, NEAR_END = 1.0 / 3.0, 0.9
 """Distance of a beginning from the loop's own branch, as a share of its width there, from which it is not of the loop;
 and torque, as a share of the largest, from which a beginning is at the loop's end."""
 
+FEWEST_OF_A_BRANCH = 6
+"""Points of a branch in the mean: with fewer the torque goes to and fro, as where rows are not in the order of time."""
+
+TAKEN_OUT = 0.02
+"""Turn, as a share of the height, by which falling branches lie below the rising ones where a loop gives work away."""
+
 LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
 """Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
 
@@ -101,10 +107,10 @@ class MeasuredLoop(Presented):
         return (rising == (way > 0)) & (np.arange(len(self.torque)) >= self.lead)
 
 
-def _between(along: Array, values: Array, level: float) -> float:
+def _between(along: Array, values: Array, level: float | Array) -> Array:
     """Compute the value at a level by the straight line between the points next to it on either side."""
     order = np.argsort(along)
-    return float(np.interp(level, along[order], values[order]))
+    return np.asarray(np.interp(level, along[order], values[order]))
 
 
 def read_loop(path: Path | str) -> MeasuredLoop:
@@ -135,7 +141,7 @@ def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Arr
     UsageError
         The file cannot be read, lacks a column, has no rows, or has something else than a number in one.
     """
-    form = f"{what} has the columns {','.join(names)}"
+    form = f"{what} has the columns {','.join(names)}, separated by commas"
     try:
         lines = as_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -176,7 +182,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     Raises
     ------
     UsageError
-        They are no loop: too few points, one branch, or a deflection that is in no way in degrees.
+        They are no loop: too few points, one far from all others, one branch, rows out of order, columns exchanged, or
+        a deflection that is in no way in degrees.
     """
     where, count = where or name, len(torque)
     if count < FEWEST:
@@ -185,13 +192,19 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     if not np.ptp(torque) > 0.0 or not height > 0.0:
         still = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
         raise UsageError(f"{where}: {still} is the same in all rows: that is no loop")
+    turns, branch = _turns(torque)
+    if count < FEWEST_OF_A_BRANCH * (turned := len(np.unique(branch))):
+        raise UsageError(
+            f"{where}: the torque turns round {turned - 1} times in {count} points: are the rows in the order of time?"
+        )
+    _require_no_stray(torque, TORQUE, where)
+    _require_no_stray(deflection_deg, DEFLECTION, where)
     if not LEAST_HEIGHT <= height <= MOST_HEIGHT:
         other = "in minutes or seconds of arc" if height > MOST_HEIGHT else "in turns, or of another drive"
         raise UsageError(
             f"{where}: the deflection goes over {height:.3g} deg, which no held output does: is it {other}? "
             f"{DEFLECTION} is in degrees"
         )
-    turns, branch = _turns(torque)
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
             f"{where}: one branch only, from {torque[0]:.4g} to {torque[-1]:.4g} N m: a loop goes to a torque, to one "
@@ -200,7 +213,40 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
     lead = _lead(torque, deflection, branch)
-    return MeasuredLoop(name, torque, deflection, turns, branch, flipped, lead)
+    loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, lead)
+    if _opening(loop) < -TAKEN_OUT * loop.height:
+        raise UsageError(
+            f"{where}: the loop gives work away: under a torque that falls the output is turned less far than under "
+            "one that rises. Are the two columns exchanged, or the rows in the reverse order of time?"
+        )
+    return loop
+
+
+def _require_no_stray(values: Array, column: str, where: str) -> None:
+    """Refuse a value that is farther from its neighbours than the whole loop goes."""
+    smooth = _smoothed(values)
+    away = np.abs(values - smooth)
+    worst = int(np.argmax(away))
+    if away[worst] > np.ptp(smooth):
+        raise UsageError(
+            f"{where}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, and near "
+            f"{smooth[worst]:.4g} in those beside it: take that row out"
+        )
+
+
+def _opening(loop: MeasuredLoop) -> float:
+    """Compute by how much the falling branches lie above the rising ones [rad], in the mean over the torque of both."""
+    ways = [loop.on_the_way(way) for way in (1, -1)]
+    inside = max(loop.torque[way].min() for way in ways), min(loop.torque[way].max() for way in ways)
+    levels = np.linspace(*inside, len(loop.torque))
+    rising, falling = (_between(loop.torque[way], loop.deflection[way], levels) for way in ways)
+    return float(np.mean(falling - rising))
+
+
+def _smoothed(values: Array) -> Array:
+    """Compute the median of each value and its neighbours, shape (n,)."""
+    padded = np.pad(values, SMOOTHED // 2, mode="edge")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTHED), axis=1))
 
 
 def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
@@ -213,7 +259,7 @@ def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
         return 0
     begun = float(np.median(deflection[:SMOOTHED]))
     at = float(np.median(torque[:SMOOTHED]))
-    again, across = (_between(torque[one], deflection[one], at) for one in (same, other))
+    again, across = (float(_between(torque[one], deflection[one], at)) for one in (same, other))
     return int(np.sum(branch == 0)) if abs(begun - again) > OFF_LOOP * abs(across - again) else 0
 
 
@@ -231,9 +277,7 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
     A first branch that starts half-way is taken to come from the extreme before it, as that of a closed loop does; the
     last to go to the one after.
     """
-    half = SMOOTHED // 2
-    padded = np.pad(torque, half, mode="edge")
-    smooth = np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTHED), axis=1)
+    smooth = _smoothed(torque)
     least = REVERSAL * float(np.ptp(smooth))
     places: list[int] = []
     best = low = high = 0

@@ -16,7 +16,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Branches, LoopCondition, distances, model_branches
+from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, distances, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
 
 OUTLIER = 0.03
@@ -39,6 +39,12 @@ STEP = 0.05
 
 SHORT, LONG = 12, 60
 """Most steps of a search from each of the starts, and of the one that goes on from the best of them."""
+
+HELD = 1e-6
+"""Way between both ends of a value, on its scale, below which it does not move."""
+
+ENOUGH = 1e-3
+"""Relative gain in squares at which a search for the nearest turns stops: half as much of their rms."""
 
 STARTS: tuple[dict[str, float], ...] = (
     {},
@@ -131,19 +137,47 @@ class FitProblem:
         off = DISCREPANCY * (self.known * (places - self.expected))[self.known > 0.0]
         return np.concatenate([*(part / np.sqrt(len(part)) for part in self.parts(places)), off])
 
-    def slopes(self, places: Array, by: Sequence[int], central: bool = False) -> Array:
-        """Compute slopes of the residuals by some places, shape (points, by): forward differences, or central ones."""
-        low, high = self.bounds
-        columns = []
+    def misses(self, places: Array, offset: bool) -> Array:
+        """Compute by how much the model's turn misses each measured one at its torque, as shares of the loops' heights.
+
+        With each loop's `offset` of torque, or with none, as a scene has it; so that each loop counts the same.
+        """
+        self.on_step()
+        count, missed = len(self.parameters), []
+        for number, loop in enumerate(self.loops):
+            torque, turn = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2] * [offset, 1.0]
+            branches = self._branches(tuple(places[:count].tolist()), number, float(torque))
+            if branches is None:
+                off = np.full(len(loop.torque), FAILED * loop.height)
+            else:
+                off = deflections(loop, [(loads + torque, turns) for loads, turns in branches]) - loop.deflection
+                off = off + turn if offset else off - np.mean(off[loop.lead :])
+            missed.append(off[loop.lead :] / (loop.height * np.sqrt(len(off) - loop.lead)))
+        return np.concatenate(missed)
+
+    def slopes(
+        self,
+        places: Array,
+        by: Sequence[int],
+        central: bool = False,
+        ends: tuple[Array, Array] | None = None,
+        of: Callable[[Array], Array] | None = None,
+    ) -> Array:
+        """Compute slopes of residuals by some places, shape (points, by): forward differences, or central ones.
+
+        The residuals are those of the fit, or `of` some others; the steps stay within the bounds, or narrower `ends`.
+        """
+        low, high = ends or self.bounds
+        residuals, columns = of or self.residuals, []
         for place in by:
-            ends = np.stack([places, places])
-            ends[1, place] += STEP
-            ends[0, place] -= STEP if central else 0.0
-            if ends[1, place] > high[place]:
-                ends[:, place] = places[place] - STEP, places[place]
-            ends[:, place] = np.clip(ends[:, place], low[place], high[place])
-            step = ends[1, place] - ends[0, place]
-            columns.append((self.residuals(ends[1]) - self.residuals(ends[0])) / step)
+            pair = np.stack([places, places])
+            pair[1, place] += STEP
+            pair[0, place] -= STEP if central else 0.0
+            if pair[1, place] > high[place]:
+                pair[:, place] = places[place] - STEP, places[place]
+            pair[:, place] = np.clip(pair[:, place], low[place], high[place])
+            step = pair[1, place] - pair[0, place]
+            columns.append((residuals(pair[1]) - residuals(pair[0])) / step)
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
@@ -214,6 +248,51 @@ class FitProblem:
             max_nfev=steps,
         )
         return float(solution.cost), np.clip(whole(solution.x), low, high)
+
+    def nearest(self, start: Array, low: Array, high: Array) -> Array:
+        """Return the places between two ends with which the model's turns miss the measured ones least, rms.
+
+        Where the loops' offsets of torque stand and where there are none, as in a scene, count alike: whether a loop is
+        not symmetrical because the bench's zero was off, or its drive is so, the loop does not tell. A value that goes
+        from the start by a quarter of its way between the ends, which is its standard deviation, counts as a loop that
+        is missed by `DISCREPANCY`: what the turns do not ask for stays.
+        """
+        tied = DISCREPANCY * np.divide(4.0, high - low, out=np.zeros_like(start), where=high - low > HELD)
+
+        def moved(places: Array) -> Array:
+            return tied * (places - start)
+
+        def without(places: Array) -> Array:
+            return np.concatenate([self.misses(places, offset=False), moved(places)])
+
+        def both(places: Array) -> Array:
+            return np.concatenate([self.misses(places, offset=True), without(places)])
+
+        starts = start, self._least(without, start, low, high)[1]
+        return min((self._least(both, one, low, high) for one in starts), key=itemgetter(0))[1]
+
+    def _least(self, residuals: Callable[[Array], Array], start: Array, low: Array, high: Array) -> tuple[float, Array]:
+        """Search from a start for the least sum of squares between two ends; return it and where it is."""
+        from scipy.optimize import least_squares
+
+        start, free = np.clip(start, low, high), np.flatnonzero(high - low > HELD)
+
+        def whole(part: Array) -> Array:
+            places = start.copy()
+            places[free] = part
+            return places
+
+        inner = np.clip(start, low + 1e-9, high - 1e-9)[free]
+        solution = least_squares(
+            lambda part: residuals(whole(part)),
+            inner,
+            jac=lambda part: self.slopes(whole(part), free.tolist(), ends=(low, high), of=residuals),
+            bounds=(low[free], high[free]),
+            xtol=ENOUGH,
+            ftol=ENOUGH,
+            max_nfev=LONG,
+        )
+        return float(solution.cost), whole(solution.x)
 
 
 def _weights(loops: Sequence[MeasuredLoop]) -> list[Array]:

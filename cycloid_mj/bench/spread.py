@@ -104,13 +104,14 @@ def spread(
     least = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
     unseen = vectors[:, values <= least]
     inverse[chosen] = (vectors / np.maximum(values, least)) @ vectors.T
-    noise, influence, memories = np.zeros_like(information), [], []
+    covariance, influence, memories = np.zeros_like(information), [], []
     for part, rows in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), MOST_LEVERAGE)
-        scaled, alike = part / (1.0 - leverage), memory(part)
-        noise += alike * (rows.T * scaled**2) @ rows
-        influence.append(rows @ inverse / np.sqrt(1.0 - leverage)[:, np.newaxis])
+        moved, alike = rows @ inverse, memory(part)
+        # a sum of squares, so that no variance of what is hardly seen is rounded below 0
+        scaled = moved * (part / (1.0 - leverage))[:, np.newaxis]
+        covariance += alike * scaled.T @ scaled
+        influence.append(moved / np.sqrt(1.0 - leverage)[:, np.newaxis])
         memories.append(np.full(len(part), alike))
-    covariance = inverse @ noise @ inverse
     covariance[chosen] += UNKNOWN**2 * unseen @ unseen.T
     return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(memories))

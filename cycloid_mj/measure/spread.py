@@ -13,6 +13,8 @@ from cycloid_mj.reducer import Reducer
 
 PLAY = (0.5, 2.0)
 """Factors on a clearance: what a drawing says against what a gauge finds."""
+MOST_PLAY = 1e-3
+"""Largest clearance that a design may have [m]."""
 CAM_PLAY = (0.1, 2.0)
 """The same on the cam's, down to a bearing next to preload."""
 CAM_STIFFNESS = (0.5, 4.0)
@@ -149,7 +151,9 @@ def _input(
 
 def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
     """Return the plays of pairs in series, which add up."""
-    low, high = ({kind: factor * getattr(reducer.design.clearance, kind) for kind in kinds} for factor in factors)
+    low, high = (
+        {kind: min(factor * getattr(reducer.design.clearance, kind), MOST_PLAY) for kind in kinds} for factor in factors
+    )
     least, most = (sum(1e6 * play for play in end.values()) for end in (low, high))
     return _between(reducer, name, "um", (least, most), "clearance", low, high)
 

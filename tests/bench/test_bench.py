@@ -33,9 +33,9 @@ from cycloid_mj.bench import (
 from cycloid_mj.bench.calibration import variants
 from cycloid_mj.bench.fit import Fitted, fit, widen
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
-from cycloid_mj.bench.parameters import Model, parameters
+from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
 from cycloid_mj.bench.reading import read_figures
-from cycloid_mj.bench.search import DISCREPANCY
+from cycloid_mj.bench.search import DISCREPANCY, FitProblem
 from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
@@ -315,41 +315,124 @@ def noisy(loop: MeasuredLoop) -> MeasuredLoop:
     return measured_loop(loop.name, torque, (loop.deflection + 0.02 * loop.height * draw(len(torque))) / DEGREE)
 
 
+AUTHORS = {"pin": (1.56, 2.76, 337.0), "nonpin": (1.56, 2.97, 310.0), "preloaded": (0.22, 4.42, 200.0)}
+"""Play [deg], Coulomb friction [N m] and stiffness [N m/rad] that the loops' authors state after run-in, and of a ring
+in halves that is preloaded by three quarters of its range."""
+
+
+def dead_band_loop(
+    most: float, play: float, friction: float, stiffness: float, first: int = -1, count: int = 120, seed: int = 0
+) -> MeasuredLoop:
+    """Make a loop by a model that shares nothing with the fit's: play [deg], friction [N m], stiffness [N m/rad].
+
+    A spring of power 1.15 beyond a dead band that holds back a little in itself, friction by Dahl (1968) that grows by
+    12 % of what the spring carries, a zero of torque off by 0.2 N m, and noise of 0.4 % of the height.
+    """
+    draw, band, half = np.random.default_rng(seed).standard_normal, 0.8 / play, 0.5 * play
+    step, travel, loaded = 0.002, 0.08, 20.0 / (stiffness * DEGREE)
+
+    def spring(turn: float) -> float:
+        beyond = max(abs(turn) - half, 0.0)
+        return math.copysign(20.0 * (beyond / loaded) ** 1.15, turn) + band * turn
+
+    turn = held = 0.0
+    course_of: list[tuple[float, float]] = []
+    for place, end in enumerate(first * most * np.array([1.0, -1.0, 1.0, -1.0, 0.2])):
+        way = math.copysign(1.0, end - spring(turn) - held)
+        reached = spring(turn) + held
+        while way * (reached - end) < 0.0:
+            turn += way * step
+            limit = friction + 0.12 * abs(spring(turn))
+            held = min(max(held + way * step / travel * (limit - way * held), -limit), limit)
+            reached = way * max(way * reached, way * (spring(turn) + held))
+            if place > 1:
+                course_of.append((reached, turn))
+    torque, deflection = np.array(course_of).T
+    gone = np.cumsum(np.hypot(np.diff(torque, prepend=torque[0]) / most, np.diff(deflection, prepend=0.0) / play))
+    at = np.linspace(gone[0], gone[-1], count)
+    torque, deflection = np.interp(at, gone, torque), np.interp(at, gone, deflection)
+    noise = 0.004 * np.ptp(deflection) * draw(count)
+    return measured_loop(f"made-{most:g}", torque + 0.2 + 0.003 * most * draw(count), deflection + 0.05 + noise)
+
+
+def worn(loop: MeasuredLoop) -> MeasuredLoop:
+    """Give a measured loop of before run-in 0.32 deg more play, and 0.7 of its friction."""
+    middle = 0.5 * (loop.deflection.max() + loop.deflection.min())
+    wider = 0.16 * DEGREE * np.tanh((loop.deflection - middle) / (0.175 * loop.height))
+    eased = 0.3 * read_figures([loop]).coulomb.value * (1.0 - np.abs(loop.torque) / np.abs(loop.torque).max())
+    way = np.where(loop.on_the_way(1), 1.0, -1.0)
+    return measured_loop(loop.name, loop.torque - way * eased, (loop.deflection + wider) / DEGREE)
+
+
+def made(kind: str, *mosts: float, **more: int) -> list[MeasuredLoop]:
+    return [dead_band_loop(most, *AUTHORS[kind], **more) for most in mosts]
+
+
+CLOSING: dict[str, Callable[[str], list[MeasuredLoop]]] = {
+    "both": lambda kind: measured(kind, "play", "stiffness"),
+    "play": lambda kind: measured(kind, "play"),
+    "stiffness": lambda kind: measured(kind, "stiffness"),
+    "30 points": lambda kind: [thinned(loop, 30) for loop in measured(kind, "play", "stiffness")],
+    "noise": lambda kind: [noisy(loop) for loop in measured(kind, "play")],
+    "half the torque": lambda kind: [
+        measured_loop(loop.name, 0.5 * loop.torque, loop.deflection / DEGREE) for loop in measured(kind, "play")
+    ],
+    "worn, stiffness": lambda kind: [worn(loop) for loop in measured(kind, "stiffness")],
+    "run-in": lambda kind: made(kind, 4.0, 25.0),
+    "run-in, few points, other way": lambda kind: made(kind, 25.0, first=1, count=50),
+    "preloaded": lambda kind: made("preloaded", 6.0, 25.0),
+}
+"""Loops by their names, from a kind of ring: measured ones, changed ones, and such as another model makes."""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-@pytest.mark.parametrize(
-    ("names", "changed"),
-    [
-        pytest.param(("play", "stiffness"), None, id="both"),
-        pytest.param(("play",), None, id="play"),
-        pytest.param(("play", "stiffness"), lambda loop: thinned(loop, 30), id="30 points"),
-        pytest.param(("play",), noisy, id="noise"),
-        pytest.param(
-            ("play",),
-            lambda loop: measured_loop(loop.name, 0.5 * loop.torque, loop.deflection / DEGREE),
-            id="half the torque",
-        ),
-    ],
-)
-def test_a_measured_loop_closes_in_stock_mujoco(
-    kind: str, names: tuple[str, ...], changed: Callable[[MeasuredLoop], MeasuredLoop] | None
-) -> None:
+@pytest.mark.parametrize("made_from", CLOSING)
+def test_a_measured_loop_closes_in_stock_mujoco(kind: str, made_from: str) -> None:
     """Bench, design, joint, scene: the design passes check, statics and reduce, the scene repeats it within 8 %.
 
     That is the rms difference of the deflections at the same torque, over the loop's height, with the bench's zeros of
-    torque and deflection as they were fitted.
+    torque and deflection as they were fitted. With no offset of torque it is as near but for what the loop is off from
+    having two like sides, which no drive of like sides can follow.
     """
-    loops = [changed(loop) if changed else loop for loop in measured(kind, *names)]
+    loops = CLOSING[made_from](kind)
     found = calibrate(resolve("printed").but(ring={"kind": kind}), loops)
     reducer = Reducer(found.design)
     require_sound(reducer)
     sheet(reducer, max(loop.most for loop in loops))
     reduced = reduce(found.design, "backlash")
-    for held in ("crank",) if changed else ("crank", "output"):
-        for loop, offset in zip(loops, found.fitted.offsets[:, 0], strict=True):
-            turn = scene_loop(reduced, loop, float(offset), held)
-            left = turn - loop.deflection
-            assert np.std(left) < 0.08 * loop.height, (held, loop.name)
+    for held in ("crank", "output") if made_from == "both" else ("crank",):
+        for number, (loop, offset) in enumerate(zip(loops, found.fitted.offsets[:, 0], strict=True)):
+            left = scene_loop(reduced, loop, float(offset), held) - loop.deflection
+            assert np.std(left[loop.lead :]) < 0.08 * loop.height, (held, loop.name)
+            assert found.fitted.rms_without(number) < max(0.08 * loop.height, 1.2 * unlike_sides(loop)), loop.name
+
+
+def unlike_sides(loop: MeasuredLoop) -> float:
+    """Compute the least rms by which a loop of two like sides misses a loop [rad]: half of what its sides differ by."""
+    differs = np.empty(len(loop.torque))
+    for way in (1, -1):
+        here, other = loop.on_the_way(way), loop.on_the_way(-way)
+        order = np.argsort(loop.torque[other])
+        turn = np.interp(-loop.torque[here], loop.torque[other][order], loop.deflection[other][order])
+        differs[here] = 0.5 * (loop.deflection[here] + turn)
+    return float(np.std(differs[loop.lead :]))
+
+
+def test_the_loop_is_repeated_best_within_the_intervals() -> None:
+    """By a model that is off, the likeliest values miss the turns by more; none leaves its interval."""
+    loops = locked_loops(1.0, 0.03, 0)
+    chosen = parameters(Reducer(resolve("printed")), DEFAULT, loops)
+    search = FitProblem(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), lambda: None)
+    known = [one.place(LOCKED[one.key]) for one in chosen]
+    start = np.concatenate([known, np.zeros(4)])
+    low, high = np.clip([start - 3.0, start + 3.0], *search.bounds)
+    low[0] = high[0] = start[0]
+    found = search.nearest(start, low, high)
+    assert np.all((found >= low) & (found <= high))
+    assert found[0] == start[0]
+    missed = [float(np.sum(search.misses(places, offset=False) ** 2)) for places in (found, start)]
+    assert missed[0] < 0.95 * missed[1]
 
 
 SLOWLY = 0.005
@@ -570,6 +653,14 @@ def test_what_no_residual_answers_to_is_unknown() -> None:
     assert errors[1] == pytest.approx(UNKNOWN)
 
 
+def test_what_is_hardly_seen_has_an_error() -> None:
+    """Of three values of which the third is the sum of the others but for 1e-6: no variance is rounded below 0."""
+    draw = np.random.default_rng(17)
+    slopes = draw.standard_normal((50, 3))
+    slopes[:, 2] = slopes[:, 0] + 0.7 * slopes[:, 1] + 10.0 ** draw.uniform(-9.0, -5.0) * slopes[:, 2]
+    assert np.all(spread([slopes], [0.01 * draw.standard_normal(50)], np.ones(3, bool)).errors > 0.0)
+
+
 def test_an_interval_covers_what_few_points_decide() -> None:
     """181 points, of which six answer to the value: in 95 of 100 fits it is inside; by all 181 it was in some 91."""
     generator = np.random.default_rng(1)
@@ -601,7 +692,7 @@ def test_an_interval_reaches_into_every_valley() -> None:
 
     sure = FitUncertainty(np.eye(1) * 0.25, np.eye(1), np.ones((50, 1)), np.ones(50))
     ends = np.array([[-1.0, 1.0]])
-    found = SimpleNamespace(spread=sure, places=np.array([0.0]), ends=ends, at_bound=np.array([False]))
+    found = SimpleNamespace(spread=sure, likeliest=np.array([0.0]), ends=ends, at_bound=np.array([False]))
     assert widen(Valleys(), found, [(1.0, np.array([0.0])), (1.05, np.array([3.0])), (9.0, np.array([-5.0]))]) is None
     assert found.ends[0] == pytest.approx([-1.0, 3.0 + 0.9**0.5])
 
@@ -627,6 +718,18 @@ def rows(path: Path) -> list[str]:
         (lambda lines: ["torque_output_Nm,angle", *lines[1:]], "deflection_deg is missing"),
         (lambda lines: [*lines[:9], "nan,0.1", *lines[9:]], "line 10: torque_output_Nm is 'nan'"),
         (lambda lines: [*lines[:9], "1.0", *lines[9:]], "line 10: deflection_deg is ''"),
+        (lambda lines: [*lines[:9], "1e300,0.1", *lines[9:]], "torque_output_Nm is 1e+300 in row 9 below the header"),
+        (lambda lines: [*lines[:9], "1.0,80", *lines[9:]], "deflection_deg is 80 in row 9 below the header"),
+        (
+            lambda lines: [lines[0], *np.random.default_rng(0).permutation(lines[1:])],
+            "are the rows in the order of time?",
+        ),
+        (lambda lines: [lines[0], *(",".join(row.split(",")[::-1]) for row in lines[1:])], "the two columns exchanged"),
+        (lambda lines: [lines[0], *lines[:0:-1]], "in the reverse order of time"),
+        (
+            lambda lines: [lines[0], *(f"{float(t) / 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
+            "is torque_output_Nm in kN m? then multiply it by 1000",
+        ),
         (lambda lines: lines[:10], "9 points are no loop"),
         (lambda lines: [lines[0], *lines[65:130]], "one branch only"),
         (lambda lines: [lines[0], *(f"{row.split(',')[0]},1.0" for row in lines[1:])], "the same in all rows"),

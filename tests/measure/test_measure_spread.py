@@ -68,6 +68,12 @@ def test_an_end_is_what_a_run_of_that_design_gives(moved):
     assert moved["friction of the cam's rollers"]["value_high"] == pytest.approx(found, abs=1e-9)
 
 
+def test_a_wide_play_is_not_widened_beyond_what_a_design_may_have() -> None:
+    """Twice 0.6 mm is refused in a design file: such a drive is varied up to 1 mm."""
+    wide = spread.inputs(Reducer(NONPIN.but(clearance={"tooth": 600e-6})))[0]
+    assert (wide.low, wide.high) == pytest.approx((300.0, 1000.0))
+
+
 def test_play_of_free_pins_is_that_of_both_their_gaps():
     mesh = spread.inputs(Reducer(PRESETS["pin"]))[0]
     assert (mesh.low, mesh.high) == pytest.approx((1.0, 4.0))
