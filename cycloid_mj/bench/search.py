@@ -282,11 +282,16 @@ class FitProblem:
             places[free] = part
             return places
 
-        inner = np.clip(start, low + 1e-9, high - 1e-9)[free]
+        def of(part: Array) -> Array:
+            return residuals(whole(part))
+
+        def slopes(part: Array) -> Array:
+            return self.slopes(whole(part), free.tolist(), ends=(low, high), of=residuals)
+
         solution = least_squares(
-            lambda part: residuals(whole(part)),
-            inner,
-            jac=lambda part: self.slopes(whole(part), free.tolist(), ends=(low, high), of=residuals),
+            of,
+            np.clip(start, low + 1e-9, high - 1e-9)[free],
+            jac=slopes,
             bounds=(low[free], high[free]),
             xtol=ENOUGH,
             ftol=ENOUGH,
