@@ -32,6 +32,7 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
     A contact that bears F and slides at v below v0 F/F_w, with the creep speed v0 and its working force F_w, loses
     v F_w/(v0 F) of Coulomb's mu F v. The teeth share the load as a gear that only turns, by t, against pins with all
     their play: F = K max(a t - play, 0) at the arm a. Where weight presses, or the gear gives way, it may be twice.
+    A pin or sleeve that moves shares the sliding out to both of its contacts, which lasts up to a higher speed.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
@@ -44,14 +45,31 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
     sliding = np.abs(profile.pitch_distance(gear, B) - gear.pin_radius) * speed / gear.lobes
     circling = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
     lost, lacking = 0.0, 0.0
-    for kind, friction, force, rate in (
-        (design.tooth_pair, design.mesh_friction, teeth, sliding),
-        ("output", design.friction_of("output"), pins, np.full_like(pins, circling)),
+    for kind, friction, force, rate, creeping in (
+        (design.tooth_pair, design.mesh_friction, teeth, sliding, _creeping_contacts(reducer)),
+        ("output", design.friction_of("output"), pins, np.full_like(pins, circling), 1.0),
     ):
-        loss, whole = friction * force * rate, reducer.contacts.creep_speed * force / reducer.contacts[kind].force
+        loss = friction * force * rate
+        whole = creeping * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         lost += float(np.mean(np.sum(loss, axis=1)))
         lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, _SLOWEST), 0.0), axis=1)))
     return (lacking / lost, lacking * gear.lobes / (torque * speed)) if lost else (0.0, 0.0)
+
+
+def _creeping_contacts(reducer: Reducer) -> float:
+    """Count the contacts, one behind the other, that creep before the friction of a tooth is whole [1].
+
+    A moving pin of radius R in a seat of radius r passes on f where its seat slips at r f' = R f. With limits mu F of
+    the gear's contact and mu' F of the seat's, each creeps as its share of its limit, the seat's seen at R/r.
+    """
+    design = reducer.design
+    ring, seat = design.ring, design.seat_pair
+    outer, inner = design.friction_of(design.tooth_pair), design.friction_of(seat) if seat else 0.0
+    if not ring.has_pin_bodies or not min(outer, inner) > 0.0:
+        return 1.0
+    seated = ring.sleeve_bore_radius / ring.pin_radius if ring.has_sleeves else 1.0
+    least = min(outer, seated * inner)
+    return least / outer + least / (seated**2 * inner)
 
 
 def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:

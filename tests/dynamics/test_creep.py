@@ -76,6 +76,8 @@ def test_it_follows_the_crank_unless_it_is_given() -> None:
         ("nonpin-n69-d1-carrier-2um", 0.3, 1000.0, 2.34),
         ("free-n79-d1-carrier-0.7um", 0.03, 100.0, 10.6),
         ("fixed-n31-d1-carrier-250um", 0.03, 100.0, 19.2),
+        ("free-n35-d2-carrier-15um", 1.0, 1000.0, 2.65),
+        ("sleeved-n40-d2-ring-25um", 1.0, 1000.0, 2.13),
     ],
 )
 def test_a_run_tells_how_much_friction_is_not_whole(name: str, share: float, speed: float, more: float) -> None:
