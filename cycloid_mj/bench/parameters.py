@@ -313,7 +313,7 @@ def _friction(model: Model, value: float) -> Model:
 
 
 def _rolling(reducer: Reducer) -> set[str]:
-    rolls = {"cam": reducer.design.gear.bearing == "rolling", "output": reducer.design.output.rollers}
+    rolls = {"cam": reducer.design.gear.bearing == "rolling", "output": reducer.design.output.has_needles}
     return {kind for kind, rolling in rolls.items() if rolling}
 
 

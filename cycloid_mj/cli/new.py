@@ -90,7 +90,7 @@ COLUMNS = {
     "momentary_torque_nm": "once [N m]",
     "life_h": "life [h]",
     "temperature_c": "housing [°C]",
-    "stiffness_nm_per_arcmin": "[N m/arcmin]",
+    "stiffness_nm_per_arcmin": "stiffness [N m/arcmin]",
     "backlash_arcmin": "backlash [arcmin]",
 }
 """Figures of a shortlist -> headings of its table."""

@@ -218,6 +218,9 @@ class Output(Section):
         5.0, "radius of a hole without its clearance: output pin + eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     rollers: bool = switch(True, "true: the output pins carry rollers; false: they slide in their holes")
+    roller_bearing: Literal["needles", "plain"] = choice(
+        "needles", "what a roller turns on its core pin by: needles, or plain, a sleeve that slides on it"
+    )
     core_radius: float = quantity(
         0.0,
         "radius of the core pin under a roller; 0: three quarters of pin_radius (without rollers the pin is solid)",
@@ -238,6 +241,11 @@ class Output(Section):
     def turns_ring(self) -> bool:
         """Whether the ring turns, and the carrier of the output pins is held."""
         return self.member == "ring"
+
+    @property
+    def has_needles(self) -> bool:
+        """Whether the pins carry rollers that roll on needles, not plain sleeves that slide on their cores."""
+        return self.rollers and self.roller_bearing == "needles"
 
     @property
     def has_roller_parts(self) -> bool:
@@ -421,7 +429,7 @@ class Friction(Section):
     0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the cam's radius and at the rim of an
     output pin's roller, as if those were the bore: the most that it can cost. Where ``output.core_radius`` is given,
     the rollers have theirs there, and at their rim as much less as the core is smaller. A roller that is a plain sleeve
-    slides on its core instead, and has the coefficient of that times the core's radius over the roller's.
+    (``output.roller_bearing``) slides on its core, with the coefficient of a sliding pin there.
     """
 
     pin_gear: float = quantity(0.05, "pin on gear (lubricated steel)", ge=0.0, le=2.0)
@@ -432,7 +440,12 @@ class Friction(Section):
     cam_rolling: float = quantity(
         0.002, "cam on rollers, at the cam's radius, where gear.bearing is rolling", source=u.CATALOGUE, ge=0.0, le=2.0
     )
-    output: float = quantity(0.05, "output pin that slides in its hole, without output.rollers", ge=0.0, le=2.0)
+    output: float = quantity(
+        0.05,
+        "output pin that slides in its hole without output.rollers, or in its roller, where that is plain",
+        ge=0.0,
+        le=2.0,
+    )
     output_rolling: float = quantity(
         0.002,
         "output pin with a roller on needles, at output.core_radius, or at the roller's rim where that is 0",
@@ -958,10 +971,11 @@ class Design(Section, Presented):
 
     def friction_of(self, pair: str) -> float:
         """Compute the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
-        rolling = {"cam": self.gear.bearing == "rolling", "output": self.output.rollers}
+        output = self.output
+        rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
         coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
-        if pair == "output" and self.output.rollers and self.output.core_radius:
-            return coefficient * self.output.core_radius / self.output.pin_radius
+        if pair == "output" and output.rollers and (output.core_radius or not output.has_needles):
+            return coefficient * output.root_radius / output.pin_radius
         return coefficient
 
     @property

@@ -1,8 +1,7 @@
 """What can be bought: dowels, pin gauges, bearings, screws and inserts, with the sizes of their standards.
 
 Sizes in the tables are millimetres and kilonewtons, as printed there; what is handed out is in SI. Dimensions are those
-of the standard that is named; load ratings are of SKF, Rolling bearings (PUB BU/P1 17000 EN), 2018, deep groove ball
-bearings: other makers differ by some per cent.
+of the standard that is named, load ratings of the makers' catalogues that are named: others differ by some per cent.
 """
 
 from bisect import bisect_left
@@ -42,22 +41,36 @@ _GAUGES, _GAUGE_LENGTH, _GAUGE_STEP = (0.2, 1.0), 40, 0.01
 """DIN 2269, hardened, +-2 um: least and largest diameter that is taken, length and step; ring pins below 1 mm."""
 
 _DRAWN_CUPS = """
-3 6.5 6   4 8 8   5 9 9   6 10 8   6 10 9   7 11 9   8 12 8   8 12 10   9 13 10   9 13 12   10 14 10   10 14 12
-10 14 15   12 16 10   12 18 12   13 19 12   14 20 12   14 20 16   15 21 12   15 21 16   16 22 12   16 22 16
-17 23 12   18 24 12   18 24 16   20 26 10   20 26 12   20 26 16   20 26 20   22 28 10   22 28 12   22 28 16
-22 28 20   25 32 12   25 32 16   25 32 20   28 35 16   28 35 20   30 37 12   30 37 16   30 37 20   35 42 12
-35 42 16   35 42 20   40 47 12   40 47 16   40 47 20   45 52 12   45 52 16   45 52 20   50 58 20   50 58 25
-55 63 20   60 68 12   60 68 20
+3 6.5 6 0.925 0.6   4 8 8 1.54 1.07   5 9 9 2.2 1.79   6 10 8 1.98 1.54   6 10 9 2.65 2.4   7 11 9 2.85 2.75
+8 12 8 2.55 2.4   8 12 10 3.5 3.65   9 13 10 4 4.3   9 13 12 5 5.9   10 14 10 4.1 4.7   10 14 12 5.1 6.3
+10 14 15 6.3 8.2   12 16 10 4.6 5.8   12 18 12 6 6.8   13 19 12 6.3 7.3   14 20 12 6.6 7.9   14 20 16 10.7 14
+15 21 12 7.3 8.7   15 21 16 9.8 13.4   16 22 12 7.1 9   16 22 16 10.1 14.2   17 23 12 6.9 9.3
+18 24 12 7.5 10.1   18 24 16 10.8 16   20 26 10 6 7.6   20 26 12 8 11.2   20 26 16 12 19   20 26 20 15.5 24
+22 28 10 7 10   22 28 12 8.5 12.5   22 28 16 12.5 20.5   22 28 20 15 27   25 32 12 10 15   25 32 16 14.5 22
+25 32 20 18.5 30   28 35 16 15 24.5   28 35 20 20 33.5   30 37 12 11 17   30 37 16 16 27   30 37 20 21 37
+35 42 12 12 20   35 42 16 18.5 31   35 42 20 22 43   40 47 12 13 22.6   40 47 16 18.6 36   40 47 20 24 50
+45 52 12 14 25.5   45 52 16 20 40.5   45 52 20 25 54.5   50 58 20 29 58.5   50 58 25 35.8 78
+55 63 20 29.5 62.3   60 68 12 16.2 30   60 68 20 31 70
 """
-"""ISO 3245:2015, drawn cup needle roller bearings with open ends (HK): bore over the needles, outside, width."""
+"""ISO 3245:2015, drawn cup needle roller bearings with open ends (HK): bore over the needles, outside, width, dynamic
+and static load rating [kN].
+
+Ratings are of ZEN, Standard catalogue V.10/12; of HK0408, HK0509 and HK1712 of FBJ, of HK1416 of NTN (CAT. 2300), of
+HK0306 the dynamic one of NTN, the static one as much less as that of HK0408 is (assumed). NTN's (CAT. 2203/E) are 4 to
+10 % higher where both were compared.
+"""
 
 _NEEDLE_BEARINGS = """
-00 14 22 13   01 16 24 13   02 20 28 13   03 22 30 13   04 25 37 17   05 30 42 17   06 35 47 17   07 42 55 20
-08 48 62 22   09 52 68 22   10 58 72 22   11 63 80 25   12 68 85 25   13 72 90 25   14 80 100 30   15 85 105 30
-16 90 110 30   17 100 120 35   18 105 125 35   19 110 130 35   20 115 140 40   22 125 150 40   24 135 165 45
-26 150 180 50   28 160 190 50
+00 14 22 13 8.5 9.2   01 16 24 13 9.4 10.9   02 20 28 13 10.6 13.6   03 22 30 13 11 14.6   04 25 37 17 19 23.6
+05 30 42 17 23.6 31.5   06 35 47 17 23.2 33.5   07 42 55 20 29 49   08 48 62 22 40 64   09 52 68 22 41.5 69.5
+10 58 72 22 43 76.5   11 63 80 25 58 100   12 68 85 25 60 108   13 72 90 25 61 112   14 80 100 30 85.5 156
+15 85 105 30 87 162   16 90 110 30 90.5 174   17 100 120 35 112 237   18 105 125 35 116 252
+19 110 130 35 118 260   20 115 140 40 127 260   22 125 150 40 131 279   24 135 165 45 180 380
+26 150 180 50 202 455   28 160 190 50 209 485
 """
-"""ISO 1206:2018, machined needle roller bearings without inner ring (RNA 49): number, bore, outside, width."""
+"""ISO 1206:2018, machined needle roller bearings without inner ring (RNA 49): number, bore, outside, width, dynamic and
+static load rating [kN]: of ZEN, Standard catalogue V.10/12, from RNA4914 on of NTN (CAT. 2203/E).
+"""
 
 _BALL_BEARINGS = """
 623 3 10 4 0.488 0.146     624 4 13 5 0.936 0.29     625 5 16 5 1.14 0.38       626 6 19 6 2.34 0.95
@@ -72,17 +85,25 @@ _BALL_BEARINGS = """
 6204 20 47 14 13.5 6.55    6205 25 52 15 14.8 7.8    6206 30 62 16 20.3 11.2    6207 35 72 17 27 15.3
 6208 40 80 18 32.5 19      6209 45 85 19 35.1 21.6   6210 50 90 20 37.1 23.2
 """
-"""ISO 15:2017, deep groove ball bearings: number, bore, outside, width, dynamic and static load rating [kN]."""
+"""ISO 15:2017, deep groove ball bearings: number, bore, outside, width, dynamic and static load rating [kN] of SKF,
+Rolling bearings (PUB BU/P1 17000 EN), 2018.
+"""
 
 _THIN_BALL_BEARINGS = """
-618/3 3 7 2     618/4 4 9 2.5    618/5 5 11 3     618/6 6 13 3.5    618/7 7 14 3.5   618/8 8 16 4      618/9 9 17 4
-61800 10 19 5   61801 12 21 5    61802 15 24 5    61803 17 26 5     61804 20 32 7    61805 25 37 7     61806 30 42 7
-61807 35 47 7   61808 40 52 7    61809 45 58 7    61810 50 65 7     61811 55 72 9    61812 60 78 10    61813 65 85 10
-61814 70 90 10  61815 75 95 10   61816 80 100 10  61817 85 110 13   61818 90 115 13  61819 95 120 13   61820 100 125 13
-61822 110 140 16  61824 120 150 16  61826 130 165 18  61828 140 175 18  61830 150 190 20  61832 160 200 20
-61834 170 215 22  61836 180 225 22  61838 190 240 24  61840 200 250 24
+618/3 3 7 2 0.314 0.108   618/4 4 9 2.5 0.638 0.226   618/5 5 11 3 0.716 0.294   618/6 6 13 3.5 1.079 0.441
+618/7 7 14 3.5 1.177 0.51   618/8 8 16 4 1.256 0.589   618/9 9 17 4 1.256 0.589   61800 10 19 5 1.38 0.585
+61801 12 21 5 1.43 0.67   61802 15 24 5 1.56 0.8   61803 17 26 5 1.68 0.93   61804 20 32 7 2.7 1.5
+61805 25 37 7 4.36 2.6   61806 30 42 7 4.49 2.9   61807 35 47 7 4.75 3.2   61808 40 52 7 4.94 3.45
+61809 45 58 7 6.05 4.3   61810 50 65 7 6.24 4.75   61811 55 72 9 8.32 6.2   61812 60 78 10 8.71 6.7
+61813 65 85 10 11.7 9.15   61814 70 90 10 12.1 12.7   61815 75 95 10 12.5 13.9   61816 80 100 10 12.7 14.5
+61817 85 110 13 18.7 20   61818 90 115 13 19 21   61819 95 120 13 19.3 22   61820 100 125 13 19.6 23
+61822 110 140 16 28.1 32.5   61824 120 150 16 28.9 35.5   61826 130 165 18 37 44   61828 140 175 18 38.5 48
+61830 150 190 20 47.5 58.5   61832 160 200 20 48.5 61   61834 170 215 22 60 75   61836 180 225 22 60.5 78.5
+61838 190 240 24 73 93.5   61840 200 250 24 74 98
 """
-"""ISO 15:2017, dimension series 18, deep groove ball bearings: number, bore, outside, width; for an output's hub."""
+"""ISO 15:2017, dimension series 18, deep groove ball bearings for an output's hub: number, bore, outside, width,
+dynamic and static load rating [kN] of FBJ's miniature and thin section bearings (68); 618/9 as 618/8 (assumed).
+"""
 
 _BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, 20, 25, 30, 35, 40, 45, 50, 55, 60, 80)
 """Diameters of shafts of hardened and ground steel, h6, by the metre (ISO 13012-1 has bushings for most of them)."""
@@ -97,8 +118,20 @@ _BOLT_LENGTHS: tuple[int, ...] = (
 )
 """Lengths of screws of ISO 4762 [mm]."""
 
-_LONGEST_BOLTS = {1.6: 16, 2: 20, 2.5: 25, 3: 30, 4: 40, 5: 50, 6: 60, 8: 80, 10: 100, 12: 120, 16: 160}
-"""ISO 4762:2004, table 1: thread -> length of the longest screw [mm]."""
+_BOLT_RANGES = {
+    1.6: (2.5, 16),
+    2: (3, 20),
+    2.5: (4, 25),
+    3: (5, 30),
+    4: (6, 40),
+    5: (8, 50),
+    6: (10, 60),
+    8: (12, 80),
+    10: (16, 100),
+    12: (20, 120),
+    16: (25, 160),
+}
+"""ISO 4762:2004, table 1: thread -> length of the shortest and of the longest screw [mm]."""
 
 _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}
 """ISO 273:1979, medium: thread -> clearance hole [mm]."""
@@ -120,14 +153,14 @@ class Dowel:
 
 @dataclass(frozen=True)
 class StockBearing:
-    """A rolling bearing: designation, bore, outside and width [m], load ratings [N] (0: by its rollers, ISO 281)."""
+    """A rolling bearing: designation, bore, outside and width [m], load ratings [N]."""
 
     designation: str
     bore: float
     outside: float
     width: float
-    dynamic: float = 0.0
-    static: float = 0.0
+    dynamic: float
+    static: float
 
 
 @dataclass(frozen=True)
@@ -188,11 +221,12 @@ def bar_diameters() -> tuple[float, ...]:
 def needle_bearings() -> tuple[StockBearing, ...]:
     """List needle roller bearings without inner ring, the smallest first: drawn cups, and beyond them machined ones."""
     cups = [
-        StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width)) for bore, out, width in _rows(_DRAWN_CUPS, 3)
+        StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
+        for bore, out, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
     ]
     rings = [
-        StockBearing(f"RNA49{number:02g}", *_si(bore, out, width))
-        for number, bore, out, width in _rows(_NEEDLE_BEARINGS, 4)
+        StockBearing(f"RNA49{number:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
+        for number, bore, out, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
     ]
     largest = max(cup.outside for cup in cups)
     bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
@@ -211,19 +245,19 @@ def ball_bearings() -> tuple[StockBearing, ...]:
 
 @cache
 def thin_ball_bearings() -> tuple[StockBearing, ...]:
-    """List thin deep groove ball bearings, the smallest first; their load ratings are those of their balls, ISO 281."""
-    rows = (line for line in _THIN_BALL_BEARINGS.split("\n") if line)
-    fields = [field for row in rows for field in row.split()]
-    sizes = zip(fields[0::4], fields[1::4], fields[2::4], fields[3::4], strict=True)
+    """List thin deep groove ball bearings, the smallest first."""
+    fields = _THIN_BALL_BEARINGS.split()
+    numbers = (list(map(float, fields[start + 1 : start + 6])) for start in range(0, len(fields), 6))
     return tuple(
-        StockBearing(number, *_si(float(bore), float(outside), float(width))) for number, bore, outside, width in sizes
+        StockBearing(designation, *_si(bore, outside, width), dynamic * KN, static * KN)
+        for designation, (bore, outside, width, dynamic, static) in zip(fields[::6], numbers, strict=True)
     )
 
 
 def bolt_length(thread: float, reach: float) -> float | None:
     """Find the shortest screw in stock of a thread that is at least so long [m]; none if none is."""
-    longest = _LONGEST_BOLTS[round(thread / MM, 3)]
-    lengths = (round(length * MM, 9) for length in _BOLT_LENGTHS if length <= longest)
+    shortest, longest = _BOLT_RANGES[round(thread / MM, 3)]
+    lengths = (round(length * MM, 9) for length in _BOLT_LENGTHS if shortest <= length <= longest)
     return next((length for length in lengths if length >= reach - ROUNDING), None)
 
 

@@ -217,7 +217,7 @@ def _unused(reducer: Reducer) -> Iterator[str]:
     """Tell of a sliding friction that was given where rollers run."""
     design = reducer.design
     rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
-    rolling |= {"output": ("output.rollers = false", design.output.rollers)}
+    rolling |= {"output": ("output.rollers = false", design.output.has_needles)}
     for kind, (change, rolls) in rolling.items():
         value = getattr(design.friction, kind)
         if rolls and value not in (0.0, getattr(Friction(), kind)):

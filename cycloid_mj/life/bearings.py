@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
-from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed
 from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.reducer import Reducer
 
 NEEDLE_FILL = 0.35
@@ -46,15 +47,23 @@ class RollerRow:
 
 
 @dataclass(frozen=True)
+class Ratings:
+    """What a bearing bears: dynamic and static load rating [N], where each is from, and the exponent of its life."""
+
+    dynamic: float
+    static: float
+    dynamic_source: str
+    static_source: str
+    exponent: float = rolling.EXPONENT
+
+
+@dataclass(frozen=True)
 class Seat:
-    """A bearing, or several alike that share a key: its row, its ratings by catalogue [N] (0: none), and what it is."""
+    """A bearing, or several alike that share a key: its name and its ratings."""
 
     key: str
     name: str
-    row: RollerRow
-    dynamic: float
-    static: float
-    where: str
+    ratings: Ratings
 
 
 def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
@@ -67,7 +76,7 @@ def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iter
     for place, name in enumerate(("far", "near"), start=-2):
         force = [rolling.magnitudes(loading.shaft[:, place]) for loading in loadings]
         yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, loadings, peak)
-    if design.output.rollers:
+    if design.output.has_needles:
         # a roller turns on its pin as often as it rolls round its hole
         rolls = (
             reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
@@ -77,14 +86,15 @@ def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iter
 
 
 def cam_seat(reducer: Reducer) -> Seat:
-    """Return the bearing of each cam, whose outer ring is the gear's bore."""
+    """Return the bearing of each cam: of stock, or rollers whose outer ring is the gear's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(
         design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
     )
     where = "side by side on the cam's circle, the gear's bore as outer ring"
-    return Seat("cam_bearing", "cam bearing", row, bearing.dynamic_capacity, bearing.static_capacity, where)
+    given = bearing.dynamic_capacity, bearing.static_capacity
+    return Seat("cam_bearing", "cam bearing", _ratings(given, cam_bearing(reducer), row, where))
 
 
 def _shaft_seat(reducer: Reducer, name: str) -> Seat:
@@ -92,13 +102,11 @@ def _shaft_seat(reducer: Reducer, name: str) -> Seat:
     size = SHAFT_ROLLER_SHARE * radius
     low, high = shaft_measures(reducer).bearings[0]
     row = RollerRow(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
-    ratings = bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity
+    given, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
     return Seat(
         f"shaft_bearing_{name}",
         {"near": "shaft bearing next to the gear", "far": "shaft bearing far from the gear"}[name],
-        row,
-        *ratings,
-        "on the shaft",
+        _ratings(given, (bought, 1) if bought else None, row, "on the shaft"),
     )
 
 
@@ -108,8 +116,35 @@ def _output_seat(reducer: Reducer) -> Seat:
     needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
-    ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return Seat("output_rollers", "rollers of the output pins", row, *ratings, "round the core of a pin")
+    given = bearing.output_dynamic_capacity, bearing.output_static_capacity
+    return Seat("output_rollers", "rollers of the output pins", _ratings(given, None, row, "round the core of a pin"))
+
+
+def _ratings(
+    given: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, where: str
+) -> Ratings:
+    """Return the ratings that the design file gives [N], or those of so many bearings in stock, or of a row."""
+    exponent = rolling.EXPONENT
+    if bought:
+        bearing, count = bought
+        dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
+        source = f"of its maker's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
+        sources = f"C {source}", f"C0 {source}"
+        exponent = rolling.BALL_EXPONENT if bearing in ball_bearings() else exponent
+    else:
+        plain = row.dynamic / rolling.MACHINED
+        dynamic, static = row.dynamic, row.static
+        sources = (
+            f"assumed: {row} {where}, b_m {rolling.MACHINED:g} (b_m 1 leaves C {plain:.0f} N)",
+            f"assumed: {row} {where}",
+        )
+    return Ratings(
+        dynamic=given[0] or dynamic,
+        static=given[1] or static,
+        dynamic_source="C of the design file (bearing.*_capacity_n)" if given[0] else sources[0],
+        static_source="C0 of the design file" if given[1] else sources[1],
+        exponent=exponent,
+    )
 
 
 def _rated(
@@ -119,34 +154,25 @@ def _rated(
 
     `force` (m,) or (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
     """
-    bearing = reducer.design.bearing
+    bearing, ratings = reducer.design.bearing, seat.ratings
     each = [one.reshape(len(one), -1) for one in force]
     load = bearing_load(reducer, each, turns)
-    capacity = seat.dynamic or seat.row.dynamic
-    life = rolling.life_hours(capacity, load, float(turns.sum()), bearing.reliability)
-    formula = f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
-    note = f"C of the design file (bearing.*_capacity_n), service factor {bearing.service_factor:g}"
-    if not seat.dynamic:
-        plain = capacity / rolling.MACHINED
-        less = rolling.life_hours(plain, load, float(turns.sum()), bearing.reliability)
-        note = (
-            f"assumed: {seat.row} {seat.where}, b_m {rolling.MACHINED:g} "
-            f"(b_m 1 leaves C {plain:.0f} N and {hours(less)}), service factor {bearing.service_factor:g}"
-        )
-    yield RatedItem(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
+    life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), bearing.reliability, ratings.exponent)
+    power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
+    formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
+    note = f"{ratings.dynamic_source}, service factor {bearing.service_factor:g}"
+    yield RatedItem(seat.key, f"{seat.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
     worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(loadings), strict=True))
-    standing = seat.static or seat.row.static
-    source = "C0 of the design file" if seat.static else f"assumed: {seat.row} {seat.where}"
     yield RatedItem(
         f"{seat.key}_static",
         f"{seat.name}, static factor",
         worst,
-        standing,
+        ratings.static,
         "N",
-        standing / worst if worst else math.inf,
+        ratings.static / worst if worst else math.inf,
         None,
-        "s0 = C0/P0, C0 = 44 (1 - D/D_pw) Z L D, ISO 76",
-        f"{source}; at the peak torque, {peak:.4g} N m, forces in proportion",
+        "s0 = C0/P0, ISO 76",
+        f"{ratings.static_source}; at the peak torque, {peak:.4g} N m, forces in proportion",
     )
 
 

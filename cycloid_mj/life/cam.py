@@ -27,10 +27,9 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
 
     def row(name: str, stiffness: float | None, cams: list[Array]) -> Give:
         load = bearing_load(reducer, cams, turns)
-        seat, bearing = cam_seat(reducer), design.bearing
-        rolls = design.gear.bearing == "rolling"
-        capacity = seat.dynamic or seat.row.dynamic
-        life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
+        ratings, reliability = cam_seat(reducer).ratings, design.bearing.reliability
+        rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
+        life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if rolls else None
         return Give(name, stiffness, load, life)
 
     linear, rows = reducer.at_rated_load.contacts["cam"].stiffness, []

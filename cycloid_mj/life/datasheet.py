@@ -20,7 +20,7 @@ from cycloid_mj.life.duty import steady
 from cycloid_mj.life.hub import USUAL, hub
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import STOPS, is_bearing_life, rated_torque
+from cycloid_mj.life.rated import is_bearing_life, is_held_once, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import FLANGE_CIRCLE, FLANGE_SCREWS, casing
@@ -146,7 +146,7 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
     """
     design = reducer.design
     duty = steady(design.rated_torque, design.drive.speed)
-    stops = [item for item in rate(design, duty).items.values() if item.key.startswith(STOPS)]
+    stops = [item for item in rate(design, duty).items.values() if is_held_once(item.key)]
     first = min(stops, key=lambda item: item.safety or 0.0)
     return duty.peak * (first.safety or 0.0), first
 

@@ -9,6 +9,8 @@ from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 
 HOTTEST = 120.0
@@ -64,7 +66,7 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         None,
         "dT = losses/(h A); safety of the rise",
         f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
-        f"from {1e4 * area:.3g} cm2, the outside of ring and output disc; "
+        f"from {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
         f"{service.ambient_temperature:g} °C around it; limits: "
         f"{', '.join(f'{limit.hottest:g} °C {limit.name} ({limit.source})' for limit in limits)}",
     )
@@ -86,10 +88,21 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
 
 
 def outside(reducer: Reducer) -> float:
-    """Compute the outside of a cylinder round ring and output disc [m2], both ends included."""
+    """Compute what gives heat to the air [m2]: the outside of the covers, but for what motor and load are bolted to.
+
+    Without covers, it is a cylinder round ring and output disc, both ends included.
+    """
     design = reducer.design
+    if has_casing(reducer):
+        sizes = casing(reducer)
+        bolted = sizes.motor.circle**2 + sizes.flange_radius**2
+        return math.pi * (2.0 * sizes.outer * (sizes.outer + sizes.top - sizes.face) - bolted)
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
+
+
+def _outside_of(reducer: Reducer) -> str:
+    return "the covers, without their flanges" if has_casing(reducer) else "ring and output disc"
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:

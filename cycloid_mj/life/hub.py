@@ -1,9 +1,9 @@
 """What the output's flange carries beside the torque: tilting moment, radial and axial load, by the hub's two bearings.
 
 Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings a distance apart on a rigid hub;
-they carry what the discs put on the output as well. Balls: 0.3 (D - d) thick, as many as go in at an angle of 195 deg
-between the rings (Harris, Rolling Bearing Analysis, Conrad's assembly). From a bore of 7 mm on, ratings by them are
-0.85 to 1.18 of those in SKF's catalogue (those of ``design.stock``).
+they carry what the discs put on the output as well. Their ratings are of a catalogue (``design.stock``), the balls that
+give under a moment estimated: 0.3 (D - d) thick, as many as go in at an angle of 195 deg between the rings (Harris,
+Rolling Bearing Analysis, Conrad's assembly).
 """
 
 import math
@@ -114,8 +114,7 @@ def hub(reducer: Reducer) -> Hub:
     """
     sizes, design = casing(reducer), reducer.design
     row = balls_of(sizes.hub)
-    dynamic = sizes.hub.dynamic or rolling.ball_dynamic_capacity(row.balls, row.diameter, row.pitch)
-    static = sizes.hub.static or rolling.ball_static_capacity(row.balls, row.diameter, row.pitch)
+    dynamic, static = sizes.hub.dynamic, sizes.hub.static
     inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
     speed = abs(design.drive.speed) / design.reduction
     lasts = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)

@@ -9,7 +9,7 @@ from cycloid_mj.checks.limit import Check
 from cycloid_mj.design import override
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.rated import STOPS, rated_torque
+from cycloid_mj.life.rated import is_held_once, rated_torque
 from cycloid_mj.reducer import Reducer
 
 UNDECIDED = ("_wear", "_way", "_pv", "power_lost")
@@ -131,7 +131,7 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
 
 
 def _kind(item: RatedItem) -> str:
-    if item.key.startswith(STOPS) or item.key.endswith("_static"):
+    if is_held_once(item.key):
         return "momentary_torque"
     if item.key == "temperature" or item.key.endswith("_hot_clearance"):
         return "heat"

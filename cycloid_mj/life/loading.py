@@ -133,15 +133,18 @@ def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
 
 
 def _rubs(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Rub]:
-    """Collect how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
-    design = reducer.design
+    """Collect how teeth, output pins or plain rollers and a plain cam slide; a pin slips where it is the easier."""
+    design, output = reducer.design, reducer.design.output
     slip, count = np.abs(springs.slip), springs.teeth
     seat = design.seat_pair
     in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
     kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
     rubs = {kind: _rub(reducer, kind, contact_loads.teeth, slip[:, :count], radius)}
-    if not design.output.rollers:
-        rubs["output"] = _rub(reducer, "output", contact_loads.output, slip[:, count:], design.output.pin_radius)
+    if not output.rollers:
+        rubs["output"] = _rub(reducer, "output", contact_loads.output, slip[:, count:], output.pin_radius)
+    elif not output.has_needles:
+        on_core = slip[:, count:] * output.root_radius / output.pin_radius
+        rubs["output_roller"] = _rub(reducer, "output", contact_loads.output, on_core, output.root_radius)
     if design.gear.bearing == "plain":
         force = magnitudes(contact_loads.cam).reshape(len(slip), -1)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))

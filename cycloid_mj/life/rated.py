@@ -22,8 +22,8 @@ STRIDE = 2.0
 EXACT = 5e-4
 """Relative accuracy of the rated torque."""
 
-STOPS, NOT_COUNTED = "peak_", ("_wear", "_static")
-"""Items that do not decide the rated torque: stops, wear (its coefficient is known to a decade), figures."""
+STOPS, STANDING, WEAR = "peak_", "_static", "_wear"
+"""How the keys of what is held once begin or end, and that of wear, whose coefficient is known to a decade."""
 
 
 def rated_torque(
@@ -103,7 +103,12 @@ def _borne(item: RatedItem, torque: float, life: float) -> float:
 
 
 def _counts(key: str) -> bool:
-    return not key.startswith(STOPS) and not key.endswith(NOT_COUNTED)
+    return not is_held_once(key) and not key.endswith(WEAR)
+
+
+def is_held_once(key: str) -> bool:
+    """Tell whether an item, by its key, is about an emergency stop: it does not decide the rated torque."""
+    return key.startswith(STOPS) or key.endswith(STANDING)
 
 
 def is_bearing_life(key: str) -> bool:

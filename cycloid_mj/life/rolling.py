@@ -19,12 +19,6 @@ FACTOR, MODIFIED = 208.0, 0.83
 BALL_EXPONENT = 3.0
 """p of the life of ball bearings."""
 
-BALL_FACTOR, BALL_STEEL, GROOVE = 0.95 * 39.9, 1.3, 26.0
-"""Of f_c of deep groove ball bearings, lambda 0.95 within [N, mm]; b_m (ISO 281:2007, Table 1); 2 r/(2 r - D)."""
-
-STATIC_FACTORS = (0.0, 0.09, 0.2, 0.3), (14.7, 16.5, 14.0, 11.8)
-"""f0 of deep groove ball bearings over D/D_pw, straight between (ISO 76, Table 1)."""
-
 WEIBULL, SAFE_SHARE = 1.5, 0.05
 """Slope of the spread of lives, and the share of L10 that no bearing falls short of (ISO 281:2007, Table 12)."""
 
@@ -48,6 +42,11 @@ def static_capacity(rollers: float, diameter: float, length: float, pitch_diamet
     return 44.0 * (1.0 - diameter / pitch_diameter) * rollers * (1e3 * length) * (1e3 * diameter)
 
 
+def side_by_side(capacity: float, count: int) -> float:
+    """Compute the dynamic load rating of roller bearings alike side by side [N], by that of one (ISO 281)."""
+    return count ** (7.0 / 9.0) * capacity
+
+
 def mean_load(force: npt.ArrayLike, weight: npt.ArrayLike = 1.0, exponent: float = EXPONENT) -> float:
     """Compute the load that costs as much life as forces [N] with weights, which are turns: (sum w F^p/sum w)^(1/p)."""
     forces, weights = np.broadcast_arrays(np.asarray(force, float), np.asarray(weight, float))
@@ -60,11 +59,13 @@ def reliability_factor(reliability: float) -> float:
     return SAFE_SHARE + (1.0 - SAFE_SHARE) * early ** (1.0 / WEIBULL)
 
 
-def life_hours(capacity: float, load: float, speed: float, reliability: float = 0.9) -> float:
+def life_hours(
+    capacity: float, load: float, speed: float, reliability: float = 0.9, exponent: float = EXPONENT
+) -> float:
     """Compute the rating life [h] at a load [N] and a relative speed of the rings [rad/s]: a_1 10^6 (C/P)^p turns."""
     if load == 0.0 or speed == 0.0:
         return math.inf
-    turns = reliability_factor(reliability) * 1e6 * (capacity / load) ** EXPONENT
+    turns = reliability_factor(reliability) * 1e6 * (capacity / load) ** exponent
     return float(turns * 2.0 * math.pi / abs(speed) / 3600.0)
 
 
@@ -77,20 +78,3 @@ def load_for_life(capacity: float, life: float, speed: float, reliability: float
 def magnitudes(force: Array) -> Array:
     """Compute the sizes of forces, shape (..., 2) -> (...)."""
     return np.asarray(np.linalg.norm(force, axis=-1))
-
-
-def ball_dynamic_capacity(balls: int, diameter: float, pitch_diameter: float) -> float:
-    """Compute the basic dynamic load rating of a deep groove ball bearing [N]: C = b_m f_c Z^(2/3) D^1.8, in [m].
-
-    ISO 281:2007, 5.1, with f_c by the formula behind its table (ISO/TR 1281-1) at grooves of 0.52 D.
-    """
-    gamma = diameter / pitch_diameter
-    ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** 1.72
-    shape = gamma**0.3 * (1.0 - gamma) ** 1.39 / (1.0 + gamma) ** (1.0 / 3.0)
-    factor = BALL_FACTOR * shape * GROOVE**0.41 * (1.0 + ratio ** (10.0 / 3.0)) ** -0.3
-    return BALL_STEEL * factor * balls ** (2.0 / 3.0) * (1e3 * diameter) ** 1.8
-
-
-def ball_static_capacity(balls: int, diameter: float, pitch_diameter: float) -> float:
-    """Compute the basic static load rating of a deep groove ball bearing [N]: C0 = f0 Z D^2 (ISO 76), in [m]."""
-    return float(np.interp(diameter / pitch_diameter, *STATIC_FACTORS)) * balls * (1e3 * diameter) ** 2

@@ -17,6 +17,7 @@ NAMES = {
     "pin_socket": "sockets by pins",
     "pin_sleeve": "sleeves by pins",
     "output": "gear's holes by output pins",
+    "output_roller": "rollers of the output pins by their cores",
     "cam": "gear's bore by the cam",
 }
 
@@ -29,7 +30,7 @@ def wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         speed = sum(loading.rubs[kind].speed * loading.point.share for loading in loadings)
         largest = max(loading.rubs[kind].pressure_speed for loading in loadings)
         depth = coefficient * power * 3600.0 * HOURS / _face(reducer, kind)
-        limit = getattr(reducer.design.clearance, kind)
+        limit = getattr(reducer.design.clearance, "output" if kind == "output_roller" else kind)
         way = speed * 3.6 * HOURS
         yield RatedItem(
             f"{kind}_wear",
@@ -73,6 +74,7 @@ def _face(reducer: Reducer, kind: str) -> float:
         return float(profile.arc_length(gear, 2.0 * math.pi, reducer.profile_offset)) * width * design.gear.discs
     around = {
         "output": design.output.hole_radius * design.output.pins,
+        "output_roller": design.output.root_radius * design.output.pins,
         "cam": design.gear.bore_radius,
         "pin_socket": ring.pin_radius * ring.teeth / 2.0,
         "pin_sleeve": ring.sleeve_bore_radius * ring.teeth,

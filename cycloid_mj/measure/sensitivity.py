@@ -59,7 +59,7 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
-    return pairs + ["output"] * (not design.output.rollers) + ["cam"] * (design.gear.bearing == "plain")
+    return pairs + ["output"] * (not design.output.has_needles) + ["cam"] * (design.gear.bearing == "plain")
 
 
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:

@@ -78,7 +78,7 @@ def inputs(reducer: Reducer) -> list[Input]:
         _input(reducer, "cam stiffness", "N/m", "stiffness", ["cam"], [share * stiffness for share in CAM_STIFFNESS]),
         _input(reducer, "friction of the teeth", "1", "friction", seats, TEETH),
         _bearing(reducer, "cam", design.gear.bearing == "rolling", BEARING),
-        _bearing(reducer, "output", design.output.rollers, (BEARING[0], plain_roller(reducer))),
+        _bearing(reducer, "output", design.output.has_needles, (BEARING[0], plain_roller(reducer))),
         _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
         _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
     ]

@@ -35,6 +35,8 @@ class ProcessLimits:
 
 
 _BOUGHT = {"pin_material": {"name": "bearing steel"}}
+_HARD_CRANK = {"shaft_material": {"name": "case-hardened 16MnCr5"}}
+"""58 HRC at least under needles: what their ratings are for (SKF, Rolling bearings, 2018; NTN CAT. 2300)."""
 
 PROCESSES: dict[Process, ProcessLimits] = {
     "steel": ProcessLimits(
@@ -56,9 +58,10 @@ PROCESSES: dict[Process, ProcessLimits] = {
         material="tempered steel",
         others=("nitrided 42CrMo4", "case-hardened 16MnCr5"),
         stronger=("steel",),
-        changes={**_BOUGHT, "ring": {"pins": "fixed"}},
+        changes={**_BOUGHT, **_HARD_CRANK, "ring": {"pins": "fixed"}},
         reasons={
             "ring.pins": "pressed in: no sockets to mill",
+            "shaft_material.name": "needles run on the crank: it is hardened and ground",
             "material.name": "milled or wire-cut from the tempered bar",
             "pin_material.name": "pins are bought: dowels, pressed in",
             "clearance.pin_gear": "milled parts keep a hundredth of a millimetre or two",
@@ -73,14 +76,14 @@ PROCESSES: dict[Process, ProcessLimits] = {
         changes={
             **_BOUGHT,
             "output_material": {"name": "bearing steel"},
-            "shaft_material": {"name": "tempered steel"},
+            **_HARD_CRANK,
             "ring": {"pins": "fixed"},
             "friction": {"pin_gear": 0.12},
         },
         reasons={
             "ring.pins": "pressed in: in a socket of plastic they would dig in",
             "material.name": "printed; use the numbers of your own filament",
-            "shaft_material.name": "turned: a printed crank twists and creeps",
+            "shaft_material.name": "a printed one twists and creeps, and needles run on it: it is hardened and ground",
             "pin_material.name": "steel dowels, pressed in",
             "output_material.name": "steel dowels with rollers; the disc is taken with them",
             "clearance.pin_gear": "what a printer needs for parts that move",

@@ -192,6 +192,7 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
     eccentricity, at_pin = rounded(of.short_width * circle / teeth), asked.clearance_at(2.0 * pin)
     middle = 0.5 * (bore + circle - eccentricity - pin - at_pin)
     clamping = {} if asked.custom else bought.clamping(outer - circle - pin)
+    rollers = {} if asked.custom else {"roller_bearing": "plain"}
     try:
         return Reducer(
             PRESETS["pin"].but(
@@ -206,6 +207,7 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                     "bore_radius": bore,
                 },
                 output={
+                    **rollers,
                     "pins": of.output_pins,
                     "pin_radius": stud,
                     "core_radius": sizes.core,

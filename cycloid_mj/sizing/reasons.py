@@ -43,6 +43,7 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     yield "output.support", "held at one end, the pins would bend away from the load"
     if stock:
         yield "output.core_radius", "a dowel in stock under the roller"
+        yield "output.roller_bearing", "a turned sleeve has room on the dowel, needles have not"
         yield "shaft.bearing_width", "of a bearing in stock"
         yield from _clamping(design)
     yield "shaft.radius", f"at most {of.shaft:.0%} of the bore, and room for its bearing within the cam{stock}"

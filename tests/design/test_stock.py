@@ -89,8 +89,9 @@ def test_the_thickest_screw_under_a_head_is_found() -> None:
     assert found.designation == "ISO 4762 - M3"
 
 
-def test_screws_are_no_longer_than_their_thread_is_made() -> None:
-    """ISO 4762:2004, table 1: M2.5 to 25 mm, M4 to 40 mm."""
+def test_screws_are_no_longer_or_shorter_than_their_thread_is_made() -> None:
+    """ISO 4762:2004, table 1: M2.5 to 25 mm, M4 to 40 mm, M8 from 12 mm."""
+    assert stock.bolt_length(8e-3, 5e-3) == 12e-3
     assert stock.bolt_length(2.5e-3, 21e-3) == 25e-3
     assert stock.bolt_length(2.5e-3, 26e-3) is None
     assert stock.bolt_length(4e-3, 36e-3) == 40e-3

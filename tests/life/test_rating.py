@@ -20,14 +20,17 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.life import Duty, DutyPoint, rate, read_duty, rolling, witnesses
+from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
-from cycloid_mj.life.heat import clearance_growth
+from cycloid_mj.life.heat import clearance_growth, outside
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.loading import Rub, bending, loading
 from cycloid_mj.life.ranges import read_ranges
 from cycloid_mj.life.strength import output_pin, pin_moment
 from cycloid_mj.life.surfaces import HARDEST, pitting_cycles, pitting_pressure
+from cycloid_mj.parts.export import bill, casing
+from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.validate import shakedown
@@ -80,6 +83,67 @@ def test_a_published_cam_bearing() -> None:
     assert (cam.min(), cam.max(), mean) == pytest.approx((1967.0, 2460.0, 2294.0), rel=5e-3)
     assert rolling.life_hours(34500.0, 1.2 * mean, 600.0 * RPM) == pytest.approx(126_953.0, rel=1e-4)
     assert rolling.life_hours(34500.0, 1.2 * mean, 600.0 * RPM * (1 + 1 / 29)) == pytest.approx(122_721.0, rel=5e-3)
+
+
+IN_STOCK = PIN.but(
+    gear={"bore_radius": 13e-3}, shaft={"radius": 6e-3, "bearing_width": 10e-3}, drive={"torque": 0.05, "power": 9.0}
+)
+"""One disc of 10 mm on an HK2010; its shaft turns in two HK1210."""
+
+
+def test_what_the_bill_names_is_what_is_rated() -> None:
+    """The bearings' ratings are those of their maker: here 0.2 and 0.4 of those of rollers that fill the seats."""
+    items, lines = rate(IN_STOCK).items, {line.item: line for line in bill(Reducer(IN_STOCK))}
+    assert (lines["cam_bearing"].designation, lines["shaft_bearing"].designation) == ("HK2010", "HK1210")
+    assert items["cam_bearing"].limit == 6000.0
+    assert items["cam_bearing_static"].limit == 7600.0
+    assert items["shaft_bearing_near"].limit == 4600.0
+    assert "HK2010" in items["cam_bearing"].note
+    wider = rate(IN_STOCK.but(gear={"face_width": 24e-3})).items["cam_bearing"]
+    assert wider.limit == pytest.approx(2.0 ** (7.0 / 9.0) * 8000.0)
+    assert "2 x HK2012" in wider.note
+    given = rate(IN_STOCK.but(bearing={"dynamic_capacity": 9000.0})).items
+    assert (given["cam_bearing"].limit, given["cam_bearing_static"].limit) == (9000.0, 7600.0)
+    free = rate(IN_STOCK.but(gear={"bore_radius": 13.1e-3})).items["cam_bearing"]
+    assert "assumed: 20 rollers" in free.note
+
+
+def test_a_ball_bearing_lives_by_the_cube() -> None:
+    on_balls = rate(IN_STOCK.but(shaft={"bearing_width": 8e-3})).items["shaft_bearing_near"]
+    assert "6001" in on_balls.note
+    turns = abs(IN_STOCK.drive.speed) / (2.0 * math.pi) * 3600.0
+    assert on_balls.life == pytest.approx(1e6 * (5400.0 / on_balls.value) ** 3 / turns)
+
+
+def test_a_bearing_that_is_dented_ends_what_is_held_once() -> None:
+    weak = IN_STOCK.but(bearing={"shaft_static_capacity": 1.0})
+    torque, first = momentary_torque(Reducer(weak))
+    item = rate(weak).items["shaft_bearing_near_static"]
+    assert (first.key, torque) == (item.key, pytest.approx(2.0 * weak.rated_torque * item.safety))
+
+
+def test_a_plain_roller_slides_on_its_core() -> None:
+    plain = PIN.but(output={"roller_bearing": "plain", "core_radius": 2e-3})
+    on_needles, on_core = rate(PIN).items, rate(plain).items
+    assert "output_rollers" in on_needles
+    assert "output_rollers" not in on_core
+    assert plain.friction_of("output") == pytest.approx(0.05 * 2e-3 / PIN.output.pin_radius)
+    solid = rate(PIN.but(output={"rollers": False})).items
+    lost = {
+        key: items["power_lost"].value for key, items in (("needles", on_needles), ("core", on_core), ("pin", solid))
+    }
+    assert lost["needles"] < lost["core"] < lost["pin"]
+    # the same force on a thinner pin that is as much slower
+    assert on_core["output_roller_pv"].value == pytest.approx(solid["output_pv"].value, rel=0.05)
+
+
+def test_covers_give_heat_to_the_air() -> None:
+    sizes, radius = casing(Reducer(PIN)), PIN.housing.outer_radius
+    drum = 2.0 * math.pi * sizes.outer * (sizes.outer + sizes.top - sizes.face)
+    assert outside(Reducer(PIN)) == pytest.approx(drum - math.pi * (sizes.motor.circle**2 + sizes.flange_radius**2))
+    bare = PIN.but(output={"pin_circle_radius": 0.1e-3, "pin_radius": 1e-3})  # no bearing is as small as its hub
+    assert not has_casing(Reducer(bare))
+    assert outside(Reducer(bare)) == pytest.approx(2.0 * math.pi * radius * (radius + 18e-3))
 
 
 def test_a_mean_load_weighs_by_its_power() -> None:

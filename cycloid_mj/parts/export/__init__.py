@@ -15,7 +15,7 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Solid, fused, mass_properties, parts
 from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
-from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import Casing, Motor, casing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
@@ -62,6 +62,7 @@ __all__ = [
     "plate",
     "read_stl",
     "read_volume",
+    "shaft_bearing",
     "step_part",
     "stl_bytes",
     "threemf_bytes",

@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import stock
-from cycloid_mj.parts import crank_stretches, parts, sleeve_core_radius
+from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -25,6 +25,7 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    bearing_width_of,
     casing_places,
     flange_screw_length,
     insert_in,
@@ -39,7 +40,6 @@ from cycloid_mj.parts.export.printing import (
     material_part,
     output_pin_length,
 )
-from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 
 PRESSED, FREE = "m6 in H7", "m6, free in its socket"
@@ -48,6 +48,8 @@ PRESSED, FREE = "m6 in H7", "m6, free in its socket"
 NEEDLES, BALLS = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
 BALLS_OF_HUB = "H7 outside, k6 on the hub"
 """Fits of drawn cups and the shaft under their needles (ISO 3245), and of ball bearings whose shaft turns."""
+
+SHAFT_BEARINGS = 2
 
 
 @dataclass(frozen=True)
@@ -190,13 +192,12 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
             bore = (("bore", cam_seat),) if cam_seat else ()
             size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
             yield BillLine(CAM_BEARING, gear.discs, size, "", "bought")
-    seats = bearing_seats(reducer, crank_stretches(reducer))
-    width = seats[0][1] - seats[0][0]
-    if alike := stock.bearings_on(2.0 * shaft.radius, width):
-        size = _sizes_of(alike[0])
-        yield BillLine(SHAFT_BEARING, len(seats), size, "", "bought", alike[0].designation, _fit_of(alike[0]))
+    if on_shaft := shaft_bearing(reducer):
+        size, fit = _sizes_of(on_shaft), _fit_of(on_shaft)
+        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought", on_shaft.designation, fit)
     else:
-        yield BillLine(SHAFT_BEARING, len(seats), _round(("bore", shaft.radius), length=width), "", "bought")
+        size = _round(("bore", shaft.radius), length=bearing_width_of(reducer))
+        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought")
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
@@ -210,6 +211,11 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
         if one.bore > flush or (gear.discs == 1 and one.bore == flush)
     ]
     return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
+
+
+def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
+    """Choose the bearing in stock of which two hold the shaft; none if none has its size."""
+    return next(iter(stock.bearings_on(2.0 * reducer.design.shaft.radius, bearing_width_of(reducer))), None)
 
 
 def _fit_of(bearing: stock.StockBearing) -> str:

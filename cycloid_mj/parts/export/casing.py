@@ -162,6 +162,11 @@ class Casing:
         return self.hub_floor + 2.0 * self.hub.width + self.spacing
 
     @property
+    def flange_radius(self) -> float:
+        """Radius of the output's flange, which clamps the inner rings [m]."""
+        return _shoulder(0.5 * self.hub.bore, 0.5 * self.hub.outside)
+
+    @property
     def grip(self) -> float:
         """Thickness of the cover below the heads of its screws [m]."""
         return _grip(self.screws.bolt, self.wall)
@@ -661,8 +666,7 @@ def _flange(reducer: Reducer, sizes: Casing) -> CasingPart:
         (centres[::2], 0.5 * bolt.head, under, top + thickness),
         (centres[1::2], _core(reducer, bolt.thread), top, top + thickness),
     )
-    radius = _shoulder(0.5 * sizes.hub.bore, 0.5 * sizes.hub.outside)
-    return CasingPart(names.OUTPUT, ((radius, top, top + thickness),), holes)
+    return CasingPart(names.OUTPUT, ((sizes.flange_radius, top, top + thickness),), holes)
 
 
 def _screw_length(bolt: stock.Bolt, reach: float) -> float:
