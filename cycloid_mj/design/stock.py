@@ -4,6 +4,7 @@ Sizes in the tables are millimetres and kilonewtons, as printed there; what is h
 of the standard that is named, load ratings of the makers' catalogues that are named: others differ by some per cent.
 """
 
+import math
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -11,6 +12,9 @@ from functools import cache
 from itertools import pairwise
 
 MM, KN = 1e-3, 1e3
+
+OFF = 1.25
+"""How much longer or shorter than asked for the reach of pins in stock may be."""
 
 ROUNDING = 1e-7
 """Within which sizes are the same [m]."""
@@ -210,6 +214,22 @@ def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
     if _GAUGES[0] <= size < _GAUGES[1] and abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) < 1e-6:
         return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGE_LENGTH}", diameter, _GAUGE_LENGTH * MM), 1
     return None
+
+
+def reach_of_pins(diameter: float, reach: float, most: int = 4) -> float:
+    """Find the reach nearest to one [m] that pins of a diameter [m] fill as they are sold, at most so many in line.
+
+    It is the same where that is further off than by `OFF`: they are cut to length then, as pin gauges are.
+    """
+    size = round(diameter / MM, 6)
+    if size not in _DOWELS:
+        return reach
+    shortest, longest = _DOWELS[size]
+    usual = [length for length in _LENGTHS if shortest <= length <= longest]
+    counts = range(1, most + 1)
+    filled = [count * length for count in counts for length in usual if -(-count * length // longest) == count]
+    nearest = min(filled, key=lambda one: abs(math.log(one * MM / reach)), default=0.0) * MM
+    return round(nearest, 9) if reach / OFF <= nearest <= reach * OFF else reach
 
 
 def bar_diameters() -> tuple[float, ...]:

@@ -159,12 +159,13 @@ def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: Non
     if not path:
         free = asked.but(custom=True)
         if not asked.custom and next(climbed(free, Budget()), None):
-            ways = (
+            found = (
                 _larger(asked, 0.0, Budget(LOOKED_FOR)),
                 _longer(asked),
                 Way(FREE, free) if _held(free, Budget())[0] else None,
             )
-            return Answer(asked, (), 0.0, NO_STOCK, tuple(way for way in ways if way) or tuple(_beyond(asked)))
+            ways = tuple(way for way in found if way and _is_exact(way.asked))
+            return Answer(asked, (), 0.0, NO_STOCK, ways or tuple(_beyond(asked)))
         return _none_fits(asked)
     most, held = _most(asked, path[-1])
     if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
@@ -187,8 +188,7 @@ def _none_fits(asked: Requirement) -> Answer:
         f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
     )
     way = _longer(asked) or _larger(asked, 0.0, Budget(LOOKED_FOR))
-    sure = way and (asked.backlash == math.inf or _exact(way.asked))
-    return Answer(asked, (), 0.0, limit, (way,) if way and sure else tuple(_beyond(asked)))
+    return Answer(asked, (), 0.0, limit, (way,) if way and _is_exact(way.asked) else tuple(_beyond(asked)))
 
 
 def _beyond(asked: Requirement) -> Iterator[Way]:
@@ -221,6 +221,11 @@ def _longer(asked: Requirement) -> Way | None:
     longer = free.but(length=math.ceil(drive_length(step[1].reducer)) / MILLIMETRES)
     held = _held(longer, Budget())[0]
     return Way(f"{words}a length of {MILLIMETRES * longer.length:g} mm", longer) if held else None
+
+
+def _is_exact(asked: Requirement) -> bool:
+    """Tell whether a requirement whose torque is held is so with the backlash that it asks for, if any."""
+    return asked.backlash == math.inf or _exact(asked)
 
 
 def _exact(asked: Requirement) -> bool:
@@ -360,15 +365,16 @@ def _floored(value: float) -> float:
 def _ways(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
     """Yield changes with which the torque is held, each found to work as it would be asked for."""
     budget = Budget(LOOKED_FOR)
-    if larger := _larger(asked, most, budget):
+    larger = _larger(asked, most, budget)
+    if larger and _is_exact(larger.asked):
         yield larger
     yielded = 0
     for way in _conceivable(asked, top, most):
-        if yielded < MOST_WAYS and _works(way.asked, top, budget):
+        if yielded < MOST_WAYS and _works(way.asked, top, budget) and _is_exact(way.asked):
             yielded += 1
             yield way
     if not larger and not yielded:
-        yield from _together(asked)
+        yield from (way for way in _together(asked) if _is_exact(way.asked))
 
 
 def _conceivable(asked: Requirement, top: Step, most: float) -> Iterator[Way]:
@@ -498,6 +504,9 @@ def _beside(
     others = [one for one in rest if not longest or one[0] != longest[0]]
     reached = _first_stiffness(longest[1].reducer) if longest else 0.0
     stiffest = _best(asked, others, lambda trial: _first_stiffness(trial.reducer), max(reached, stiffer))
+    if longest and stiffest and stiffest[1].life >= longest[1].life:  # at all crank angles the stiffest lives longer
+        longest, stiffest = stiffest, None
+        reached = _first_stiffness(longest[1].reducer)
     if stiffest:
         yield *stiffest, "stiffest", "the stiffest of those tried"
     if longest and (stiffest or reached < stiffer):

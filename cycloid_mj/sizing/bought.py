@@ -11,6 +11,7 @@ from cycloid_mj.design.stock import (
     needle_bearings,
     pin_diameters,
     pins,
+    reach_of_pins,
 )
 
 FULLEST = 0.86
@@ -21,6 +22,9 @@ LARGER = 1.06
 
 CORE = 0.8
 """Most radius of a dowel in that of its roller: the rest is for needles and the roller's wall."""
+
+THINNER = 1.5
+"""How much thinner or thicker than usual an output disc may be, so that dowels in stock reach through both."""
 
 OF_WALL = 0.8
 """Most diameter of a screw's head in the wall of the ring that it clamps."""
@@ -63,10 +67,24 @@ def shaft_bearing(radius: float, bar: bool) -> StockBearing | None:
     return max(fitting, key=lambda one: (one.bore, -one.width)) if fitting else None
 
 
-def core(roller: float, length: float) -> float | None:
-    """Find the radius of the thickest dowel of a length [m] under a roller of a radius [m]; none if none."""
+def core(roller: float, between: float, usual: float) -> float | None:
+    """Find the radius of the thickest dowel under a roller of a radius [m]; none if none.
+
+    It reaches over what is between two discs [m] and through both, as thick as usual [m] or as thin as they may be.
+    """
+    length = between + 2.0 * usual / THINNER
     thin_enough = [size for size in dowel_diameters() if size <= 2.0 * CORE * roller and _in_one(size, length)]
     return round(0.5 * max(thin_enough), 9) if thin_enough else None
+
+
+def disc_thickness(core_radius: float, between: float, usual: float) -> float:
+    """Find the thickness of both output discs [m] near a usual one with which a dowel reaches from face to face.
+
+    The dowel has the radius of the output pins' core and reaches over what is between the discs [m] as well.
+    """
+    reach = reach_of_pins(2.0 * core_radius, between + 2.0 * usual, most=1)
+    thickness = round(0.5 * (reach - between), 9)
+    return thickness if usual / THINNER <= thickness <= usual * THINNER else usual
 
 
 def _in_one(size: float, length: float) -> bool:

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import WALLS, soundness
 from cycloid_mj.checks.body import bearings
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.life.figures import drive_length, length
 from cycloid_mj.parts.export.casing import covers_fit
 from cycloid_mj.reducer import Reducer
@@ -132,15 +132,21 @@ def _too_long(asked: Requirement, reducer: Reducer) -> bool:
 
 @dataclass(frozen=True)
 class _Sizes:
-    """Sizes of a drive that stock decides, or that are free [m]; `width` and `core` are 0 where they follow a rule."""
+    """Sizes of a drive that stock decides, or that are free [m].
+
+    `bearing` is the width of the shaft's bearings; it and `core` are 0 where they follow a rule. `face` is the width of
+    each gear, `disc` the thickness of the output's discs.
+    """
 
     pin: float
     circle: float
+    face: float
     bore: float
     shaft: float
-    width: float
+    bearing: float
     stud: float
     core: float
+    disc: float
 
 
 def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
@@ -154,11 +160,14 @@ def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
         if not bought_pin:
             return None
         pin, circle = bought_pin, rounded((1.0 - of.wall) * outer - bought_pin)
-    eccentricity = rounded(of.short_width * circle / teeth)
+    eccentricity, gap = rounded(of.short_width * circle / teeth), rounded(GAP_SHARE * outer)
+    face, gaps = rounded(of.width * circle / discs), (discs - 1) * gap
+    if not asked.custom:
+        face = round((stock.reach_of_pins(2.0 * pin, discs * face + gaps) - gaps) / discs, 9)
     root = circle - eccentricity - pin - asked.clearance_at(2.0 * pin)
     bore, cam, width = rounded(of.bore * root), math.inf, 0.0
     if not asked.custom:
-        bearing = bought.cam_bearing(bore, rounded(of.width * circle / discs))
+        bearing = bought.cam_bearing(bore, face)
         if not bearing:
             return None
         bore, cam = bearing.bore_radius, bearing.cam_radius
@@ -170,16 +179,17 @@ def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
         shaft, width = round(0.5 * found_shaft.bore, 9), found_shaft.width
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
     hole = of.hole * min(0.5 * band, middle * math.sin(math.pi / of.output_pins) - 0.005 * circle)
-    stud, core = rounded(hole - eccentricity), 0.0
+    stud, core, disc = rounded(hole - eccentricity), 0.0, rounded(DISC_SHARE * outer)
     if not min(root, stud) > SLIMMEST * hole > 0.0:
         return None
     if not asked.custom:
-        length = of.width * circle + (discs - 1) * GAP_SHARE * outer + 2.0 * (DISC_SHARE * outer + AXIAL_GAP)
-        found_core = bought.core(stud, length)
+        between = discs * face + gaps + 2.0 * AXIAL_GAP
+        found_core = bought.core(stud, between, disc)
         if not found_core:
             return None
         core = found_core
-    return _Sizes(pin, circle, bore, shaft, width, stud, core)
+        disc = bought.disc_thickness(core, between, disc)
+    return _Sizes(pin, circle, face, bore, shaft, width, stud, core, disc)
 
 
 def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
@@ -203,7 +213,7 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                     "discs": discs,
                     "disc_gap": rounded(GAP_SHARE * outer),
                     "eccentricity": eccentricity,
-                    "face_width": rounded(of.width * circle / discs),
+                    "face_width": sizes.face,
                     "bore_radius": bore,
                 },
                 output={
@@ -213,12 +223,12 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                     "core_radius": sizes.core,
                     "pin_circle_radius": rounded(middle),
                     "hole_radius": _as_told(stud + eccentricity),
-                    "disc_thickness": rounded(DISC_SHARE * outer),
+                    "disc_thickness": sizes.disc,
                     "support": "both_ends",
                 },
                 shaft={
                     "radius": sizes.shaft,
-                    "bearing_width": sizes.width,
+                    "bearing_width": sizes.bearing,
                     "counterweight_radius": rounded(0.75 * (circle - pin)),
                     "length": rounded(0.3 * outer),
                     "mounting": "straddle",

@@ -27,7 +27,8 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     stock = "" if asked.custom else ", in stock"
     yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours, about{stock}"
     yield "gear.eccentricity", f"K1 = c N / E = {of.short_width:g}: the largest with which nothing else is weaker"
-    yield "gear.face_width", f"{of.width:.0%} of the pin circle for all discs{weakest}"
+    as_sold = "" if asked.custom else ", about, as long as pins in stock"
+    yield "gear.face_width", f"{of.width:.0%} of the pin circle for all discs{as_sold}{weakest}"
     yield "gear.bore_radius", f"{of.bore:.0%} of the gear's root, about{stock and ', for a bearing in stock'}"
     if discs > 1:
         one_part = are_one_part(discs, design.output.pins, design.lobes)
@@ -39,7 +40,8 @@ def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Itera
     yield "output.pin_circle_radius", "the middle of the web between bore and root"
     yield "output.pin_radius", f"its hole takes {of.hole:.0%} of the web, or of the room between neighbours"
     yield "output.hole_radius", "output pin + eccentricity"
-    yield "output.disc_thickness", f"{DISC_SHARE:.0%} of the outer radius"
+    reach = stock and ", about: dowels in stock reach from face to face"
+    yield "output.disc_thickness", f"{DISC_SHARE:.0%} of the outer radius{reach}"
     yield "output.support", "held at one end, the pins would bend away from the load"
     if stock:
         yield "output.core_radius", "a dowel in stock under the roller"

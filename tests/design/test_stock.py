@@ -64,6 +64,20 @@ def test_the_shortest_dowel_that_reaches_is_found(
     assert found[0].length * found[1] >= reach
 
 
+@pytest.mark.parametrize(
+    ("diameter", "reach", "filled"),
+    [(5e-3, 39e-3, 40e-3), (5e-3, 11e-3, 12e-3), (5e-3, 61e-3, 60e-3), (5e-3, 8e-3, 8e-3), (0.5e-3, 9.3e-3, 9.3e-3)],
+)
+def test_pins_fill_a_reach_as_they_are_sold(diameter: float, reach: float, filled: float) -> None:
+    """Those of 5 mm have 12 to 50 mm; where none is near, and of gauges, they are cut."""
+    found = stock.reach_of_pins(diameter, reach)
+    assert found == pytest.approx(filled)
+    if filled != reach:
+        pin, count = stock.pins(diameter, found) or (None, 0)
+        assert pin
+        assert pin.length * count == pytest.approx(filled)
+
+
 def test_a_size_between_those_in_stock_is_none() -> None:
     assert stock.pins(3.2625e-3, 20e-3) is None
     assert stock.bearings_outside(8.2e-3) == ()

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from cycloid_mj.design import stock
+from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.parts.export import BillLine, bill, casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
@@ -89,3 +89,11 @@ def test_every_size_in_the_bill_is_in_the_tables_of_stock(name: str) -> None:
         assert measures(line).keys() - looked_up.keys() <= {"length"}, line
         assert line.fit or "ISO 4762" in line.designation or "insert" in line.item or "bar" in line.designation, line
         assert line.count > 0
+
+
+def test_pins_longer_than_their_seat_are_cut() -> None:
+    design = PRESETS["pin"].but(ring={"pin_radius": 2.5e-3}, gear={"face_width": 15e-3})
+    line = next(line for line in bill(Reducer(design)) if line.item == "pin")
+    assert (line.designation, line.fit) == ("ISO 8734 - 5 x 16 - A", "m6, free in its socket, cut to 15 mm")
+    flush = next(line for line in bill(Reducer(design.but(gear={"face_width": 16e-3}))) if line.item == "pin")
+    assert flush.fit == "m6, free in its socket"

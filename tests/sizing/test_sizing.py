@@ -216,6 +216,9 @@ def require_in_stock(design: Design) -> None:
     assert {"pin", "output_pin", "cam_bearing", "shaft_bearing"} <= {line.item for line in lines}
     for line in lines:
         assert line.designation, line
+        assert "cut" not in line.fit or line.item == "pin", line
+    gauges = design.ring.pin_radius < 0.5e-3
+    assert gauges or not any("cut" in line.fit for line in lines)
     seats = {one.designation: one for one in stock.needle_bearings()}
     by_item = {line.item: line for line in lines}
     assert seats[by_item["cam_bearing"].designation].outside == pytest.approx(2.0 * design.gear.bore_radius)

@@ -157,12 +157,14 @@ def _pins(reducer: Reducer) -> Iterator[BillLine]:
 
 
 def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:
-    """Return the line of round pins: of those in stock, which may stand in line, or of their own size."""
+    """Return the line of round pins: of those in stock, which may stand in line or be cut, or of their own size."""
     in_stock = stock.pins(2.0 * radius, reach)
     if not in_stock:
         return BillLine(item, count, _round(("diameter", radius), length=reach), material, "bought")
     pin, in_line = in_stock
     size = _round(("diameter", radius), length=pin.length)
+    if in_line * pin.length > reach + stock.ROUNDING:
+        fit += f", cut to {_mm(reach / in_line)} mm"
     return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
 
 
