@@ -12,6 +12,7 @@ from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.life.figures import drive_length, length
 from cycloid_mj.parts.export.casing import covers_fit
+from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.sizing import bought
@@ -113,9 +114,9 @@ def _walled(asked: Requirement, of: Proportions, drawn: Reducer, torque: float) 
 
 
 def _sound(asked: Requirement, drawn: Reducer) -> Reducer | None:
-    """Balance a drive; nothing where it is longer than asked for, or cannot be built."""
+    """Balance a drive; nothing where it is longer than asked for, has no room for its covers, or cannot be built."""
     reducer = _balanced(Reducer(drawn.design))
-    if asked.length < math.inf and _too_long(asked, reducer):
+    if not has_casing(reducer) or (asked.length < math.inf and _too_long(asked, reducer)):
         return None
     failed = (item for item in soundness(reducer) if not item.passed)
     return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
