@@ -9,10 +9,13 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
+from cycloid_mj.life.hub import held_by_hub
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.loading import Loading, relative_speed
+from cycloid_mj.life.loading import FAR, NEAR, Loading, relative_speed
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 
 NEEDLE_FILL = 0.35
@@ -73,9 +76,15 @@ def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iter
     relative = np.array([relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
     if design.gear.bearing == "rolling":
         yield from _rated(reducer, cam_seat(reducer), [loading.cam for loading in loadings], relative, loadings, peak)
-    for place, name in enumerate(("far", "near"), start=-2):
+    for place, name in ((FAR, "far"), (NEAR, "near")):
         force = [rolling.magnitudes(loading.shaft[:, place]) for loading in loadings]
         yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, loadings, peak)
+    if has_casing(reducer):
+        held = [held_by_hub(reducer, loading) for loading in loadings]
+        turns = crank / design.reduction
+        for which, forces in zip(("inner", "outer"), zip(*held, strict=True), strict=True):
+            on_balls = [rolling.magnitudes(force) for force in forces]
+            yield from _rated(reducer, _hub_seat(reducer, which), on_balls, turns, loadings, peak)
     if design.output.has_needles:
         # a roller turns on its pin as often as it rolls round its hole
         rolls = (
@@ -108,6 +117,13 @@ def _shaft_seat(reducer: Reducer, name: str) -> Seat:
         {"near": "shaft bearing next to the gear", "far": "shaft bearing far from the gear"}[name],
         _ratings(given, (bought, 1) if bought else None, row, "on the shaft"),
     )
+
+
+def _hub_seat(reducer: Reducer, which: str) -> Seat:
+    bearing = casing(reducer).hub
+    source = f"of its maker's catalogue: {bearing.designation}"
+    ratings = Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", rolling.BALL_EXPONENT)
+    return Seat(f"output_bearing_{which}", f"{which} bearing of the output", ratings)
 
 
 def _output_seat(reducer: Reducer) -> Seat:

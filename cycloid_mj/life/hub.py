@@ -1,9 +1,9 @@
 """What the output's flange carries beside the torque: tilting moment, radial and axial load, by the hub's two bearings.
 
 Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings a distance apart on a rigid hub;
-they carry what the discs put on the output as well. Their ratings are of a catalogue (``design.stock``), the balls that
-give under a moment estimated: 0.3 (D - d) thick, as many as go in at an angle of 195 deg between the rings (Harris,
-Rolling Bearing Analysis, Conrad's assembly).
+they carry what the discs put on the output as well, and the shaft whose bearing is in the hub. Their ratings are of a
+catalogue (``design.stock``); the balls that give under a moment are estimated: 0.3 (D - d) thick, as many as go in at
+an angle of 195 deg between the rings (Harris, Rolling Bearing Analysis, Conrad's assembly).
 """
 
 import math
@@ -13,12 +13,14 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.checks.rated import rated
 from cycloid_mj.design.stock import StockBearing
 from cycloid_mj.life import rolling
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.loading import FAR, Loading, loading
+from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.bearings import reactions
+from cycloid_mj.statics.bearings import Planes
 
 BALL_SHARE, FILLED = 0.3, math.radians(195.0)
 """Diameter of balls over D - d, and the angle between the rings that they fill."""
@@ -59,7 +61,7 @@ class Hub:
     bears
         Radial load that one bears [N]: for the life of the design at the speed of its output, and standing.
     own
-        Largest force on each that the discs put there at the rated torque [N], the inner one first.
+        Largest force on each that discs and shaft put there at the rated torque [N], the inner one first.
     """
 
     bearing: StockBearing
@@ -126,19 +128,35 @@ def hub(reducer: Reducer) -> Hub:
         dynamic=dynamic,
         static=static,
         bears=min(lasts, static),
-        own=_own(reducer, inner, outer),
+        own=_own(reducer),
     )
 
 
-def _own(reducer: Reducer, inner: float, outer: float) -> tuple[float, float]:
-    """Compute the largest forces on bearings at two places [m] by what the discs put on the output [N]."""
-    state = rated(reducer)
-    at_inner, at_outer = reactions(reducer, state.springs, state.contact_loads).output.held_at(inner, outer)
-    return _largest(at_inner), _largest(at_outer)
+def held_by_hub(reducer: Reducer, one: Loading) -> tuple[Array, Array]:
+    """Compute what each bearing of the hub holds [N], (m, 2), the inner one first: discs, and the shaft in the hub.
+
+    Raises
+    ------
+    DesignError
+        The casing has no room.
+    """
+    sizes, planes = casing(reducer), reducer.design.gear.disc_planes
+    inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
+    forces, places = one.on_output, [*planes]
+    if sizes.far:
+        cosine, sine = np.cos(one.crank), np.sin(one.crank)
+        x, y = one.shaft[:, FAR].T  # what the bearing answers with, in the shaft's frame
+        on_hub = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+        forces, places = np.concatenate([forces, on_hub[:, np.newaxis]], axis=1), [*places, 0.5 * sum(sizes.far)]
+    return Planes(forces, np.array(places)).held_at(inner, outer)
 
 
-def _largest(force: Array) -> float:
-    return float(np.hypot(*force.T).max())
+def _own(reducer: Reducer) -> tuple[float, float]:
+    """Compute the largest forces on both bearings by what discs and shaft put there at the rated torque [N]."""
+    design = reducer.design
+    at_rated = loading(reducer, steady(design.rated_torque, design.drive.speed).points[0])
+    inner, outer = (float(magnitudes(force).max()) for force in held_by_hub(reducer, at_rated))
+    return inner, outer
 
 
 def tilting_moment(reducer: Reducer) -> float:

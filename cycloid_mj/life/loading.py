@@ -14,6 +14,7 @@ from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
+from cycloid_mj.statics.bearings import reactions
 from cycloid_mj.statics.springs import POSES as ALL_ROUND
 from cycloid_mj.statics.springs import turn_evenly
 
@@ -33,6 +34,10 @@ class Rub:
     speed: float
 
 
+FAR, NEAR = -2, -1
+"""Of a shaft's forces: those of the bearing far from the gear, and next to it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Loading:
     """Loads at m crank angles that cover N - 1 turns of the crank evenly: one of the output, after which all repeats.
@@ -50,6 +55,8 @@ class Loading:
         then what the two bearings answer with, the one far from the gear first.
     output
         Force of each disc on each output pin [N], shape (m, discs, pins).
+    on_output
+        Force of each disc on all output pins together [N], shape (m, discs, 2).
     teeth
         Largest force on a tooth [N].
     pressures
@@ -72,6 +79,7 @@ class Loading:
     shaft: Array
     places: Array
     output: Array
+    on_output: Array
     teeth: float
     pressures: dict[str, float]
     rubs: dict[str, Rub]
@@ -121,6 +129,7 @@ def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
         shaft=forces,
         places=places,
         output=contact_loads.output.reshape(poses, cam.shape[1], -1),
+        on_output=reactions(at, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
         pressures={kind: peak_pressure(at, springs, contact_loads, kind) for kind in design.pair_kinds},
         rubs=_rubs(at, springs, contact_loads),

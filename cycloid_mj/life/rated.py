@@ -22,8 +22,9 @@ STRIDE = 2.0
 EXACT = 5e-4
 """Relative accuracy of the rated torque."""
 
+BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers"
 STOPS, STANDING, WEAR = "peak_", "_static", "_wear"
-"""How the keys of what is held once begin or end, and that of wear, whose coefficient is known to a decade."""
+"""How the keys of bearings and of what is held once begin or end, and that of wear (known to a decade)."""
 
 
 def rated_torque(
@@ -113,4 +114,6 @@ def is_held_once(key: str) -> bool:
 
 def is_bearing_life(key: str) -> bool:
     """Tell whether an item, by its key, is the life of a bearing."""
-    return key.startswith(("cam_bearing", "shaft_bearing", "output_rollers")) and not key.endswith("_static")
+    return key.startswith(("cam_bearing", "shaft_bearing", "output_bearing", "output_rollers")) and not key.endswith(
+        "_static"
+    )

@@ -3,11 +3,15 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
-from cycloid_mj.life.hub import USUAL, hub
+from cycloid_mj.life import rate
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.hub import USUAL, held_by_hub, hub
+from cycloid_mj.life.loading import FAR, loading
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
@@ -50,3 +54,27 @@ def test_the_catalogue_has_them() -> None:
     assert figure("output_radial_load_n").value(TWO) == hub(TWO).radial
     assert figure("output_axial_load_n").value(TWO) == 0.25 * hub(TWO).static
     assert figure("output_tilting_stiffness_nm_per_arcmin").value(TWO) > 0.0
+
+
+def test_the_bearings_of_the_hub_are_rated() -> None:
+    """Their forces balance those of discs and shaft on the output: no net force, and no moment about either."""
+    one = loading(TWO, steady(TWO.design.rated_torque, TWO.design.drive.speed).points[0])
+    inner, outer = held_by_hub(TWO, one)
+    sizes = casing(TWO)
+    places = [0.5 * sum(ends) for ends in (*sizes.bearings, sizes.far or (0.0, 0.0))]
+    turn = np.exp(1j * one.crank)
+    shaft = turn * (one.shaft[:, FAR] @ np.array([1.0, 1.0j]))
+    discs = one.on_output @ np.array([1.0, 1.0j])
+    held = [force @ np.array([1.0, 1.0j]) for force in (inner, outer)]
+    np.testing.assert_allclose(sum(held) + discs.sum(axis=1) - shaft, 0.0, atol=1e-9)
+    planes = np.array(TWO.design.gear.disc_planes)
+    moment = held[0] * places[0] + held[1] * places[1] + discs @ planes - shaft * places[2]
+    np.testing.assert_allclose(moment, 0.0, atol=1e-11)
+    items = rate(TWO.design).items
+    assert items["output_bearing_inner"].value > items["output_bearing_outer"].value > 0.0
+    assert items["output_bearing_inner"].limit == sizes.hub.dynamic
+    turns = abs(TWO.design.drive.speed) / TWO.design.reduction / (2.0 * math.pi) * 3600.0
+    found = items["output_bearing_inner"]
+    assert found.life == pytest.approx(1e6 * (found.limit / found.value) ** 3 / turns)
+    peak = 2.0 * hub(TWO).own[0]
+    assert items["output_bearing_inner_static"].value == pytest.approx(peak)
