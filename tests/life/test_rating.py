@@ -287,6 +287,7 @@ def test_every_law_has_its_exponent(monkeypatch) -> None:
         rubs={kind: Rub(2.0 * rub.power, 2.0 * rub.pressure_speed, rub.speed) for kind, rub in one.rubs.items()},
         wind_up=2.0 * one.wind_up,
         output=2.0 * one.output,
+        on_output=2.0 * one.on_output,
         teeth=2.0 * one.teeth,
         pressures={kind: math.sqrt(2.0) * value for kind, value in one.pressures.items()},
         losses={part: 2.0 * value for part, value in one.losses.items()},
@@ -311,6 +312,8 @@ def exponent(key: str) -> float:
     """Power of the torque by which the law of an item goes."""
     if key in ("cam_bearing", "output_rollers", "shaft_bearing_near", "shaft_bearing_far"):
         return 10 / 3
+    if key in ("output_bearing_inner", "output_bearing_outer"):
+        return 3.0
     if key.endswith("pitting"):
         return 0.5 / 0.056
     return 0.5 if key.endswith(("_shakedown", "_yield")) and not key.startswith("peak") else 1.0
