@@ -695,9 +695,9 @@ def test_design_check_passes_a_preset():
     code, out, err = told("design", "check", "pin")
     assert (code, err) == (0, "")
     warned = {line.split()[1] for line in out.splitlines() if line.startswith("warn")}
-    assert warned == {"tooth_yield:", "momentary_torque:", "heat:", "life:", "strength:"}
+    assert warned == {"tooth_yield:", "momentary_torque:", "life:", "strength:"}
     assert "FAIL" not in out
-    assert out.splitlines()[-1].endswith("checks: 0 failed, 5 warnings")
+    assert out.splitlines()[-1].endswith("checks: 0 failed, 4 warnings")
 
 
 @pytest.fixture
@@ -733,7 +733,7 @@ def test_warnings_do_not_fail_a_design(tmp_path):
     code, out, _ = told("design", "check", str(file))
     assert code == 0
     assert "warn  load" in out
-    assert out.splitlines()[-1].endswith("0 failed, 6 warnings")
+    assert out.splitlines()[-1].endswith("0 failed, 5 warnings")
 
 
 def test_unsound_design_is_not_simulated_and_every_reason_is_told(unsound, here):
