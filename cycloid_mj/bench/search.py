@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, distances, model_branches
@@ -217,10 +217,7 @@ class FitProblem:
         low, high = self.bounds
         free = [place for place in range(len(start)) if place != held]
 
-        def whole(part: Array) -> Array:
-            places = start.copy()
-            places[free] = part
-            return places
+        whole = _filled(start, free)
 
         def residuals(part: Array) -> Array:
             return self.residuals(whole(part))
@@ -277,10 +274,7 @@ class FitProblem:
 
         start, free = np.clip(start, low, high), np.flatnonzero(high - low > HELD)
 
-        def whole(part: Array) -> Array:
-            places = start.copy()
-            places[free] = part
-            return places
+        whole = _filled(start, free)
 
         def of(part: Array) -> Array:
             return residuals(whole(part))
@@ -298,6 +292,17 @@ class FitProblem:
             max_nfev=LONG,
         )
         return float(solution.cost), whole(solution.x)
+
+
+def _filled(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
+    """Return a function that puts values in the free places of a start, and leaves the others there."""
+
+    def whole(part: Array) -> Array:
+        places = start.copy()
+        places[free] = part
+        return places
+
+    return whole
 
 
 def _weights(loops: Sequence[MeasuredLoop]) -> list[Array]:

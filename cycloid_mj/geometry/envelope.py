@@ -217,21 +217,31 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
     The junctions are among the points, so that each chord spans an arc or a Sigma only.
     """
-    require_envelope(gear)
-    B0, alpha, rho = gear.best_phase, largest_alpha(gear), gear.pin_radius
-    flank = SmoothArc(
-        points=lambda B: Sigma(gear, B).points,
-        normal_angle=lambda B: Sigma(gear, B).normal_angle,
-        turning_rate=lambda B: Sigma(gear, B).turning_rate,
-        arc_rate=lambda B: Sigma(gear, B).arc_rate,
-    )
-    B = profile.sagitta_nodes(flank, B0, np.pi, chord_error)
+    B, alpha, rho = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
     chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
     half = np.concatenate([np.linspace(0, rho * alpha, chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length])
     half[-1] = perimeter(gear) / gear.ring_teeth / 2
     signed = np.concatenate([half, -half[-2:0:-1]])
     lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed < 0)
     return _ring_at(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
+
+
+def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
+    """Phases B [rad] from the junction to the middle of the root, whose chords leave Sigma by `chord_error` [m].
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut.
+    """
+    require_envelope(gear)
+    flank = SmoothArc(
+        points=lambda B: Sigma(gear, B).points,
+        normal_angle=lambda B: Sigma(gear, B).normal_angle,
+        turning_rate=lambda B: Sigma(gear, B).turning_rate,
+        arc_rate=lambda B: Sigma(gear, B).arc_rate,
+    )
+    return profile.sagitta_nodes(flank, gear.best_phase, np.pi, chord_error)
 
 
 def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:

@@ -202,9 +202,12 @@ class Contact:
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
             return 1.0 / self._reducer.contacts.roller_radius + 1.0 / design.gear.bore_radius
+        ring, output, play = design.ring, design.output, design.clearance
         inner, outer = {
-            "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
-            **self._seats,
+            "cam": (design.gear.bore_radius, design.gear.bore_radius + play.cam),
+            "pin_socket": (ring.pin_radius, ring.pin_radius + play.pin_socket),
+            "pin_sleeve": (ring.sleeve_bore_radius - play.pin_sleeve, ring.sleeve_bore_radius),
+            "output": (output.pin_radius, output.hole_radius + play.output),
         }[self.kind]
         return 1.0 / inner - 1.0 / outer
 
@@ -248,17 +251,6 @@ class Contact:
         return self._reducer.design.gear.bearing == "rolling"
 
     @property
-    def _seats(self) -> dict[str, tuple[float, float]]:
-        """Radii [m] of the inner and the outer body where one lies in the other."""
-        design = self._reducer.design
-        ring, output, play = design.ring, design.output, design.clearance
-        return {
-            "pin_socket": (ring.pin_radius, ring.pin_radius + play.pin_socket),
-            "pin_sleeve": (ring.sleeve_bore_radius - play.pin_sleeve, ring.sleeve_bore_radius),
-            "output": (output.pin_radius, output.hole_radius + play.output),
-        }
-
-    @property
     def _thinner_radius(self) -> float:
         """Radius [m] of the smaller body."""
         design = self._reducer.design
@@ -300,8 +292,7 @@ class Contact:
             return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
         if kind in ("pin_gear", "tooth"):
             return law.stiffness
-        inner, outer = self._seats[kind]
-        return law.stiffness * law.factor(1.0 / inner - 1.0 / outer)
+        return law.stiffness * law.factor(self.curvature)
 
     def _roller_on_cam(self) -> float:
         """Compute the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where all pairs' is given."""

@@ -72,7 +72,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """Build the flanks of the internal gear, ring frame, lobe 1 on +y, `member` the lobe, half a pitch to each side."""
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
-    B = _ring_nodes(gear, 2.0 * settings.chord_error)
+    B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
     middle = (B[:-1] + B[1:]) / 2.0
     gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
@@ -109,7 +109,7 @@ def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_
     At the given `nodes` of the phase B (from the junction to pi), or else by `chord_error` [m].
     """
     gear = reducer.tooth_profile
-    left = _sigma(gear, _ring_nodes(gear, chord_error) if nodes is None else nodes, depth)
+    left = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
     return np.concatenate([left[::-1], left * [-1.0, 1.0]])
 
 
@@ -128,18 +128,6 @@ def _sagitta(gear: CycloidGear, offset: float, low: float, high: float, chord_er
         arc_rate=lambda t: profile.arc_rate(gear, t, offset),
     )
     return profile.sagitta_nodes(flank, low, high, chord_error)
-
-
-def _ring_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Phases B from the junction to the middle of the root, where chords leave Sigma by `chord_error`."""
-    envelope.require_envelope(gear)
-    flank = SmoothArc(
-        points=lambda B: envelope.Sigma(gear, B).points,
-        normal_angle=lambda B: envelope.Sigma(gear, B).normal_angle,
-        turning_rate=lambda B: -envelope.Sigma(gear, B).arc_rate / envelope.Sigma(gear, B).radius,
-        arc_rate=lambda B: envelope.Sigma(gear, B).arc_rate,
-    )
-    return profile.sagitta_nodes(flank, gear.best_phase, math.pi, chord_error)
 
 
 def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
