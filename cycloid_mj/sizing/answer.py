@@ -11,6 +11,7 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import Design, fits
 from cycloid_mj.figures import figure
+from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import is_held_once, rated_torque
 from cycloid_mj.parts.export.casing import covers_fit
@@ -77,14 +78,14 @@ NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bear
 MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 """Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
 
-SEVERAL = 61
-"""Crank angles of a shortlist's rated torque; that the torque asked for is held is seen at all of a data sheet's."""
-
 TOUCHING = 1e-6
 """Relative: covers that stand out by no more are as wide as the ring."""
 
 TOLD = 3e-2
 """Relative: how near to the rated torque of a shortlist a drive is rated; the law of its weakest item does the rest."""
+
+NEARLY = 1.1
+"""Momentary torque over the rated one, from the drive's few angles, below which it is computed at all of them."""
 
 SLOWEST = 30.0 * RPM
 LARGEST = 3.0
@@ -412,18 +413,23 @@ def _works(asked: Requirement, top: Step, budget: Budget) -> bool:
 
 
 def _larger(asked: Requirement, bears: float, budget: Budget) -> Way | None:
-    """Find a diameter with which the torque is held, from one with which less is [N m]."""
-    larger = asked
+    """Find a diameter with which the torque is held, from one with which less is [N m].
+
+    Where no drive of a size can be made, as with no parts in stock so large, it lies between that and the one before.
+    """
+    made, beyond = asked.diameter, math.inf
     for _ in range(TRIES):
-        share = (asked.torque / bears) ** (1.0 / GROWTH) if bears else FAR
-        next_size = _of_diameter(asked, larger.diameter * max(share, LEAST_STEP))
-        if next_size is None:
+        grown = made * max((asked.torque / bears) ** (1.0 / GROWTH), LEAST_STEP) if bears else FAR * made
+        larger = _of_diameter(asked, min(grown, math.sqrt(made * beyond)))
+        if larger is None or not made < larger.diameter < beyond:
             return None
-        larger = next_size
         step, path = _held(larger, budget)
         if step:
             return Way(f"{1e3 * larger.diameter:g} mm", larger)
-        bears = _borne(path)
+        if not path and bears:
+            beyond = larger.diameter
+        else:
+            made, bears = larger.diameter, _borne(path)
     return None
 
 
@@ -450,6 +456,11 @@ def _together(asked: Requirement) -> Iterator[Way]:
         if slower != changed:
             words.append(f"{slower.speed / RPM:.0f} rpm")
         larger = None if step or _is_heated(path) or not words else _larger(slower, _borne(path), budget)
+        if not (step or larger) and SLOWEST < slower.speed < changed.speed:
+            slower, words = changed.but(speed=SLOWEST), words[:-1]
+            step, path = _held(slower, budget)
+            words.append(f"{slower.speed / RPM:.0f} rpm")
+            larger = None if step else _larger(slower, _borne(path), budget)
         if step or larger:
             ends = f" and {larger.words}" if larger else ""
             yield Way(", ".join(words) + ends, larger.asked if larger else slower)
@@ -624,9 +635,11 @@ def _figures(trial: TorqueTrial) -> Figures:
     design = reducer.design
     speed, life = design.drive.speed, design.service.life
     about, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=FEW, exact=TOLD)
-    lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), poses=SEVERAL, exact=TOLD)
+    lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), exact=TOLD)
     stops = [item.safety or 0.0 for item in rating.items.values() if is_held_once(item.key)] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
+    if momentary < NEARLY * lasting:  # it ends the rated torque: told as the data sheet has it
+        momentary, _ = momentary_torque(reducer)
     return {
         "ratio": design.reduction,
         "outer_diameter_mm": 2e3 * design.housing.outer_radius,
