@@ -14,6 +14,7 @@ from cycloid_mj.parts import (
     body_solids,
     crank_stretches,
     gear_solid,
+    mass_chord_error,
     mass_properties,
     moving_masses,
     pin_solid,
@@ -91,7 +92,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
     if discs > 1:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
-    cam = mass_properties(Solid(CAM, (crank_stretches(reducer)[CAM],), shaft.density))
+    cam = mass_properties(Solid(CAM, (crank_stretches(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft.density))
     return Unbalance(gear.mass * orbit + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 
 

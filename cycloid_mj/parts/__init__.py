@@ -1,6 +1,7 @@
-"""Every part of the reducer as exact extruded outlines: its mass properties and its watertight mesh.
+"""Every part of the reducer as exact extruded outlines: its sections for CAD, its mass, its watertight mesh.
 
-The parts follow from a ``Design`` alone; what does not fit together is refused here, in the words of the design file.
+Each part is told once, by outlines that draw themselves by curves and by polygons. The parts follow from a ``Design``
+alone; what does not fit together is refused here, in the words of the design file.
 """
 
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
@@ -11,7 +12,8 @@ from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.mesh import Mesh, mesh
 from cycloid_mj.parts.moving import moving_masses, output_inertia, turning_inertia
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
-from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, parts
+from cycloid_mj.parts.part import Part, PartSection, Stretch
+from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, laid_out, part_sections, parts
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
@@ -20,8 +22,11 @@ __all__ = [
     "VISUAL_CHORD_ERROR",
     "MassProperties",
     "Mesh",
+    "Part",
+    "PartSection",
     "Prism",
     "Solid",
+    "Stretch",
     "body_solids",
     "carried",
     "circle",
@@ -30,6 +35,7 @@ __all__ = [
     "fused",
     "gear_solid",
     "housing_solid",
+    "laid_out",
     "mass_chord_error",
     "mass_properties",
     "mesh",
@@ -37,6 +43,7 @@ __all__ = [
     "output_centres",
     "output_inertia",
     "output_solid",
+    "part_sections",
     "parts",
     "pin_radius",
     "pin_solid",

@@ -85,9 +85,9 @@ class ShaftDimensions:
 def shaft_measures(reducer: Reducer) -> ShaftDimensions:
     """Measure a design's balanced crank, without the spacers of a built-up one."""
     design = reducer.design
-    prisms = crank_stretches(reducer)
-    journal, weight = prisms[JOURNAL], prisms.get(COUNTERWEIGHT)
-    cams = [(prism.z0, prism.z1) for name, prism in prisms.items() if names.family(name) == names.CAM]
+    along = crank_stretches(reducer)
+    journal, weight = along[JOURNAL], along.get(COUNTERWEIGHT)
+    cams = [(stretch.z0, stretch.z1) for name, stretch in along.items() if names.family(name) == names.CAM]
     end = min(journal.z1, reducer.near_face)
     return ShaftDimensions(
         radius=design.shaft.radius,
@@ -95,9 +95,9 @@ def shaft_measures(reducer: Reducer) -> ShaftDimensions:
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
         end=journal.z0,
-        far_end=prisms[FAR].z1 if FAR in prisms else cams[-1][1],
+        far_end=along[FAR].z1 if FAR in along else cams[-1][1],
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
         phases=reducer.phases,
-        bearings=bearing_seats(reducer, prisms),
+        bearings=bearing_seats(reducer, along),
     )

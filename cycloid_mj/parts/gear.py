@@ -1,19 +1,29 @@
-"""A cycloid gear as a solid: its profile, its bore and the holes of the output pins."""
+"""A cycloid gear: its profile, its bore and the holes of the output pins."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.modification import gear_profile, profile_offset, sample_turned, tooth_profile
+from cycloid_mj.geometry.modification import (
+    flank_ends,
+    gear_profile,
+    profile_offset,
+    sample_turned,
+    tooth_profile,
+)
 from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.fit import require_above, require_below
+from cycloid_mj.parts.outline import Round, Turned, rounds
 from cycloid_mj.parts.output import output_centres
-from cycloid_mj.parts.polygon import circle, signed_area, turned
-from cycloid_mj.parts.prism import Prism, Solid
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.polygon import signed_area
+from cycloid_mj.parts.prism import Solid
+from cycloid_mj.reducer import Reducer, once
 
-__all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "section_area", "tooth_profile"]
+__all__ = ["gear_outline", "gear_part", "gear_profile", "gear_solid", "profile_offset", "section_area", "tooth_profile"]
 
 from cycloid_mj.base.array import Array
 
@@ -21,18 +31,17 @@ ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""
 
 
-def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
-    """Build a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+def gear_part(reducer: Reducer, disc: int = 0) -> Part:
+    """Lay out a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
     The teeth of a disc that is ahead on the crank are turned back, clockwise, against its holes. Its profile is the
-    modified one; its holes are where the design has them, without errors.
+    modified one; its holes are where the design has them, without errors. Each clearance is taken from the gear
+    (profile and holes) or added to its bore.
 
     Parameters
     ----------
     reducer
-        The reducer; each clearance is taken from the gear (profile and holes) or added to its bore.
-    chord_error
-        Largest distance of a chord from its curve [m]; right for mass properties when left out.
+        The reducer.
     disc
         Index of the disc, 0 next to the motor.
 
@@ -43,15 +52,60 @@ def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0
     """
     design = reducer.design
     _require_room(reducer)
-    chord_error = drawing_error(reducer, chord_error)
-    outline = turned(gear_outline(reducer, chord_error)[::-1], -reducer.phases[disc] / design.lobes)
-    bore = circle(design.gear.bore_radius + design.clearance.cam, chord_error)
-    hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
-    holes = [hole + centre for centre in output_centres(reducer)]
+    profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
+    teeth, phase = Teeth(reducer.shape), reducer.phases[disc]
+    outline = Turned(teeth, -phase / design.lobes) if phase else teeth
+    holes = rounds(_hole_radius(reducer), output_centres(reducer))
     half = design.gear.face_width / 2
-    return Solid(
-        reducer.gears[disc], (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density
+    stretch = Stretch("gear", outline, (Round(_bore_radius(reducer)), *holes), -half, half)
+    return Part(reducer.gears[disc], (stretch,), design.material_of("gear").density)
+
+
+def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
+    """Draw `gear_part` with a chord error [m], that for mass properties when left out."""
+    chord_error = drawing_error(reducer, chord_error)
+    return gear_part(reducer, disc).solid(chord_error)
+
+
+@dataclass(frozen=True)
+class Teeth:
+    """The outline of the gear with its clearance and modification, valley 1 on +y."""
+
+    reducer: Reducer
+
+    def polygon(self, chord_error: float) -> Array:
+        """Draw it lobe by lobe; see `gear_outline`."""
+        return gear_outline(self.reducer, chord_error)[::-1]
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """List splines lobe by lobe, each from the middle of one valley to that of the next.
+
+        Flanks that are turned towards the middle of their lobe are splines of their own.
+        """
+        return _teeth_curves(self.reducer, splines)
+
+
+@once
+def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
+    gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
+    pitch = 2.0 * math.pi / gear.lobes
+    backwards = SmoothCurve(
+        points=lambda x: profile.outline(gear, -x, offset),
+        arc_length=lambda x: -profile.arc_length(gear, -x, offset),
+        tangents=lambda x: profile.unit(profile.normal_angle(gear, -x) - math.pi / 2.0),
+        curvature=lambda x: profile.curvature(gear, -x, offset),
     )
+    stretches = [(0.0, pitch, 0.0)]
+    if rotation:
+        ends = flank_ends(gear, offset, rotation)
+        up, down = (-ends.valley, pitch / 2.0 - ends.tip), (pitch / 2.0 + ends.tip, pitch + ends.valley)
+        stretches = [(*up, -rotation), (*down, rotation)]
+    lobe = [
+        turned_curve(curve, turn)
+        for low, high, turn in stretches
+        for curve in fit_splines(backwards, low, high, splines)
+    ]
+    return tuple(turned_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
@@ -73,13 +127,21 @@ def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
 
     Errors as there.
     """
-    design = reducer.design
     _require_room(reducer)
     chord_error = drawing_error(reducer, chord_error)
     inside = _area_inside(reducer, chord_error)
-    bore = signed_area(circle(design.gear.bore_radius + design.clearance.cam, chord_error))
-    hole = signed_area(circle(design.output.hole_radius + design.clearance.output, chord_error))
-    return inside - bore - design.output.pins * hole
+    bore, hole = (
+        signed_area(Round(radius).polygon(chord_error)) for radius in (_bore_radius(reducer), _hole_radius(reducer))
+    )
+    return inside - bore - reducer.design.output.pins * hole
+
+
+def _bore_radius(reducer: Reducer) -> float:
+    return reducer.design.gear.bore_radius + reducer.design.clearance.cam
+
+
+def _hole_radius(reducer: Reducer) -> float:
+    return reducer.design.output.hole_radius + reducer.design.clearance.output
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:

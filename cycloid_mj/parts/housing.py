@@ -1,6 +1,7 @@
 """What the cycloid gear rolls in: the pins and the housing with their sockets, or the internal gear."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,18 +9,21 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.fit import require_above, require_below
-from cycloid_mj.parts.polygon import arc, circle, turned
-from cycloid_mj.parts.prism import Prism, Solid
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.outline import Outline, Round, Turned, rounds
+from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.polygon import arc, turned
+from cycloid_mj.parts.prism import Solid
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
 SLIT = 1e-3
 """Share of the ring's width that both its halves leave between them, so that they turn."""
 
 
-def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Build one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
+def pin_part(reducer: Reducer) -> Part:
+    """Lay out one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
 
     That of a ring in two halves is as long as one of them.
 
@@ -29,11 +33,15 @@ def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
         A sleeve is thicker than its radius: it has no bore.
     """
     design = reducer.design
-    chord_error = drawing_error(reducer, chord_error)
-    bores = [sleeve_core_radius(reducer) + design.clearance.pin_sleeve] if design.ring.has_sleeves else []
-    outline, *holes = (circle(radius, chord_error) for radius in (design.ring.pin_radius, *bores))
+    bore = [Round(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
     half = design.gear.stack_width / 2 / design.ring.halves
-    return Solid("pin", (Prism(outline, tuple(holes), -half, half),), design.material_of("pin").density)
+    stretch = Stretch("pin", Round(design.ring.pin_radius), tuple(bore), -half, half)
+    return Part("pin", (stretch,), design.material_of("pin").density)
+
+
+def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
+    """Draw `pin_part` with a chord error [m], that for mass properties when left out."""
+    return pin_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
@@ -50,18 +58,16 @@ def sleeve_core_radius(reducer: Reducer) -> float:
     return room - thickness
 
 
-def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Build the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
+def housing_part(reducer: Reducer) -> Part:
+    """Lay out the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
 
-    Of two halves it has a prism each, the one next to the motor first, turned as they are. The pinwheel of sleeved pins
-    comes with the pressed-in ones, which both end plates hold (not drawn).
+    Of two halves it has a stretch each, the one next to the motor first, turned as they are. The pinwheel of sleeved
+    pins comes with the pressed-in ones, which both end plates hold (not drawn).
 
     Parameters
     ----------
     reducer
         The reducer; ``ring.kind`` chooses between the two.
-    chord_error
-        Largest distance of a chord from its curve [m]; right for mass properties when left out.
 
     Raises
     ------
@@ -69,11 +75,18 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
         The housing is too thin, or its sockets cannot hold the pins.
     """
     design = reducer.design
-    chord_error = drawing_error(reducer, chord_error)
-    hole = _pinwheel(reducer, chord_error) if design.ring.kind == "pin" else _internal_gear(reducer, chord_error)
-    outline = circle(design.housing.outer_radius, chord_error)
-    rings = [Prism(outline, (turned(hole, ahead),), low, high) for low, high, ahead in ring_stretches(reducer)]
-    return Solid("housing", (*rings, *_cores(reducer, chord_error)), design.material_of("housing").density)
+    hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
+    outline = Round(design.housing.outer_radius)
+    rings = [
+        Stretch("housing", outline, (Turned(hole, ahead) if ahead else hole,), low, high)
+        for low, high, ahead in ring_stretches(reducer)
+    ]
+    return Part("housing", (*rings, *_cores(reducer)), design.material_of("housing").density)
+
+
+def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
+    """Draw `housing_part` with a chord error [m], that for mass properties when left out."""
+    return housing_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
@@ -86,40 +99,94 @@ def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     return [(-half, -slit, one), (slit, half, other)]
 
 
-def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
+def _cores(reducer: Reducer) -> list[Stretch]:
     """List the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
     design = reducer.design
     if not design.ring.has_sleeves:
         return []
-    core = circle(sleeve_core_radius(reducer), chord_error)
-    angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
+    radius, angles = sleeve_core_radius(reducer), 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
-        Prism(core + centre, (), low, high)
+        Stretch("pins", core, (), low, high)
         for low, high, ahead in ring_stretches(reducer)
-        for centre in design.ring.pin_circle_radius * unit(angles - ahead)
+        for core in rounds(radius, design.ring.pin_circle_radius * unit(angles - ahead))
     ]
 
 
-def _pinwheel(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the wall with N open sockets: one pitch of it, turned N times."""
+def _pinwheel(reducer: Reducer) -> Outline:
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
-    play = design.socket_play
-    radius, wall = pin + play, wall_radius(design)
+    radius = pin + design.socket_play
     require_above("ring.pin_radius", pin, design.gear.eccentricity, "the gear's tips reach beyond the sockets")
-    require_below("ring.pin_radius", pin, centre * math.sin(math.pi / teeth) - play, "neighbouring sockets meet")
+    room = centre * math.sin(math.pi / teeth) - design.socket_play
+    require_below("ring.pin_radius", pin, room, "neighbouring sockets meet")
     require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")
-    half = arc_half_angle(design, radius)
-    socket = np.array([centre, 0.0]) + arc(radius, -half, half, chord_error)
-    edge = math.atan2(socket[-1, 1], socket[-1, 0])
-    land = arc(wall, edge, 2 * math.pi / teeth - edge, chord_error)[1:-1]
-    pitch = np.concatenate([socket, land])
-    return np.concatenate([turned(pitch, math.pi / 2 + 2 * math.pi * i / teeth) for i in range(teeth)])
+    return Sockets(centre, radius, arc_half_angle(design, radius), wall_radius(design), teeth)
 
 
-def _internal_gear(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the double-enveloping internal gear; the clearance is the cycloid gear's."""
-    teeth = reducer.tooth_profile
-    root, _ = envelope.radii(teeth)
+def _internal_gear(reducer: Reducer) -> Outline:
+    root, _ = envelope.radii(reducer.tooth_profile)
     require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")
-    return envelope.sample_ring_by_sagitta(teeth, chord_error).points[::-1]
+    return InternalTeeth(reducer.shape)
+
+
+@dataclass(frozen=True)
+class Sockets:
+    """The wall of a pinwheel with so many open sockets, socket 1 on +y.
+
+    Each is an arc of a `radius` [m] about a pin's `centre` [m] from the axis, as far as a `half_angle` [rad] to both
+    sides; the lands between them have the radius of the `wall` [m].
+    """
+
+    centre: float
+    radius: float
+    half_angle: float
+    wall: float
+    teeth: int
+
+    def polygon(self, chord_error: float) -> Array:
+        """Draw one pitch of it, turned as often as it has sockets."""
+        socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
+        edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
+        land = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
+        one = np.concatenate([socket, land])
+        return np.concatenate([turned(one, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)])
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """List sockets and lands in turn, as arcs."""
+        half, up, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
+        edge = math.atan2(self.radius * math.sin(half), self.centre + self.radius * math.cos(half))
+        socket = Arc((0.0, self.centre), self.radius, up - half, up + half)
+        land = Arc((0.0, 0.0), self.wall, up + edge, up + pitch - edge)
+        return tuple(turned_curve(curve, -i * pitch) for i in range(self.teeth) for curve in (socket, land))
+
+
+@dataclass(frozen=True)
+class InternalTeeth:
+    """The outline of the double-enveloping internal gear; the clearance is the cycloid gear's."""
+
+    reducer: Reducer
+
+    def polygon(self, chord_error: float) -> Array:
+        """Draw it root by root."""
+        return envelope.sample_ring_by_sagitta(self.reducer.tooth_profile, chord_error).points[::-1]
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """List splines for each root and one arc for the lobe after it."""
+        return _internal_curves(self.reducer, splines)
+
+
+@once
+def _internal_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
+    """List splines and arcs; Sigma from B0 to 2 pi - B0 is the whole root counter-clockwise of lobe 1."""
+    gear = reducer.tooth_profile
+    pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), gear.best_phase
+    lobe = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
+    flank = SmoothCurve(
+        points=lambda B: envelope.Sigma(gear, B).points,
+        arc_length=lambda B: envelope.Sigma(gear, B).arc_length,
+        tangents=lambda B: unit(envelope.Sigma(gear, B).normal_angle - math.pi / 2.0),
+        curvature=lambda B: -1.0 / envelope.Sigma(gear, B).radius,
+    )
+    root = fit_splines(flank, B0, 2.0 * math.pi - B0, splines)
+    following = turned_curve(lobe, -pitch)
+    return tuple(turned_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, following))

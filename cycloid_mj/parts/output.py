@@ -6,8 +6,9 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
-from cycloid_mj.parts.polygon import circle
-from cycloid_mj.parts.prism import Prism, Solid
+from cycloid_mj.parts.outline import Round, rounds
+from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
@@ -21,32 +22,28 @@ def output_centres(reducer: Reducer) -> Array:
     return output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
 
 
-def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Build the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
+def output_part(reducer: Reducer) -> Part:
+    """Lay out the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
 
     Where both ends of the pins are held, a second disc lies before the gear; the crank with its cams fits through it.
-    Pins under rollers that are parts of their own (`roller_solid`) are as thick as their cores.
-
-    Parameters
-    ----------
-    reducer
-        The reducer.
-    chord_error
-        Largest distance of a chord from its circle [m]; right for mass properties when left out.
+    Pins under rollers that are parts of their own (`roller_part`) are as thick as their cores.
     """
     design = reducer.design
-    chord_error = drawing_error(reducer, chord_error)
     gear, output, half = design.gear, design.output, design.gear.stack_width / 2
     face = half + AXIAL_GAP
     both_ends = output.support == "both_ends"
-    radius, centres = pin_radius(reducer), output_centres(reducer)
-    rim = circle(output.pin_circle_radius + (1 + RIM) * output.pin_radius, chord_error)
-    pin, eye = circle(radius, chord_error), circle(gear.bore_radius + gear.eccentricity, chord_error)
-    disc = Prism(rim, (), face, face + output.disc_thickness)
+    rim = Round(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
+    disc = Stretch("disc", rim, (), face, face + output.disc_thickness)
     start = -face if both_ends else -half
-    pins = [Prism(pin + centre, (), start, face) for centre in centres]
-    second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
-    return Solid(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
+    pins = [Stretch("pins", pin, (), start, face) for pin in rounds(pin_radius(reducer), output_centres(reducer))]
+    eye = Round(gear.bore_radius + gear.eccentricity)
+    second = [Stretch("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
+    return Part(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
+
+
+def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
+    """Draw `output_part` with a chord error [m], that for mass properties when left out."""
+    return output_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def pin_radius(reducer: Reducer) -> float:
@@ -55,21 +52,13 @@ def pin_radius(reducer: Reducer) -> float:
     return design.output.core_radius if design.output.has_roller_parts else design.output.pin_radius
 
 
-def roller_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Build the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
+def roller_part(reducer: Reducer) -> Part:
+    """Lay out the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
 
     It is as wide as the disc, and its bore has the core's radius: needles between the two weigh as if they filled their
     room.
-
-    Parameters
-    ----------
-    reducer
-        The reducer, with rollers that are parts of their own.
-    chord_error
-        Largest distance of a chord from its circle [m]; right for mass properties when left out.
     """
     design = reducer.design
-    chord_error = drawing_error(reducer, chord_error)
     output, half = design.output, design.gear.face_width / 2
-    tube = Prism(circle(output.pin_radius, chord_error), (circle(output.core_radius, chord_error),), -half, half)
-    return Solid(names.ROLLER, (tube,), design.material_of("output").density)
+    tube = Stretch("roller", Round(output.pin_radius), (Round(output.core_radius),), -half, half)
+    return Part(names.ROLLER, (tube,), design.material_of("output").density)

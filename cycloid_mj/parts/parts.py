@@ -6,11 +6,13 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.gear import gear_solid
-from cycloid_mj.parts.housing import housing_solid, pin_solid
-from cycloid_mj.parts.output import output_centres, output_solid, roller_solid
+from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.gear import gear_part
+from cycloid_mj.parts.housing import housing_part, pin_part
+from cycloid_mj.parts.output import output_centres, output_part, roller_part
+from cycloid_mj.parts.part import Part, PartSection, Stretch
 from cycloid_mj.parts.prism import Prism, Solid
-from cycloid_mj.parts.shaft import crank_parts, stretches
+from cycloid_mj.parts.shaft import crank_part, crank_parts, shaft_solid, stretches
 from cycloid_mj.reducer import Reducer, once
 
 LIGHTER = 0.25
@@ -36,7 +38,7 @@ KEPT = 8
 
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Build housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
+    """Draw housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
 
     The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
     ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
@@ -50,6 +52,22 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
     """
     return dict(_parts(reducer.shape, chord_error))
+
+
+def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
+    """Build the sections of the parts for CAD, as `parts` draws their solids, by so many splines to a lobe or root.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made.
+    """
+    return {name: part.sections(splines) for name, part in laid_out(reducer).items()}
+
+
+def laid_out(reducer: Reducer, chord_error: float | None = None) -> dict[str, Part]:
+    """Lay out the parts by name, see `parts`; the crank balances as it is drawn with the chord error [m]."""
+    return dict(_laid_out(reducer.shape, chord_error))
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
@@ -84,19 +102,19 @@ def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
     return {}
 
 
-def crank_stretches(reducer: Reducer) -> Mapping[str, Prism]:
-    """Build the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
-    return _stretches(reducer.shape, None)
+def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:
+    """Lay out the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
+    return _stretches(reducer.shape)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
-    """Build the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
+    """Draw the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
     return _whole_crank(reducer.shape)
 
 
 @once
 def _whole_crank(reducer: Reducer) -> Solid:
-    return Solid(names.SHAFT, tuple(_stretches(reducer, None).values()), reducer.design.material_of("shaft").density)
+    return shaft_solid(reducer)
 
 
 @once
@@ -113,31 +131,27 @@ def _whole_output(reducer: Reducer) -> Solid:
 
 
 @once
-def _stretches(reducer: Reducer, chord_error: float | None) -> Mapping[str, Prism]:
-    return stretches(reducer, chord_error)
+def _stretches(reducer: Reducer) -> Mapping[str, Stretch]:
+    return stretches(reducer)
 
 
 @once
-def _gears(reducer: Reducer, chord_error: float | None) -> tuple[Solid, ...]:
-    return tuple(gear_solid(reducer, chord_error, disc) for disc in range(reducer.design.gear.discs))
+def _laid_out(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
+    discs = reducer.design.gear.discs
+    crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
+    laid = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
+    if reducer.design.ring.kind == "pin":
+        laid.append(pin_part(reducer))
+    laid.append(output_part(reducer))
+    if reducer.design.output.has_roller_parts:
+        laid.append(roller_part(reducer))
+    return {part.name: part for part in laid}
 
 
 @once
 def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
-    gears = _gears(reducer, chord_error)
-    crank = crank_parts(reducer, chord_error) if len(gears) > 1 else (_single(reducer, chord_error),)
-    solids = [housing_solid(reducer, chord_error), *crank, *gears]
-    if reducer.design.ring.kind == "pin":
-        solids.append(pin_solid(reducer, chord_error))
-    solids.append(output_solid(reducer, chord_error))
-    if reducer.design.output.has_roller_parts:
-        solids.append(roller_solid(reducer, chord_error))
-    return {solid.name: solid for solid in solids}
-
-
-def _single(reducer: Reducer, chord_error: float | None) -> Solid:
-    prisms = tuple(_stretches(reducer, chord_error).values())
-    return Solid(names.SHAFT, prisms, reducer.design.material_of("shaft").density)
+    fine = drawing_error(reducer, chord_error)
+    return {name: part.solid(fine) for name, part in _laid_out(reducer, chord_error).items()}
 
 
 def tinted(colour: Colour, part: str) -> Colour:

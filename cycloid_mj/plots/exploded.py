@@ -10,13 +10,12 @@ from matplotlib.patches import Rectangle
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import Prism
+from cycloid_mj.parts import PartSection, Prism
+from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_sections, places
 from cycloid_mj.parts.export.casing import Casing
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.order import ALONG
-from cycloid_mj.parts.export.section import PartSection
 from cycloid_mj.plots.style import WIDTH, styled
 from cycloid_mj.reducer import Reducer
 

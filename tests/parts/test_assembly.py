@@ -18,6 +18,7 @@ from cycloid_mj.base.names import family
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.parts import Prism
+from cycloid_mj.parts.curve import Curve
 from cycloid_mj.parts.export import (
     Arc,
     Casing,
@@ -32,7 +33,6 @@ from cycloid_mj.parts.export import (
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.casing import CasingPart, casing_parts
-from cycloid_mj.parts.export.curve import Curve
 from cycloid_mj.parts.parts import tinted
 from cycloid_mj.parts.polygon import area_moments, turned
 from cycloid_mj.reducer import Reducer

@@ -22,6 +22,16 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts.curve import (
+    SPLINE_ERROR,
+    Arc,
+    Circle,
+    Curve,
+    LineSegment,
+    SmoothCurve,
+    fit_splines,
+    turned_curve,
+)
 from cycloid_mj.parts.export import (
     Format,
     Spline,
@@ -35,16 +45,6 @@ from cycloid_mj.parts.export import (
     stl_bytes,
 )
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.curve import (
-    SPLINE_ERROR,
-    Arc,
-    Circle,
-    Curve,
-    LineSegment,
-    SmoothCurve,
-    fit_splines,
-    turned_curve,
-)
 from cycloid_mj.parts.export.printing import made_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import triangulated
@@ -191,7 +191,7 @@ def test_dxf_sockets_and_shaft_are_arcs_and_lines() -> None:
 
 def test_splines_converge_with_the_fourth_power() -> None:
     """Twice the spans, a sixteenth of the deviation: measured where the fit would stop, on a wave."""
-    from cycloid_mj.parts.export import curve
+    from cycloid_mj.parts import curve
 
     wave = SmoothCurve(
         points=lambda t: np.column_stack([t, np.zeros_like(t)]) + 1e-3 * np.column_stack([np.zeros_like(t), np.sin(t)]),

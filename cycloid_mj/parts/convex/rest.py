@@ -52,8 +52,8 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     """List what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
-    crank = {name: region for name, region in stretches(reducer, error).items() if family(name) != SPACER}
-    shaft = [Sector("shaft", region, bound) for region in crank.values()]
+    crank = [stretch for name, stretch in stretches(reducer, error).items() if family(name) != SPACER]
+    shaft = [Sector("shaft", stretch.prism(error), bound) for stretch in crank]
     disc, *others = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
     for plate in others[reducer.design.output.pins :]:

@@ -13,17 +13,16 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import Solid, fused, mass_properties, parts
+from cycloid_mj.parts import PartSection, Solid, fused, mass_properties, part_sections, parts
+from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import Casing, Motor, casing
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.printing import PRESSED_PIN, made_parts, widened
-from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes

@@ -10,7 +10,8 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import carried, output_centres, pin_radius, sleeve_core_radius
+from cycloid_mj.parts import PartSection, carried, output_centres, part_sections, pin_radius, sleeve_core_radius
+from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export.bill import cam_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -32,12 +33,11 @@ from cycloid_mj.parts.export.casing import (
     casing_places,
     cut_sections,
 )
-from cycloid_mj.parts.export.curve import Circle
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, output_pin_span
-from cycloid_mj.parts.export.section import PartSection, part_sections
 from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import require_one_ring
 
 COLOURS: Mapping[str, Colour] = {
     names.HOUSING: (0.55, 0.58, 0.62, 1.0),
@@ -145,8 +145,9 @@ def assembly_sections(
     Raises
     ------
     DesignError
-        A part cannot be made, or has no room.
+        A part cannot be made, or has no room; or the ring is in two halves.
     """
+    require_one_ring(reducer, "assembly")
     sections = part_sections(reducer, splines)
     if reducer.design.ring.has_sleeves:
         wheel, core, *_ = sections[names.HOUSING]

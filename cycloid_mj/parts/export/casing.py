@@ -19,9 +19,8 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import Prism, Solid, circle, crank_stretches
-from cycloid_mj.parts.export.curve import Circle, Curve
-from cycloid_mj.parts.export.section import PartSection
+from cycloid_mj.parts import PartSection, Prism, Solid, circle, crank_stretches
+from cycloid_mj.parts.curve import Circle, Curve
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once

@@ -8,8 +8,8 @@ from typing import Any
 
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.section import PartSection
+from cycloid_mj.parts import PartSection
+from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 
 _FORMAT = "R2000"
 

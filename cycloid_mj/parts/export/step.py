@@ -14,8 +14,8 @@ import numpy as np
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import signals_kept
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.export.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.section import PartSection
+from cycloid_mj.parts import PartSection
+from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 
 SPLINES = 6
 """Splines to a lobe or root: OpenCASCADE's integrals are coarse on long splines (0.6 % of the volume at one a lobe)."""

@@ -1,0 +1,63 @@
+"""A part as it is told: stretches along z of exact outlines. Its solid and its sections for CAD are views of them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from cycloid_mj.parts.curve import Curve
+from cycloid_mj.parts.outline import Outline
+from cycloid_mj.parts.prism import Prism, Solid
+
+
+@dataclass(frozen=True)
+class PartSection:
+    """One stretch of a part: closed loops of curves from `z0` to `z1` [m], the first its outline, the others its holes.
+
+    The curves of a loop follow each other counter-clockwise, and the first runs that way itself.
+    """
+
+    name: str
+    loops: tuple[tuple[Curve, ...], ...]
+    z0: float
+    z1: float
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One stretch of a part: an outline with holes, from `z0` to `z1` [m]."""
+
+    name: str
+    outline: Outline
+    holes: tuple[Outline, ...]
+    z0: float
+    z1: float
+
+    def prism(self, chord_error: float) -> Prism:
+        """Draw it by polygons, whose chords leave its curves by no more than so much [m]."""
+        holes = tuple(hole.polygon(chord_error) for hole in self.holes)
+        return Prism(self.outline.polygon(chord_error), holes, self.z0, self.z1)
+
+    def section(self, splines: int) -> PartSection:
+        """Draw it by curves, with so many splines to each lobe of the gear and each root of the internal gear."""
+        loops = tuple(outline.curves(splines) for outline in (self.outline, *self.holes))
+        return PartSection(self.name, loops, self.z0, self.z1)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of the reducer: stretches that share no volume, of one density [kg/m3]."""
+
+    name: str
+    stretches: tuple[Stretch, ...]
+    density: float
+
+    def solid(self, chord_error: float) -> Solid:
+        """Draw it by polygons; see `Stretch.prism`."""
+        return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in self.stretches), self.density)
+
+    def sections(self, splines: int) -> tuple[PartSection, ...]:
+        """Draw it by curves; see `Stretch.section`."""
+        return tuple(stretch.section(splines) for stretch in self.stretches)
+
+    def of(self, stretches: Iterable[Stretch], name: str = "") -> "Part":
+        """Return a part of the same material with other stretches, and another name if one is given."""
+        return replace(self, name=name or self.name, stretches=tuple(stretches))
