@@ -1,6 +1,6 @@
 """Every part of the reducer as exact extruded outlines: its sections for CAD, its mass, its watertight mesh.
 
-Each part is told once, by outlines that draw themselves by curves and by polygons. The parts follow from a ``Design``
+Each part is told once, by contours that draw themselves by curves and by polygons. The parts follow from a ``Design``
 alone; what does not fit together is refused here, in the words of the design file.
 """
 

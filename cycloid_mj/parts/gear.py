@@ -14,9 +14,9 @@ from cycloid_mj.geometry.modification import (
     tooth_profile,
 )
 from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
 from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.fit import require_above, require_below
-from cycloid_mj.parts.outline import Round, Turned, rounds
 from cycloid_mj.parts.output import output_centres
 from cycloid_mj.parts.part import Part, Stretch
 from cycloid_mj.parts.polygon import signed_area
@@ -53,11 +53,11 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     design = reducer.design
     _require_room(reducer)
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
-    teeth, phase = Teeth(reducer.shape), reducer.phases[disc]
-    outline = Turned(teeth, -phase / design.lobes) if phase else teeth
-    holes = rounds(_hole_radius(reducer), output_centres(reducer))
+    teeth, phase = GearContour(reducer.shape), reducer.phases[disc]
+    outline = TurnedContour(teeth, -phase / design.lobes) if phase else teeth
+    holes = circles_at(_hole_radius(reducer), output_centres(reducer))
     half = design.gear.face_width / 2
-    stretch = Stretch("gear", outline, (Round(_bore_radius(reducer)), *holes), -half, half)
+    stretch = Stretch("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half, half)
     return Part(reducer.gears[disc], (stretch,), design.material_of("gear").density)
 
 
@@ -68,7 +68,7 @@ def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0
 
 
 @dataclass(frozen=True)
-class Teeth:
+class GearContour:
     """The outline of the gear with its clearance and modification, valley 1 on +y."""
 
     reducer: Reducer
@@ -130,10 +130,8 @@ def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
     _require_room(reducer)
     chord_error = drawing_error(reducer, chord_error)
     inside = _area_inside(reducer, chord_error)
-    bore, hole = (
-        signed_area(Round(radius).polygon(chord_error)) for radius in (_bore_radius(reducer), _hole_radius(reducer))
-    )
-    return inside - bore - reducer.design.output.pins * hole
+    bore, hole = (CircleContour(radius(reducer)).polygon(chord_error) for radius in (_bore_radius, _hole_radius))
+    return inside - signed_area(bore) - reducer.design.output.pins * signed_area(hole)
 
 
 def _bore_radius(reducer: Reducer) -> float:

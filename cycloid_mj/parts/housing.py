@@ -9,9 +9,9 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour, circles_at
 from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, fit_splines, turned_curve
 from cycloid_mj.parts.fit import require_above, require_below
-from cycloid_mj.parts.outline import Outline, Round, Turned, rounds
 from cycloid_mj.parts.part import Part, Stretch
 from cycloid_mj.parts.polygon import arc, turned
 from cycloid_mj.parts.prism import Solid
@@ -33,9 +33,9 @@ def pin_part(reducer: Reducer) -> Part:
         A sleeve is thicker than its radius: it has no bore.
     """
     design = reducer.design
-    bore = [Round(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
+    bore = [CircleContour(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
     half = design.gear.stack_width / 2 / design.ring.halves
-    stretch = Stretch("pin", Round(design.ring.pin_radius), tuple(bore), -half, half)
+    stretch = Stretch("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half, half)
     return Part("pin", (stretch,), design.material_of("pin").density)
 
 
@@ -76,9 +76,9 @@ def housing_part(reducer: Reducer) -> Part:
     """
     design = reducer.design
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
-    outline = Round(design.housing.outer_radius)
+    outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Stretch("housing", outline, (Turned(hole, ahead) if ahead else hole,), low, high)
+        Stretch("housing", outline, (TurnedContour(hole, ahead) if ahead else hole,), low, high)
         for low, high, ahead in ring_stretches(reducer)
     ]
     return Part("housing", (*rings, *_cores(reducer)), design.material_of("housing").density)
@@ -108,11 +108,11 @@ def _cores(reducer: Reducer) -> list[Stretch]:
     return [
         Stretch("pins", core, (), low, high)
         for low, high, ahead in ring_stretches(reducer)
-        for core in rounds(radius, design.ring.pin_circle_radius * unit(angles - ahead))
+        for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - ahead))
     ]
 
 
-def _pinwheel(reducer: Reducer) -> Outline:
+def _pinwheel(reducer: Reducer) -> Contour:
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     radius = pin + design.socket_play
@@ -120,17 +120,17 @@ def _pinwheel(reducer: Reducer) -> Outline:
     room = centre * math.sin(math.pi / teeth) - design.socket_play
     require_below("ring.pin_radius", pin, room, "neighbouring sockets meet")
     require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")
-    return Sockets(centre, radius, arc_half_angle(design, radius), wall_radius(design), teeth)
+    return PinwheelContour(centre, radius, arc_half_angle(design, radius), wall_radius(design), teeth)
 
 
-def _internal_gear(reducer: Reducer) -> Outline:
+def _internal_gear(reducer: Reducer) -> Contour:
     root, _ = envelope.radii(reducer.tooth_profile)
     require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")
-    return InternalTeeth(reducer.shape)
+    return InternalGearContour(reducer.shape)
 
 
 @dataclass(frozen=True)
-class Sockets:
+class PinwheelContour:
     """The wall of a pinwheel with so many open sockets, socket 1 on +y.
 
     Each is an arc of a `radius` [m] about a pin's `centre` [m] from the axis, as far as a `half_angle` [rad] to both
@@ -161,7 +161,7 @@ class Sockets:
 
 
 @dataclass(frozen=True)
-class InternalTeeth:
+class InternalGearContour:
     """The outline of the double-enveloping internal gear; the clearance is the cycloid gear's."""
 
     reducer: Reducer

@@ -6,7 +6,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
-from cycloid_mj.parts.outline import Round, rounds
+from cycloid_mj.parts.contour import CircleContour, circles_at
 from cycloid_mj.parts.part import Part, Stretch
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer
@@ -32,11 +32,11 @@ def output_part(reducer: Reducer) -> Part:
     gear, output, half = design.gear, design.output, design.gear.stack_width / 2
     face = half + AXIAL_GAP
     both_ends = output.support == "both_ends"
-    rim = Round(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
+    rim = CircleContour(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
     disc = Stretch("disc", rim, (), face, face + output.disc_thickness)
     start = -face if both_ends else -half
-    pins = [Stretch("pins", pin, (), start, face) for pin in rounds(pin_radius(reducer), output_centres(reducer))]
-    eye = Round(gear.bore_radius + gear.eccentricity)
+    pins = [Stretch("pins", pin, (), start, face) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
+    eye = CircleContour(gear.bore_radius + gear.eccentricity)
     second = [Stretch("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
     return Part(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
 
@@ -60,5 +60,5 @@ def roller_part(reducer: Reducer) -> Part:
     """
     design = reducer.design
     output, half = design.output, design.gear.face_width / 2
-    tube = Stretch("roller", Round(output.pin_radius), (Round(output.core_radius),), -half, half)
+    tube = Stretch("roller", CircleContour(output.pin_radius), (CircleContour(output.core_radius),), -half, half)
     return Part(names.ROLLER, (tube,), design.material_of("output").density)

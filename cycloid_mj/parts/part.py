@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from cycloid_mj.parts.contour import Contour
 from cycloid_mj.parts.curve import Curve
-from cycloid_mj.parts.outline import Outline
 from cycloid_mj.parts.prism import Prism, Solid
 
 
@@ -26,8 +26,8 @@ class Stretch:
     """One stretch of a part: an outline with holes, from `z0` to `z1` [m]."""
 
     name: str
-    outline: Outline
-    holes: tuple[Outline, ...]
+    outline: Contour
+    holes: tuple[Contour, ...]
     z0: float
     z1: float
 

@@ -9,10 +9,10 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.curve import Arc, Curve, LineSegment
 from cycloid_mj.parts.fit import require_above, require_below, too_small
 from cycloid_mj.parts.gear import section_area
-from cycloid_mj.parts.outline import Outline, Round, Turned
 from cycloid_mj.parts.part import Part, Stretch
 from cycloid_mj.parts.polygon import arc, area_moments
 from cycloid_mj.parts.prism import Solid
@@ -86,7 +86,7 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
 
 
 @dataclass(frozen=True)
-class Journal(Round):
+class JournalContour(CircleContour):
     """The circle of the shaft, drawn as two half circles, the upper one first: the counterweight shares that."""
 
     def polygon(self, chord_error: float) -> Array:
@@ -96,11 +96,11 @@ class Journal(Round):
 
 
 @dataclass(frozen=True)
-class HalfDisc:
+class CounterweightContour:
     """The outline of the counterweight: the lower half disc, joined to the whole shaft in its middle, the `journal`."""
 
     radius: float
-    journal: Journal
+    journal: JournalContour
 
     def polygon(self, chord_error: float) -> Array:
         """Draw the half disc first."""
@@ -122,9 +122,9 @@ def _with_counterweight(reducer: Reducer, chord_error: float) -> list[Stretch]:
     """Lay out the crank of one disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
-    journal, cam = Journal(shaft.radius), Round(design.gear.bore_radius, (0.0, design.gear.eccentricity))
+    journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
-    counterweight = HalfDisc(shaft.counterweight_radius, journal)
+    counterweight = CounterweightContour(shaft.counterweight_radius, journal)
     end = reducer.near_face
     start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
     return [
@@ -142,8 +142,8 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
     gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
     room = gear.bore_radius - gear.eccentricity
     require_below("shaft.radius", shaft.radius, room, "the cams leave no wall around the shaft")
-    journal, cam = Round(shaft.radius), Round(gear.bore_radius, (0.0, gear.eccentricity))
-    ring = Round(spacer_radius(reducer))
+    journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
+    ring = CircleContour(spacer_radius(reducer))
     planes, end = gear.disc_planes, reducer.near_face
     laid = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
@@ -151,7 +151,7 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
             gap = planes[number - 2] + half, plane - half
             laid.append(Stretch(names.numbered(NECK, number - 1), journal, (), *gap))
             laid.append(Stretch(names.numbered(names.SPACER, number - 1), ring, (journal,), *gap))
-        outline = Turned(cam, phase) if phase else cam
+        outline = TurnedContour(cam, phase) if phase else cam
         laid.append(Stretch(names.numbered(names.CAM, number), outline, (), plane - half, plane + half))
     return laid + _far_journal(reducer, journal, shaft.length)
 
@@ -192,7 +192,7 @@ def bearing_seats(
     return (far, far + width), (near - width, near)
 
 
-def _far_journal(reducer: Reducer, outline: Outline, journal: float) -> list[Stretch]:
+def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Stretch]:
     """Lay out the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
     if reducer.design.shaft.mounting == "overhang":
         return []
@@ -200,7 +200,7 @@ def _far_journal(reducer: Reducer, outline: Outline, journal: float) -> list[Str
     return [Stretch(FAR, outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
 
 
-def _balancing_thickness(reducer: Reducer, cam: Outline, counterweight: Outline, chord_error: float) -> float:
+def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:
     """Solve the balance of static moments about the axis, over the shaft's density [m4], for its thickness t [m].
 
     t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.

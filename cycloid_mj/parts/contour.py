@@ -1,4 +1,4 @@
-"""Closed outlines, each told once: as exact curves for CAD, and as a polygon for meshes, masses and pictures."""
+"""Closed contours, each told once: as exact curves for CAD, and as a polygon for meshes, masses and pictures."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,8 +8,8 @@ from cycloid_mj.parts.curve import Circle, Curve, turned_curve
 from cycloid_mj.parts.polygon import circle, turned
 
 
-class Outline(Protocol):
-    """A closed outline in the plane of a part, counter-clockwise."""
+class Contour(Protocol):
+    """A closed contour in the plane of a part, counter-clockwise."""
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """List its curves, which follow each other; a lobe or a root is made of so many splines."""
@@ -21,7 +21,7 @@ class Outline(Protocol):
 
 
 @dataclass(frozen=True)
-class Round:
+class CircleContour:
     """A whole circle [m]."""
 
     radius: float
@@ -37,21 +37,21 @@ class Round:
 
 
 @dataclass(frozen=True)
-class Turned:
-    """An outline turned counter-clockwise about the origin by an angle [rad]."""
+class TurnedContour:
+    """A contour turned counter-clockwise about the origin by an angle [rad]."""
 
-    outline: Outline
+    contour: Contour
     angle: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """List the curves, turned."""
-        return tuple(turned_curve(curve, -self.angle) for curve in self.outline.curves(splines))
+        return tuple(turned_curve(curve, -self.angle) for curve in self.contour.curves(splines))
 
     def polygon(self, chord_error: float) -> Array:
         """Draw the polygon, turned."""
-        return turned(self.outline.polygon(chord_error), self.angle)
+        return turned(self.contour.polygon(chord_error), self.angle)
 
 
-def rounds(radius: float, centres: Array) -> tuple[Round, ...]:
+def circles_at(radius: float, centres: Array) -> tuple[CircleContour, ...]:
     """Place equal circles of a radius [m] at centres (n, 2) [m]."""
-    return tuple(Round(radius, (float(x), float(y))) for x, y in centres)
+    return tuple(CircleContour(radius, (float(x), float(y))) for x, y in centres)
