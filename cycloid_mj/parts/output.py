@@ -55,10 +55,10 @@ def pin_radius(reducer: Reducer) -> float:
 def roller_part(reducer: Reducer) -> Part:
     """Lay out the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
 
-    It is as wide as the disc, and its bore has the core's radius: needles between the two weigh as if they filled their
-    room.
+    It is as wide as the disc, and its bore has the radius of the core: needles between the two weigh as if they filled
+    their room.
     """
     design = reducer.design
     output, half = design.output, design.gear.face_width / 2
-    tube = Stretch("roller", CircleContour(output.pin_radius), (CircleContour(output.core_radius),), -half, half)
+    tube = Stretch("roller", CircleContour(output.pin_radius), (CircleContour(output.root_radius),), -half, half)
     return Part(names.ROLLER, (tube,), design.material_of("output").density)

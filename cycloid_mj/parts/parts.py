@@ -96,10 +96,17 @@ def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
         return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
     if by == names.OUTPUT and reducer.design.output.has_roller_parts:
-        places = [np.array([*centre, plane]) for plane in gear.disc_planes for centre in output_centres(reducer)]
-        copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
-        return {name: (names.ROLLER, place) for name, place in copies}
+        return roller_places(reducer)
     return {}
+
+
+def roller_places(reducer: Reducer) -> dict[str, tuple[str, Array]]:
+    """Place a roller on each output pin in each disc, as `carried` does."""
+    places = [
+        np.array([*centre, plane]) for plane in reducer.design.gear.disc_planes for centre in output_centres(reducer)
+    ]
+    copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
+    return {name: (names.ROLLER, place) for name, place in copies}
 
 
 def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:

@@ -33,6 +33,7 @@ from cycloid_mj.parts.export import (
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.casing import CasingPart, casing_parts
+from cycloid_mj.parts.export.printing import made_parts
 from cycloid_mj.parts.parts import tinted
 from cycloid_mj.parts.polygon import area_moments, turned
 from cycloid_mj.reducer import Reducer
@@ -255,6 +256,25 @@ def test_the_motors_shaft_goes_into_the_crank(name: str) -> None:
     for _, radius, _, end in bores:
         assert radius == sizes.motor.shaft < reducer.design.shaft.radius
         assert end == sizes.face + sizes.motor.shaft_length
+
+
+def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_plate() -> None:
+    """One pin is bought, pressed into bores of its size, and carries a roller: whichever format the files have."""
+    reducer = Reducer(PRESETS["pin"])
+    output, sizes = reducer.design.output, casing(reducer)
+    assert output.rollers
+    assert not output.has_roller_parts
+    sections, placed = assembly_sections(reducer, sizes), Counter(one.part for one in places(reducer, 0.0, sizes))
+    (pin,), ((outside,), (bore,)) = sections["output_pin"][0].loops[0], sections["output_roller"][0].loops
+    assert (pin.radius, outside.radius, bore.radius) == (output.root_radius, output.pin_radius, output.root_radius)
+    assert placed["output_pin"] == placed["output_roller"] == output.pins
+    bores = [loop[0].radius for loop in sections["output"][0].loops[1:]]
+    assert bores.count(output.root_radius) == output.pins
+    made = made_parts(reducer, 1e-6, 0.0, sizes)["output"].solid.prisms[0]
+    sizes_made = [np.ptp(hole[:, 0]) / 2.0 for hole in made.holes]
+    assert np.isclose(sizes_made, output.root_radius, rtol=0.0, atol=1e-6).sum() == output.pins
+    (line,) = [one for one in bill(reducer, 0.0, sizes) if one.item == "output_pin"]
+    assert line.size.startswith(f"diameter {2e3 * output.root_radius:g} ")
 
 
 def test_a_motor_that_has_no_room_is_refused() -> None:

@@ -264,7 +264,7 @@ def test_an_outline_that_crosses_itself_is_an_error(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr("cycloid_mj.parts.gear.gear_outline", crossed)
     with pytest.raises(DesignError, match="gear: its outline or its holes cross near"):
-        export(PIN, "stl", 2e-5)
+        export(PIN, "stl", 2.3e-5)  # a chord error that no other test has: solids of a shape are kept
 
 
 def test_sections_have_the_solids_heights(design: Design) -> None:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import PartSection, carried, output_centres, part_sections, pin_radius, sleeve_core_radius
-from cycloid_mj.parts.curve import Circle
+from cycloid_mj.parts import Part, PartSection, carried, output_centres
 from cycloid_mj.parts.export.bill import cam_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -28,14 +27,13 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
-    CasingPart,
-    casing_parts,
     casing_places,
-    cut_sections,
+    cut,
+    tube,
 )
-from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, output_pin_span
+from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
 from cycloid_mj.parts.export.step import SPLINES, step_part
-from cycloid_mj.parts.parts import Colour, tinted
+from cycloid_mj.parts.parts import Colour, roller_places, tinted
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
@@ -87,8 +85,9 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
     for body, angle in turned.items():
         yield _carried(body, body, origin, angle)
-    for by in (names.SHAFT, names.OUTPUT):
-        for name, (part, place) in carried(reducer, by).items():
+    rollers = roller_places(reducer) if design.output.rollers else {}
+    for by, borne in ((names.SHAFT, carried(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
+        for name, (part, place) in borne.items():
             yield _carried(name, part, place, turned[by])
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
@@ -148,59 +147,13 @@ def assembly_sections(
         A part cannot be made, or has no room; or the ring is in two halves.
     """
     require_one_ring(reducer, "assembly")
-    sections = part_sections(reducer, splines)
-    if reducer.design.ring.has_sleeves:
-        wheel, core, *_ = sections[names.HOUSING]
-        sections[names.HOUSING] = (wheel,)
-        sections[PRESSED_PIN] = (_round(PRESSED_PIN, sleeve_core_radius(reducer), core.z0, core.z1),)
-    sections |= _output(reducer, sections[names.OUTPUT])
-    sections |= _seated(reducer, sections)
-    added = casing_parts(reducer, sizes) if sizes else {}
-    return sections | {name: cut_sections(name, part, sections.get(name, ())) for name, part in added.items()}
-
-
-def _round(name: str, radius: float, z0: float, z1: float) -> PartSection:
-    return PartSection(name, ((Circle((0.0, 0.0), radius),),), z0, z1)
-
-
-def _output(reducer: Reducer, drawn: tuple[PartSection, ...]) -> dict[str, tuple[PartSection, ...]]:
-    """Split the output into its discs, with bores, and the pins pressed into them; nothing where it is one piece."""
-    if in_one_piece(reducer):
-        return {}
-    radius, (disc, *others) = pin_radius(reducer), drawn
-    pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
-    pins = output_pin_span(reducer)
-    pieces = {
-        names.OUTPUT: cut_sections(names.OUTPUT, pressed, (disc,)),
-        OUTPUT_PIN: (_round(OUTPUT_PIN, radius, *pins),),
-    }
-    if reducer.design.output.support == "both_ends":
-        pieces[SECOND_OUTPUT] = cut_sections(SECOND_OUTPUT, pressed, others[-1:])
-    return pieces
-
-
-def _seated(reducer: Reducer, sections: Mapping[str, tuple[PartSection, ...]]) -> dict[str, tuple[PartSection, ...]]:
-    """Draw cams as thick as the bore of their bearing, and the bearing; nothing where none in stock fits."""
     in_stock = cam_bearing(reducer)
-    if not in_stock:
-        return {}
-    bearing, count = in_stock
-    seat, outside, half = 0.5 * bearing.bore, 0.5 * bearing.outside, 0.5 * bearing.width * count
-    slim = {}
-    for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
-        slim[name] = tuple(_slimmed(one, seat) for one in sections.get(name, ()))
-    tube = ((Circle((0.0, 0.0), outside),), (Circle((0.0, 0.0), seat),))
-    slim[CAM_BEARING] = (PartSection(CAM_BEARING, tube, -half, half),)
-    return {name: one for name, one in slim.items() if one}
-
-
-def _slimmed(section: PartSection, seat: float) -> PartSection:
-    """Draw a cam with the radius of its bearing's seat [m]; other stretches stay."""
-    if section.name != names.CAM:
-        return section
-    (outline,), *holes = section.loops
-    assert isinstance(outline, Circle)
-    return replace(section, loops=((replace(outline, radius=seat),), *holes))
+    laid = separate_parts(reducer, 0.5 * in_stock[0].bore if in_stock else 0.0, sizes)
+    if in_stock:
+        bearing, count = in_stock
+        ring = tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width * count)
+        laid[CAM_BEARING] = Part(CAM_BEARING, cut(CAM_BEARING, ring), STEEL)
+    return {name: part.sections(splines) for name, part in laid.items()}
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ two bearings of the output's hub, and the output's flange.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import PartSection, Prism, Solid, circle, crank_stretches
-from cycloid_mj.parts.curve import Circle, Curve
+from cycloid_mj.parts import Stretch, crank_stretches
+from cycloid_mj.parts.contour import CircleContour, circles_at
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -526,52 +526,28 @@ def flange_screw_length(sizes: Casing) -> float:
     return _screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread)
 
 
-def cut_sections(name: str, part: CasingPart, base: Sequence[PartSection] = ()) -> tuple[PartSection, ...]:
-    """Draw a part of the casing by circles, or its holes in the sections of a part of the mechanism."""
-    shells = [
-        *((one.loops, one.z0, one.z1) for one in base),
-        *(((_loop(AXIS[0], radius),), *ends) for radius, *ends in part.rounds),
-    ]
-    return tuple(PartSection(name, loops, low, high) for loops, low, high in _cut(shells, part.holes, _loop))
+def cut(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
+    """Lay out a part of the casing, or cut its holes into the stretches of a part of the mechanism.
 
-
-def cut_solid(name: str, part: CasingPart, chord_error: float, density: float, base: Sequence[Prism] = ()) -> Solid:
-    """Draw a part of the casing by polygons, or its holes in the prisms of a part of the mechanism."""
-
-    def ring(centre: Array, radius: float) -> Array:
-        return circle(radius, chord_error, (float(centre[0]), float(centre[1])))
-
-    shells = [
-        *(((one.outline, *one.holes), one.z0, one.z1) for one in base),
-        *(((ring(AXIS[0], radius),), *ends) for radius, *ends in part.rounds),
-    ]
-    return Solid(
-        name,
-        tuple(Prism(loops[0], loops[1:], low, high) for loops, low, high in _cut(shells, part.holes, ring)),
-        density,
-    )
-
-
-def _loop(centre: Array, radius: float) -> tuple[Curve, ...]:
-    return (Circle((float(centre[0]), float(centre[1])), radius),)
-
-
-def _cut(
-    shells: Sequence[tuple[Any, ...]], holes: Sequence[Hole], drawn: Callable[[Array, float], Any]
-) -> Iterator[tuple[Any, float, float]]:
-    """Yield the stretches of a part between all faces of it and of its holes: loops, z0, z1."""
-    faces = sorted({z for *_, z0, z1 in (*shells, *holes) for z in (z0, z1)})
-    for loops, z0, z1 in shells:
-        for low, high in pairwise([z0, *(z for z in faces if z0 + SAME < z < z1 - SAME), z1]):
+    The stretches end at all faces of the part and of its holes.
+    """
+    shells = [*base, *(Stretch(name, CircleContour(radius), (), z0, z1) for radius, z0, z1 in part.rounds)]
+    ends = [(one.z0, one.z1) for one in shells] + [(start, end) for _, _, start, end in part.holes]
+    faces = sorted({z for pair in ends for z in pair})
+    laid = []
+    for shell in shells:
+        within = [z for z in faces if shell.z0 + SAME < z < shell.z1 - SAME]
+        for low, high in pairwise([shell.z0, *within, shell.z1]):
             if high - low < SAME:
                 continue
             through = [
-                drawn(at, radius)
-                for at_all, radius, start, end in holes
+                hole
+                for centres, radius, start, end in part.holes
                 if start < 0.5 * (low + high) < end
-                for at in at_all
+                for hole in circles_at(radius, centres)
             ]
-            yield (*loops, *through), low, high
+            laid.append(Stretch(name, shell.outline, (*shell.holes, *through), low, high))
+    return tuple(laid)
 
 
 def _motor_bore(reducer: Reducer, sizes: Casing) -> CasingPart | None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts import Part, mass_properties
 from cycloid_mj.parts.export.bill import cam_bearing
 from cycloid_mj.parts.export.casing import (
     FLANGE,
@@ -17,14 +17,11 @@ from cycloid_mj.parts.export.casing import (
     casing,
     casing_parts,
     casing_places,
-    cut_solid,
+    cut,
     tube,
 )
-from cycloid_mj.parts.export.printing import PrintedPart, made_parts
+from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts
 from cycloid_mj.reducer import Reducer, once
-
-STEEL = 7850.0
-"""Density of what is bought [kg/m3]."""
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing over that of a tube of its sizes: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
@@ -138,4 +135,4 @@ def _hollow_cams(reducer: Reducer) -> float:
 
 
 def _steel(part: CasingPart) -> float:
-    return mass_properties(cut_solid("bought", part, CHORD_ERROR, STEEL)).mass
+    return mass_properties(Part("bought", cut("bought", part), STEEL).solid(CHORD_ERROR)).mass

@@ -85,7 +85,7 @@ def _output_pins(reducer: Reducer) -> str:
 def _discs(reducer: Reducer) -> str:
     """Tell how the discs go on; where a second disc of the output holds the pins, it comes last."""
     design = reducer.design
-    rollers = "Put a roller on each output pin, and the" if design.output.has_roller_parts else "Put the"
+    rollers = "Put a roller on each output pin, and the" if design.output.rollers else "Put the"
     gears = f"{names.GEAR} over them"
     if design.gear.discs > 1:
         gears = f"{design.gear.discs} gears over them, gear {design.gear.discs} first, a {names.SPACER} between two"

@@ -1,13 +1,16 @@
 """What of a reducer is made and what is bought, and how the parts that are made are drawn for a printer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.materials import SOFTEST_METAL
-from cycloid_mj.parts import Prism, Solid, circle, crank_stretches, output_centres, parts, sleeve_core_radius
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing_parts, cut_solid
-from cycloid_mj.parts.polygon import turned
+from cycloid_mj.parts import Part, Solid, Stretch, laid_out, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, CasingPart, casing_parts, cut
+from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
 SECOND_OUTPUT = "output_2"
@@ -15,6 +18,9 @@ SECOND_OUTPUT = "output_2"
 
 STANDS_OUT = 1e-5
 """By how much the cam of one disc stands out where it would be flush with the shaft [m]: outlines may not touch."""
+
+STEEL = 7850.0
+"""Density of what is bought [kg/m3]."""
 
 OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
 """Round parts that the solids of the mechanism have within output and housing."""
@@ -115,38 +121,73 @@ def made_parts(
         A part cannot be made.
     """
     design = reducer.design
-    solids, discs = parts(reducer, chord_error), design.gear.discs
-    if cam_seat:
-        solids |= _seated(reducer, solids, chord_error, cam_seat)
-    housing = solids[names.HOUSING]
-    wheel, *pressed = housing.prisms
-    printed = {names.HOUSING: PrintedPart(1, Solid(housing.name, (wheel,), housing.density))}
-    printed |= {name: PrintedPart(1, solids[name]) for name in names.gears(discs)}
-    if discs > 1:
-        printed |= {name: PrintedPart(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
-        printed[names.SPACER] = PrintedPart(discs - 1, solids[names.SPACER])
-    if discs == 1 or is_printed(reducer, names.SHAFT):
-        printed[names.SHAFT] = PrintedPart(1, solids[names.SHAFT])
-    if names.PIN in solids and is_printed(reducer, names.PIN):
-        printed[names.PIN] = PrintedPart(design.ring.teeth, solids[names.PIN])
-        if pressed:
-            core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
-            solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
-            printed[PRESSED_PIN] = PrintedPart(design.ring.teeth, solid)
-    printed |= _output(reducer, solids[names.OUTPUT], chord_error)
-    return _cased(reducer, printed, sizes, chord_error) if sizes else printed
+    gear, ring, output = design.gear, design.ring, design.output
+    cam = _checked_cam(reducer, cam_seat) if cam_seat else 0.0
+    laid, of_mechanism = separate_parts(reducer, cam, sizes, chord_error), laid_out(reducer, chord_error)
+    counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
+    if gear.discs > 1:
+        counts |= dict.fromkeys(names.all_numbered(names.CAM, gear.discs), 1) | {names.SPACER: gear.discs - 1}
+    if gear.discs == 1 or is_printed(reducer, names.SHAFT):
+        counts[names.SHAFT] = 1
+    if is_printed(reducer, names.PIN):
+        counts |= {names.PIN: ring.teeth, PRESSED_PIN: ring.teeth}
+    counts |= {names.OUTPUT: 1, SECOND_OUTPUT: 1}
+    if is_printed(reducer, names.OUTPUT):
+        counts[OUTPUT_PIN] = output.pins
+    if sizes:
+        added = casing_parts(reducer, sizes).items()
+        counts |= {name: 1 for name, part in added if not part.bought and name not in of_mechanism}
+    drawn = parts(reducer, chord_error)  # kept there, for what stays as it is
+
+    def solid(name: str) -> Solid:
+        return drawn[name] if laid[name] is of_mechanism.get(name) else laid[name].solid(chord_error)
+
+    return {name: PrintedPart(count, solid(name)) for name, count in counts.items() if name in laid}
 
 
-def _cased(reducer: Reducer, made: dict[str, PrintedPart], sizes: Casing, chord_error: float) -> dict[str, PrintedPart]:
-    """Add covers and flange, and to the parts of the mechanism what these need: holes, the hub, seats."""
-    cased = dict(made)
-    for name, part in casing_parts(reducer, sizes).items():
-        if part.bought or (name == names.SHAFT and name not in made):
-            continue
-        base = made[name].solid.prisms if name in made else ()
-        density = reducer.design.material_of(material_part(reducer, name)).density
-        cased[name] = PrintedPart(1, cut_solid(name, part, chord_error, density, base))
-    return cased
+def separate_parts(
+    reducer: Reducer, cam: float = 0.0, sizes: Casing | None = None, chord_error: float | None = None
+) -> dict[str, Part]:
+    """Lay out every part as it is put together, made or bought, by name, each in its own frame.
+
+    Pins that are pressed into housing or output, and rollers, are parts of their own, and the discs of the output have
+    bores for theirs.
+
+    Parameters
+    ----------
+    reducer
+        The reducer; its clearances are in the outlines.
+    cam
+        Radius of the cams [m], that of their bearing's bore; 0: that of its outside, as drawn.
+    sizes
+        Those of covers and flanges: they come with what is bought for them, and with their holes in the others.
+    chord_error
+        That with which the crank is to balance [m], see `laid_out`.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made.
+    """
+    laid = laid_out(reducer, chord_error)
+    housing = laid[names.HOUSING]
+    wheel, *pressed = housing.stretches
+    if pressed:
+        laid[names.HOUSING] = housing.of([wheel])
+        core = Stretch(PRESSED_PIN, CircleContour(sleeve_core_radius(reducer)), (), pressed[0].z0, pressed[0].z1)
+        laid[PRESSED_PIN] = laid[names.PIN].of([core], PRESSED_PIN)
+    laid |= _output(reducer, laid[names.OUTPUT])
+    if reducer.design.output.rollers:
+        laid[names.ROLLER] = roller_part(reducer)
+    if cam:
+        for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
+            if name in laid:
+                laid[name] = laid[name].of(_with_cam(reducer, stretch, cam) for stretch in laid[name].stretches)
+    for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
+        base = laid[name].stretches if name in laid else ()
+        density = STEEL if part.bought else reducer.design.material_of(material_part(reducer, name)).density
+        laid[name] = Part(name, cut(name, part, base), density)
+    return laid
 
 
 def output_pin_span(reducer: Reducer) -> tuple[float, float]:
@@ -161,8 +202,8 @@ def output_pin_length(reducer: Reducer) -> float:
     return high - low
 
 
-def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
-    """Build the parts of the crank that have cams, with cams of the radius `seat` [m]."""
+def _checked_cam(reducer: Reducer, seat: float) -> float:
+    """Return the radius with which a cam is drawn for a seat of its bearing [m]; refuse one that does not fit."""
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
     flush = gear.eccentricity + design.shaft.radius
@@ -174,33 +215,31 @@ def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat
             f"for the shaft in the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside "
             "(gear.bore_radius_mm)"
         )
-    cam = circle(max(seat, flush + STANDS_OUT), chord_error, (0.0, gear.eccentricity))
-    if discs == 1:
-        stretches = zip(crank_stretches(reducer), solids[names.SHAFT].prisms, strict=True)
-        prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
-        return {names.SHAFT: Solid(names.SHAFT, tuple(prisms), solids[names.SHAFT].density)}
-    seated = {}
-    for name, phase in zip(names.all_numbered(names.CAM, discs), reducer.phases, strict=True):
-        (one,) = solids[name].prisms
-        seated[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
-    return seated
+    return max(seat, flush + STANDS_OUT)
 
 
-def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, PrintedPart]:
-    """List the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
+def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
+    """Lay out a cam with another radius [m]; other stretches stay."""
+    if stretch.name != names.CAM:
+        return stretch
+    cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
+    if isinstance(stretch.outline, TurnedContour):
+        cam = replace(stretch.outline, contour=cam)
+    return replace(stretch, outline=cam)
+
+
+def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
+    """Split the output into its discs, with bores, and the pins pressed into them; nothing where it is one piece."""
     if in_one_piece(reducer):
-        return {names.OUTPUT: PrintedPart(1, drawn)}
-    output, density = reducer.design.output, drawn.density
-    discs = {names.OUTPUT: drawn.prisms[0]}
-    if output.support == "both_ends":
-        discs[SECOND_OUTPUT] = drawn.prisms[-1]
-    pin = circle(output.root_radius, chord_error)
-    bores = tuple(pin + centre for centre in output_centres(reducer))
-    printed = {
-        name: PrintedPart(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
-        for name, disc in discs.items()
+        return {}
+    disc, *others = drawn.stretches
+    radius = reducer.design.output.root_radius
+    pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
+    pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
+    pieces = {
+        names.OUTPUT: drawn.of(cut(names.OUTPUT, pressed, [disc])),
+        OUTPUT_PIN: drawn.of([pin], OUTPUT_PIN),
     }
-    if is_printed(reducer, names.OUTPUT):
-        solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(reducer)),), density)
-        printed[OUTPUT_PIN] = PrintedPart(output.pins, solid)
-    return printed
+    if reducer.design.output.support == "both_ends":
+        pieces[SECOND_OUTPUT] = drawn.of(cut(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
+    return pieces
