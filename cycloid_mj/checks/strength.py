@@ -12,9 +12,9 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
+from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 CONCENTRATION = 3.0
 """Assumed: most that the largest tooth force may be, over that of ideal sharing."""

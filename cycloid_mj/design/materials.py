@@ -7,7 +7,17 @@ usual value of the kind, of metals within 5 %, of plastics within a fifth. A har
 Vickers hardness as a pressure (Tabor); its case is taken to be deeper than the contacts press.
 """
 
+import math
 from dataclasses import dataclass, replace
+
+YIELD_PRESSURE = 1.79
+"""Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
+
+SHAKEDOWN_PRESSURE = 4.0 / math.sqrt(3.0)
+"""Peak pressure up to which rolling stays elastic after a first yield, 4 k (Johnson 1985, 9.2), over the same: 2.31."""
+
+HARDNESS_PRESSURE = 9.807 / 3.45
+"""Brinell hardness as a pressure over the tensile strength of steel: HB is 0.29 of the MPa (ISO 18265): 2.84."""
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
+from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 KINDS = {
     "peak_yield": (

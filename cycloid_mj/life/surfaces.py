@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.design import Material
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 SOFTEST_STEEL = 1e11
 """Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""

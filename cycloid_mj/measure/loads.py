@@ -14,6 +14,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.geometry import ideal_loads
@@ -24,8 +25,7 @@ from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.contact import STRIBECK
-from cycloid_mj.reducer.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
 from cycloid_mj.statics.bearings import reaction_quantities, spatial
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import disc_shares

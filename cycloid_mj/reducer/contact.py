@@ -21,7 +21,6 @@ from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer.bending import pin_flexibility
 from cycloid_mj.reducer.impact import ImpactLaw
-from cycloid_mj.reducer.pressure import HERTZ_REACH
 
 if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
@@ -38,6 +37,11 @@ rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.
 
 SLOW_CREEP = 1e-4
 """The same where the crank stands [m/s]."""
+
+HERTZ_REACH = 0.3
+"""Assumed: Hertz's strip, of half planes, holds up to this half width, over the radius of the thinner body.
+
+Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave it."""
 
 _ANGLES = 97
 """Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import YIELD_PRESSURE
 from cycloid_mj.statics.balance import Loads, loads
 from cycloid_mj.statics.springs import Springs
 

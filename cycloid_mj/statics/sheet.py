@@ -16,8 +16,8 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak

@@ -16,9 +16,9 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.design import Design, override
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, StressMap, by_corner, loaded, mapped, maxima, solve

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.validation import ValidationRow, relative
-from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 
 def rows(quick: bool) -> list[ValidationRow]:

@@ -3,12 +3,12 @@
 import pytest
 
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life import rate
 from cycloid_mj.life.lasting import checks_of, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 PIN = PRESETS["pin"]
 
