@@ -7,9 +7,10 @@ friction turns it a little, and presses the shoe on or lifts it, as with the lea
 brake: which of both, goes by the plate and by the way of the crank, that is by whether crank or output drives. So one
 shoe has the losses of driving and of back-driving.
 
-Two things make it serve. The reference damping of friction is next to nothing: of a pair that slides fast, MuJoCo's
-soft cone turns that into a force that lifts the shoe off. And the shoe has an armature, no mass: it bears the springs,
-gives way by `GIVE` of the wind-up, and neither weighs nor hammers.
+Two things make it serve. The reference damping of friction is small: of a pair that slides fast, MuJoCo's soft cone
+turns that into a force that lifts the shoe off (`LIFT`); but friction that has next to none holds the acceleration of
+the tilted shoe and not its speed, so that the shoe drifts, and rubs the wrong way, for seconds. And the shoe has an
+armature, no mass: it bears the springs, gives way by `GIVE` of the wind-up, and neither weighs nor hammers.
 """
 
 import math
@@ -36,9 +37,11 @@ COMPARED = (0.1, 0.5, 1.0)
 GIVE = 0.01
 """What the shoe gives way under the rated torque, as a share of the wind-up: with less it is shaken off its plate."""
 
-REFERENCE, IMPEDANCE, CREEP = 1e4, 0.9999, 1e-5
-"""Of the contact: reference stiffness [1/s2], which a step of 5 ms bears, impedance, and reference damping of friction
-[1/s]."""
+REFERENCE, IMPEDANCE = 1e4, 0.9999
+"""Of the contact: reference stiffness [1/s2], which a step of 5 ms bears, and impedance."""
+
+LIFT = 5e-3
+"""By how much friction lifts the shoe at the rated speed, as a share of what it gives way under the rated torque."""
 
 STEEPEST = 0.9
 """Largest share by which friction presses the shoe on: at 1 it would lock."""
@@ -70,12 +73,15 @@ class Shoe:
         Share t of its force by which friction presses it on, or lifts it: the force is S/(1 - t) or S/(1 + t).
     armature
         Along the axis [kg].
+    creep
+        Reference damping of the friction [1/s].
     """
 
     shares: Array
     friction: float
     leading: float
     armature: float
+    creep: float
 
 
 def shoe_of(reduced: ReducedJoint) -> Shoe:
@@ -107,7 +113,10 @@ def shoe_of(reduced: ReducedJoint) -> Shoe:
     given = GIVE * reduced.wind_up(reduced.rated_torque)
     # a contact gives way by (1 - d) F/(m k d) under a force F, and the springs' lengths by as many shares of that
     pressed = float(pulls[-1] @ shares)
-    return Shoe(shares, friction, leading, (1.0 - IMPEDANCE) * pressed / (REFERENCE * IMPEDANCE * given))
+    armature = (1.0 - IMPEDANCE) * pressed / (REFERENCE * IMPEDANCE * given)
+    # the cone adds the coefficient times damping and speed to the reference acceleration along the axis
+    creep = LIFT * REFERENCE * given / (friction * reduced.rated_speed)
+    return Shoe(shares, friction, leading, armature, creep)
 
 
 def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
@@ -132,7 +141,7 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
         pairs.append(
             f'    <pair geom1="{name}_plate_{number}" geom2="{name}" condim="4" '
             f'friction="0 0 {_number(shoe.friction)} 0 0" solref="{-REFERENCE:g} {-2.0 * REFERENCE**0.5:g}" '
-            f'solreffriction="-1 {-CREEP:g}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2"/>\n'
+            f'solreffriction="-1 {-shoe.creep:g}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2"/>\n'
         )
     # a centre of mass beside the axis, or MuJoCo takes the mass alone for all that moves
     body = f"""    <body name="{name}" pos="0 0 {HEIGHT}">

@@ -473,11 +473,18 @@ def test_the_lossy_joint_loses_as_much_in_mujoco_alone(few: ReducedJoint, drivin
         assert one.full_model_percent < 98.0
 
 
-def test_the_lossy_joint_tells_driving_from_being_driven(few: ReducedJoint) -> None:
-    """Where a drive loses half as much again driving as driven, one shoe loses both, within 2 points."""
+@pytest.mark.parametrize("slower", [1.0, 64.0])
+def test_the_lossy_joint_tells_driving_from_being_driven(few: ReducedJoint, slower: float) -> None:
+    """Where a drive loses half as much again driving as driven, one shoe loses both, within 2 points, if slow too."""
     driven = tuple(tuple(one / 6.0 for one in row) for row in few.friction.driven)
-    other = replace(few.friction, driven=driven, driving=tuple(tuple(1.5 * one for one in row) for row in driven))
-    found = lossy_efficiencies(replace(few, ratio=6.0 * few.ratio, friction=other))
+    other = replace(
+        few.friction,
+        speeds=tuple(one / slower for one in few.friction.speeds),
+        driven=driven,
+        driving=tuple(tuple(1.5 * one for one in row) for row in driven),
+    )
+    slow = replace(few, ratio=6.0 * few.ratio, rated_speed=few.rated_speed / slower, friction=other)
+    found = lossy_efficiencies(slow)
     for one in found:
         if one.share > 0.1:
             assert one.percent == pytest.approx(one.full_model_percent, abs=2.0)
