@@ -8,23 +8,21 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
-from cycloid_mj.bench.fit import AT_BOUND, Fitted, fit
+from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
 from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
-from cycloid_mj.bench.search import STEP, FitProblem
+from cycloid_mj.bench.search import STEP, FitProblem, Trials
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Held, Losses
-
-Progress = Callable[[int], None]
-"""Called at each trial of the search with how many there have been."""
 
 ALIKE = 0.95
 """Correlation from which on a loop cannot tell two values apart."""
@@ -39,11 +37,25 @@ RADIANS, MINUTES, MILLIMETRES, KILO = 8.0, 30.0, 30.0, 1e-3
 """How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
 minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm, and in kN m."""
 
+LOSSES = (
+    ("constant", "constant friction alone", (), False),
+    ("friction", "and friction of the contacts", ("friction",), True),
+    ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
+    ("both", "and both", ("friction", "material_loss"), True),
+)
+"""Losses that are compared: key, meaning, what is fitted beside the rest, and whether contacts rub."""
+
 RESIDUAL = (
     "rms difference of all measured deflections from the fitted loop's at the same torque, without those on the way to "
     "the loop"
 )
 """How the residual of a calibration is read."""
+
+STOPPED = (
+    "stopped before the end of the fit: the values are the likeliest so far, and intervals are those of the straight "
+    "neighbourhood where no search had widened them"
+)
+"""What holds of a fit that was stopped."""
 
 UNEXPLAINED = (
     "twist of housing, discs, shafts and mounting is not told apart: structure_stiffness stands for all of it",
@@ -116,6 +128,8 @@ class Calibration(Presented):
         Fits with other losses, if they were asked for.
     notes
         What was noticed, a sentence each.
+    complete
+        Whether the fit was not stopped before its end.
     """
 
     fitted: Fitted
@@ -126,6 +140,7 @@ class Calibration(Presented):
     modelled: LoopReading
     variants: tuple[Variant, ...] = ()
     notes: tuple[str, ...] = ()
+    complete: bool = True
 
     @property
     def frame(self) -> Frame:
@@ -270,6 +285,7 @@ class Calibration(Presented):
                 }
                 for key, estimate in self.estimates.items()
             },
+            "complete": self.complete,
             "unidentified": list(self.unidentified),
             "indistinguishable": [{"keys": [one, other], "correlation": size} for one, other, size in self.alike],
             "correlations": {
@@ -312,13 +328,21 @@ class Calibration(Presented):
         }
 
 
+class CalibrationStopped(KeyboardInterrupt):
+    """Ctrl-C, or a signal of the same effect, came when a search had ended: `calibration` is what came of it."""
+
+    def __init__(self, stop: KeyboardInterrupt, calibration: Calibration) -> None:
+        super().__init__(*stop.args)
+        self.calibration = calibration
+
+
 def calibrate(
     design: Named,
     loops: Sequence[MeasuredLoop],
     keys: Sequence[str] = DEFAULT,
     held: Held = "crank",
     crank: float = 0.0,
-    progress: Progress = lambda done: None,
+    progress: Progress = silent,
 ) -> Calibration:
     """Fit values of a design to measured hysteresis loops.
 
@@ -335,7 +359,7 @@ def calibrate(
     crank
         Angle of the crank [rad].
     progress
-        Called at each trial.
+        Called at each trial with how many there have been, and how many there may be in all.
 
     Raises
     ------
@@ -343,6 +367,8 @@ def calibrate(
         There is no loop, a key is unknown, no key answers to the loop, or a loop is not in degrees.
     RunError
         No static balance was found.
+    CalibrationStopped
+        Ctrl-C: it has what was fitted by then.
     """
     design = resolve(design)
     reducer = Reducer(design)
@@ -352,9 +378,13 @@ def calibrate(
     model = Model(reducer, Losses(drag), rub(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
-    chosen, counted = parameters(reducer, keys, loops), _counting(progress)
-    _require_answers(FitProblem(model, chosen, tuple(loops), bench, counted))
-    return _calibration(fit(model, chosen, loops, bench, counted))
+    chosen, trials = parameters(reducer, keys, loops), Trials(progress)
+    _require_answers(FitProblem(model, chosen, tuple(loops), bench, Trials()))
+    try:
+        return _calibration(fit(model, chosen, loops, bench, trials))
+    except FitStopped as stop:
+        so_far = _calibration(stop.fitted)
+        raise CalibrationStopped(stop, replace(so_far, complete=False, notes=(*so_far.notes, STOPPED))) from stop
 
 
 def calibrated_name(reducer: Reducer) -> str:
@@ -364,7 +394,7 @@ def calibrated_name(reducer: Reducer) -> str:
 
 def compare_losses(
     calibration: Calibration,
-    progress: Progress = lambda done: None,
+    progress: Progress = silent,
     done: Callable[[Calibration], object] = lambda _: None,
 ) -> Calibration:
     """Fit constant friction alone, with that of the contacts, with a lossy material, and with both, to the same loops.
@@ -383,17 +413,13 @@ def compare_losses(
         for parameter in fitted.parameters
         if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
     ]
-    smooth, counted = _smooth(fitted.model.reducer), _counting(progress)
+    smooth, trials = _smooth(fitted.model.reducer), Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
-    for key, meaning, extra, rough in (
-        ("constant", "constant friction alone", (), False),
-        ("friction", "and friction of the contacts", ("friction",), True),
-        ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
-        ("both", "and both", ("friction", "material_loss"), True),
-    ):
+    for key, meaning, extra, rough in LOSSES:
         base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), rubs=True)
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
-        fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
+        fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, trials, intervals=False)
+        trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
         calibration = replace(calibration, variants=variants(fits))
         done(calibration)
     return calibration
@@ -424,16 +450,6 @@ def correlations(fitted: Fitted) -> Array:
     size = np.sqrt(np.diag(covariance))
     both = np.outer(size, size)
     return np.asarray(np.divide(covariance, both, out=np.eye(count), where=both > 0.0))
-
-
-def _counting(progress: Progress) -> Callable[[], None]:
-    done = [0]
-
-    def count() -> None:
-        done[0] += 1
-        progress(done[0])
-
-    return count
 
 
 def _calibration(fitted: Fitted) -> Calibration:

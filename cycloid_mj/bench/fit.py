@@ -17,7 +17,7 @@ need not be these where the model is off: their measure is the distance from a b
 that comes a little early counts little, and an outlier less.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
@@ -30,7 +30,7 @@ from cycloid_mj.base.level import rms
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, FitProblem, offset_scales
+from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, STARTS, FitProblem, Trials, offset_scales
 from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
@@ -144,33 +144,62 @@ class Fitted:
         return float(np.std((turn - loop.deflection)[loop.lead :]))
 
 
+class FitStopped(KeyboardInterrupt):
+    """Ctrl-C, or a signal of the same effect, came when a search had ended: `fitted` is the best there was by then."""
+
+    def __init__(self, stop: KeyboardInterrupt, fitted: Fitted) -> None:
+        super().__init__(*stop.args)
+        self.fitted = fitted
+
+
 def fit(
     model: Model,
     parameters: Sequence[Parameter],
     loops: Sequence[MeasuredLoop],
     bench: LoopCondition,
-    on_step: Callable[[], None] = lambda: None,
+    trials: Trials | None = None,
     start: Array | None = None,
     intervals: bool = True,
 ) -> Fitted:
-    """Fit parameters to loops by robust least squares, from several starts or one; `on_step` is called at each trial.
+    """Fit parameters to loops by robust least squares, from several starts or one; `trials` are counted.
 
     Without `intervals` they are those of the straight neighbourhood, which take no further search, and the values are
     the likeliest.
+
+    Raises
+    ------
+    RunError
+        No static balance was found.
+    FitStopped
+        Ctrl-C: it has the best values by then, and intervals of the straight neighbourhood where no other was found.
     """
-    search = FitProblem(model, tuple(parameters), tuple(loops), bench, on_step)
-    starts = search.starts() if start is None else [start]
-    best, *others = sorted((search.run(one, SHORT, "trf") for one in starts), key=itemgetter(0))
-    place = best[1]
-    for _ in range(RENEWED):
-        cost, place = search.run(place, LONG, "trf")
-        fitted = _fitted(search, place)
-        better = widen(search, fitted, [(cost, place), *others]) if intervals else None
-        if better is None:
-            break
-        others.append((cost, place))
-        place = better
-    return replace(fitted, places=search.nearest(place, *fitted.ends.T)) if intervals else fitted
+    search = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials())
+    searches = {"ends": 2 * len(search.parameters), "nearest": 1} if intervals else {}
+    ended: list[tuple[float, Array]] = []
+    fits: list[Fitted] = []
+    try:
+        search.trials.expect(search.expected_trials(starts=len(STARTS), long=1, **searches))
+        starts = search.starts() if start is None else [start]
+        for number, one in enumerate(starts):
+            search.trials.expect(search.expected_trials(starts=len(starts) - number, long=1, **searches))
+            ended.append(search.run(one, SHORT, "trf"))
+        best, *others = sorted(ended, key=itemgetter(0))
+        place = best[1]
+        for _ in range(RENEWED):
+            search.trials.expect(search.expected_trials(long=1, **searches))
+            cost, place = search.run(place, LONG, "trf")
+            ended.append((cost, place))
+            fits.append(_fitted(search, place))
+            better = widen(search, fits[-1], [(cost, place), *others]) if intervals else None
+            if better is None:
+                break
+            others.append((cost, place))
+            place = better
+        return replace(fits[-1], places=search.nearest(place, *fits[-1].ends.T)) if intervals else fits[-1]
+    except KeyboardInterrupt as stop:
+        if not ended:
+            raise
+        raise FitStopped(stop, fits[-1] if fits else _fitted(search, min(ended, key=itemgetter(0))[1])) from stop
 
 
 def _fitted(search: FitProblem, places: Array) -> Fitted:
@@ -221,8 +250,13 @@ def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Arr
     apart = [np.any(np.abs(one - fitted.likeliest) > fitted.spread.errors) for _, one in valleys[1:]]
     valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
-    for place in np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)]):
+    open_places = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])
+    before, done, usual = search.trials.done, 0, search.expected_trials(ends=1)
+    for place in open_places:
         for side, end in enumerate(fitted.ends[place].tolist()):
+            each = (search.trials.done - before + usual) / (done + 1)
+            search.trials.expect((2 * len(open_places) - done) * each + search.expected_trials(nearest=1))
+            done += 1
             straight = end - fitted.likeliest[place]
             # what the sum of squares rises by there, where it is a paraboloid
             allowed, reached = 0.5 * straight**2 / inverse[place, place], []

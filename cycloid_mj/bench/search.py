@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
+from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, distances, model_branches
@@ -57,6 +58,27 @@ little, and constant friction, which make a loop wide, are told apart by little,
 in which a single search stops."""
 
 
+TAKEN = {"starts": 8, "long": 14, "ends": 10, "nearest": 28}
+"""Steps that the searches of a fit take by experience, for a progress: one from each start, the one that goes on, all
+for an end of an interval, and all for the nearest turns."""
+
+
+class Trials:
+    """Counts the trials of a search for a progress, which is told how many are done and how many there may be."""
+
+    def __init__(self, progress: Progress = silent) -> None:
+        self.done, self.later, self._whole, self._progress = 0, 0.0, 0.0, progress
+
+    def expect(self, more: float) -> None:
+        """Say how many trials of this fit are to come; `later` ones, of other fits, are added."""
+        self._whole = self.done + more + self.later
+
+    def __call__(self) -> None:
+        """Count one; none is told to be the last, as a search does not know."""
+        self.done += 1
+        self._progress(self.done, max(round(self._whole), self.done + 1))
+
+
 @dataclass(frozen=True, eq=False)
 class FitProblem:
     """The residuals of a model, and their slopes, by where all values are on their scales."""
@@ -65,7 +87,7 @@ class FitProblem:
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
     bench: LoopCondition
-    on_step: Callable[[], None]
+    trials: Trials
 
     @cached_property
     def known(self) -> Array:
@@ -93,6 +115,11 @@ class FitProblem:
             [parameter.place(getattr(parameter, end)) for parameter in self.parameters] for end in ("least", "most")
         )
         return np.concatenate([low, -free]), np.concatenate([high, free])
+
+    def expected_trials(self, **searches: int) -> float:
+        """Estimate the trials of some searches, as many of each kind of `TAKEN`."""
+        step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
+        return float(step * sum(TAKEN[kind] * count for kind, count in searches.items()))
 
     @cached_property
     def _models(self) -> Callable[[tuple[float, ...]], Model]:
@@ -133,7 +160,7 @@ class FitProblem:
 
         A value that is off by its standard deviation counts as a loop that is missed by `DISCREPANCY`.
         """
-        self.on_step()
+        self.trials()
         off = DISCREPANCY * (self.known * (places - self.expected))[self.known > 0.0]
         return np.concatenate([*(part / np.sqrt(len(part)) for part in self.parts(places)), off])
 
@@ -142,7 +169,7 @@ class FitProblem:
 
         With each loop's `offset` of torque, or with none, as a scene has it; so that each loop counts the same.
         """
-        self.on_step()
+        self.trials()
         count, missed = len(self.parameters), []
         for number, loop in enumerate(self.loops):
             torque, turn = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2] * [offset, 1.0]
@@ -204,6 +231,7 @@ class FitProblem:
                     for parameter in self.parameters
                 ]
                 places = np.concatenate([start, *shifts])
+                self.trials()
                 tried.append((sum(float(np.mean(np.abs(part))) for part in self.parts(places)), places))
             starts.append(min(tried, key=itemgetter(0))[1])
         return starts

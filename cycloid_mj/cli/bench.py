@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
@@ -15,7 +14,6 @@ from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
-from cycloid_mj.cli.terminal import tell
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -23,8 +21,8 @@ if TYPE_CHECKING:
 
 FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
 """What a calibration leaves, after the design's name."""
+UNTRIED = "whether the design serves, by its checks, statics and reduce, was not tried"
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
-SECONDS_BETWEEN = 5.0
 
 LoopFlag = Annotated[
     tuple[Path, ...],
@@ -128,8 +126,9 @@ def calibrate(
 
     from cycloid_mj.bench import calibrate as calibrated
     from cycloid_mj.bench import compare_losses, read_loop
-    from cycloid_mj.bench.calibration import calibrated_name
+    from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT, parameters
+    from cycloid_mj.cli.progress import counted
 
     if not math.isfinite(crank_deg):
         raise UsageError(f"--crank-deg {crank_deg:g}: give an angle in degrees")
@@ -142,35 +141,53 @@ def calibrate(
     parameters(Reducer(design), keys, loops)  # refuses a wrong one
     name = calibrated_name(Reducer(design))
     place = claimed(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
-    progress = _Trials(delivery.quiet)
-    calibration = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
+    silent = replace(delivery, quiet=True)
+    try:
+        calibration = calibrated(
+            design, loops, keys, held, math.radians(crank_deg), counted("calibrate", delivery.quiet)
+        )
+    except CalibrationStopped as stop:
+        write(_calibrated(stop.calibration, place), place, silent)
+        raise RunError(f"stopped by {cause(stop)}; what was fitted by then is in {place.folder}") from stop
     if losses:
-        silent = replace(delivery, quiet=True)
         write(_calibrated(calibration, place), place, silent)
         try:
             calibration = compare_losses(
-                calibration, progress, lambda so_far: write(_calibrated(so_far, place), place, silent)
+                calibration,
+                counted("calibrate: losses", delivery.quiet),
+                lambda so_far: write(_calibrated(so_far, place), place, silent),
             )
         except KeyboardInterrupt as stop:
             raise RunError(
                 f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {place.folder}"
             ) from stop
-    if not delivery.quiet:
-        tell("calibrate: trying the design by its checks, statics and reduce")
-    return deliver(_calibrated(calibration, place, _unusable(calibration)), place, delivery)
+    try:
+        unusable = _unusable(calibration, delivery.quiet)
+    except KeyboardInterrupt as stop:
+        write(_calibrated(calibration, place), place, silent)
+        raise RunError(
+            f"stopped by {cause(stop)}; the calibration is in {place.folder}, whether its design serves was not tried"
+        ) from stop
+    return deliver(_calibrated(calibration, place, unusable), place, delivery)
 
 
-def _unusable(calibration: "Calibration") -> tuple[str, ...]:
+def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     """Tell on what the written design stops, and which of its fitted values is why; empty where it serves."""
+    from cycloid_mj.cli.progress import underway
+
     most = max(loop.most for loop in calibration.fitted.loops)
-    if (flaw := _flaw(Reducer(calibration.design), most)) is None:
+    with underway("calibrate: trying the design by its checks, statics and reduce", quiet):
+        flaw = _flaw(Reducer(calibration.design), most)
+    if flaw is None:
         return ()
     fitted, blamed = calibration.fitted, []
-    for one in fitted.parameters:
+    for number, one in enumerate(fitted.parameters, 1):
         model = fitted.model
         for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
             model = model if other == one else other.put(model, value)
-        if _flaw(model.reducer, most) is None:
+        with underway(f"calibrate: trying it with {one.key} as drawn, {number} of {len(fitted.parameters)}", quiet):
+            serves = _flaw(model.reducer, most) is None
+        if serves:
             blamed.append(one.key)
     values = " or ".join(
         f"{key} as drawn instead of {calibration.estimates[key].value:.4g} {calibration.estimates[key].unit}"
@@ -199,7 +216,8 @@ def _flaw(reducer: Reducer, torque: float) -> str | None:
     return None
 
 
-def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[str, ...] = ()) -> Outcome:
+def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[str, ...] | None = None) -> Outcome:
+    """Collect the outcome of a calibration; `unusable` is None where its design was not tried."""
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
     from cycloid_mj.design import dump
@@ -225,7 +243,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
     names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(
         title=f"calibration: {name}",
-        failures=unusable,
+        failures=unusable or (),
         warnings=[
             *(
                 f"the loop cannot tell {one} from {other}: correlation {size:.3f}"
@@ -244,9 +262,9 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
         pictures={f"{name}-loops": draw},
         files=files,
         result=calibration.as_json()
-        | {"unusable": list(unusable), "figures": values_json(figures)}
+        | {"unusable": None if unusable is None else list(unusable), "figures": values_json(figures)}
         | {"files": [*place.paths(names), str(place.page)]},
-        page=lambda: calibration_page(calibration, draw("svg").decode(), unusable),
+        page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTRIED,) if unusable is None else unusable),
         code=1 if unusable else 0,
     )
 
@@ -306,16 +324,3 @@ def compare_bench(
         result=comparison.as_json(),
     )
     return deliver(outcome, place, delivery)
-
-
-class _Trials:
-    """Progress of a search, whose end is not known: how many trials, and for how long."""
-
-    def __init__(self, quiet: bool) -> None:
-        self._quiet, self._start, self._told = quiet, monotonic(), monotonic()
-
-    def __call__(self, done: int) -> None:
-        now = monotonic()
-        if not self._quiet and now - self._told > SECONDS_BETWEEN:
-            self._told = now
-            tell(f"calibrate: {done} trials in {now - self._start:.0f} s; a fit takes some 500 to 2000")

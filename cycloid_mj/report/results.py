@@ -28,10 +28,10 @@ def _source(picture: Picture) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(picture('svg')).decode()}"
 
 
-def calibration_page(calibration: "Calibration", figure: str, unusable: Sequence[str] = ()) -> str:
+def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[str] = ()) -> str:
     """Write a calibration as one page that needs no other file.
 
-    `figure` is the SVG of its loops, `unusable` what the design stops on.
+    `figure` is the SVG of its loops, `remarks` what its design stops on.
     """
     from cycloid_mj.bench.calibration import UNEXPLAINED
 
@@ -42,7 +42,7 @@ def calibration_page(calibration: "Calibration", figure: str, unusable: Sequence
         .render(
             title=f"cycloid_mj: {calibration.design.name}",
             calibration=calibration,
-            unusable=unusable,
+            remarks=remarks,
             bench=f"{calibration.fitted.bench.held} held",
             tables=calibration.tables(),
             unexplained=UNEXPLAINED,

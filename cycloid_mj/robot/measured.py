@@ -42,9 +42,10 @@ KNOTS = (0.03, 0.15, 0.5, 1.0)
 POLYNOMIAL = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
 """Shares of the rated torque to which the polynomial of the stiffness is fitted."""
 
-TORQUES = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+TORQUES = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
 SPEEDS = (0.25, 0.5, 1.0, 1.5)
-"""Points of the map of friction beside no load, as shares of the rated torque and of the design's speed."""
+"""Points of the map of friction beside no load, as shares of the rated torque and of the design's speed: close where
+teeth that have play come to bear one after the other, and losses bend."""
 
 NEXT_TO_NONE = (SMALL, 1e-3, 1e-2, 2e-2)
 """Shares of the rated torque that stand for no load: the first under which friction does not jam the parts."""

@@ -30,12 +30,12 @@ from cycloid_mj.bench import (
     read_loop,
     read_te,
 )
-from cycloid_mj.bench.calibration import variants
+from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped, variants
 from cycloid_mj.bench.fit import Fitted, fit, widen
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
 from cycloid_mj.bench.reading import read_figures
-from cycloid_mj.bench.search import DISCREPANCY, FitProblem
+from cycloid_mj.bench.search import DISCREPANCY, FitProblem, Trials
 from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
@@ -423,7 +423,7 @@ def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     """By a model that is off, the likeliest values miss the turns by more; none leaves its interval."""
     loops = locked_loops(1.0, 0.03, 0)
     chosen = parameters(Reducer(resolve("printed")), DEFAULT, loops)
-    search = FitProblem(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), lambda: None)
+    search = FitProblem(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
     known = [one.place(LOCKED[one.key]) for one in chosen]
     start = np.concatenate([known, np.zeros(4)])
     low, high = np.clip([start - 3.0, start + 3.0], *search.bounds)
@@ -613,6 +613,69 @@ def test_criteria_of_variants_compare(bench: Fitted) -> None:
     assert of_poor - of_idle == pytest.approx(np.dot(full.independent, np.log(ratios)))
 
 
+def pressed_at(trials: int) -> Callable[[int, int], None]:
+    """Return a progress that presses Ctrl-C at a trial."""
+
+    def progress(done: int, whole: int) -> None:
+        if done == trials:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_a_fit_that_is_stopped_keeps_the_best_there_was() -> None:
+    """Before a search has ended there is nothing; after it values that explain the loops, by and by as well as all."""
+    loops, told, keys = locked_loops(1.0, 0.0, 0), [], ("structure_stiffness", "drag")
+    whole = calibrate(resolve("printed"), loops, keys, progress=lambda *counts: told.append(counts))
+    assert whole.complete
+    last = len(told)
+    assert [done for done, _ in told] == list(range(1, last + 1))
+    assert all(done < expected for done, expected in told)
+    assert all(0.7 * last < expected < 2.5 * last for _, expected in told)
+    with pytest.raises(KeyboardInterrupt) as nothing:
+        calibrate(resolve("printed"), loops, keys, progress=pressed_at(10))
+    assert not isinstance(nothing.value, CalibrationStopped)
+    for trials in (last // 4, last // 2, last - 5):
+        with pytest.raises(CalibrationStopped) as stop:
+            calibrate(resolve("printed"), loops, keys, progress=pressed_at(trials))
+        found = stop.value.calibration
+        assert not found.complete
+        assert STOPPED in found.notes
+        assert found.rms < 1.5 * whole.rms
+        assert found.estimates.keys() == whole.estimates.keys()
+
+
+@pytest.mark.slow
+def test_a_calibration_that_is_stopped_is_in_its_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda what, quiet: pressed_at(100))
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert f"stopped by Ctrl-C; what was fitted by then is in {tmp_path}" in capsys.readouterr().err
+    found = json.loads((tmp_path / "printed-calibrated.json").read_text())
+    assert found["complete"] is False
+    assert found["unusable"] is None
+    assert STOPPED in (tmp_path / "printed-calibrated.html").read_text(encoding="utf-8")
+    assert load(tmp_path / "printed-calibrated.toml").springs.friction > 0.0
+
+
+@pytest.mark.slow
+def test_a_calibration_whose_design_was_not_tried_is_in_its_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", pressed)
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert "whether its design serves was not tried" in capsys.readouterr().err
+    found = json.loads((tmp_path / "printed-calibrated.json").read_text())
+    assert found["complete"] is True
+    assert found["unusable"] is None
+
+
 @pytest.mark.slow
 def test_what_is_found_before_ctrl_c_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -684,6 +747,10 @@ def test_an_interval_reaches_into_every_valley() -> None:
     class Valleys:
         parameters = (None,)
         bounds = (np.array([-10.0]), np.array([10.0]))
+        trials = Trials()
+
+        def expected_trials(self, **_: int) -> float:
+            return 1.0
 
         def run(self, start: Array, *_: Any, held: int | None = None) -> tuple[float, Array]:
             assert held == 0
