@@ -1,16 +1,18 @@
 """How long a drive takes to settle, and how deep its contacts may go: by its own stiffness and mass, not the paper's.
 
 A jolt rings out as what the load is on swings on the stiffness of all contacts; a soft or heavy drive takes longer than
-the paper's, whose period is 0.2 ms.
+the paper's, whose period is 0.2 ms. One of wide play takes longer still: the load has to cross it first.
 """
 
 import math
 
 import numpy as np
 
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.limits import widest_play
 from cycloid_mj.statics.structure import wind_up
 
 SETTLING = 0.005
@@ -18,6 +20,10 @@ SETTLING = 0.005
 
 SWINGS = 6.0
 """Periods of the swing that are waited for: each leaves 4 % of it at half of critical damping, 53 % at a tenth."""
+
+CROSSINGS = 4.0
+"""Times that the load takes to carry the output across its play that are waited for: with a restitution of 0.3 it has
+come to rest on the far flank after two of them, and the jolt rings out in as many."""
 
 DEEPEST = 50e-6
 """Depth of a contact [m] that no drive of this size reaches in a run that goes right: a hundred times the paper's."""
@@ -56,10 +62,26 @@ def swing_period(reducer: Reducer) -> float:
     return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load))
 
 
+def crossing_time(reducer: Reducer) -> float:
+    """Compute the time [s] in which the load carries the output from one end of its play to the other.
+
+    A turning crank carries it there within a turn, however light the load; 0 without a load or without play.
+    """
+    drive, load = reducer.design.drive, abs(reducer.design.load.torque)
+    if not load:
+        return 0.0
+    try:
+        play = widest_play(reducer, 0.0)
+    except RunError:  # errors leave none
+        return 0.0
+    turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
+    return min(math.sqrt(2.0 * play * turning_inertia(reducer) / load), turn / CROSSINGS)
+
+
 @once
 def slowness(reducer: Reducer) -> float:
     """Tell how many times as long as the paper's a drive takes to settle [1]: 1 where `SETTLING` is enough."""
-    return max(1.0, SWINGS * swing_period(reducer) / SETTLING)
+    return max(1.0, SWINGS * swing_period(reducer) / SETTLING, CROSSINGS * crossing_time(reducer) / SETTLING)
 
 
 def deepest(reducer: Reducer) -> float:

@@ -1,5 +1,8 @@
 """The paper's test stand: a motor of given torque on the crank, a brake that holds the output's speed.
 
+A motor crosses the play of the reducer at the speed at which its slope takes all of its torque, which may take longer
+than all else.
+
 The crank's inertia on the stiffness of the mesh rings for some 100 ms near 100 Hz. A motor's torque falls with its
 speed, and that damps it; in the mean the slope takes nothing, as the output holds the mean speed of the crank.
 """
@@ -12,8 +15,10 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import braked_output, rising
 from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, Solver, model_for
+from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import widest_play
 
 DECAY = 2e-3
 """Time [s] in which the motor's slope lets the ringing fall to 1/e: with the paper's motor, 5 % of its speed take all
@@ -29,8 +34,8 @@ SETTLED = 15e-3
 def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
     """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
 
-    A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
-    have the stiffness of the output torque that it holds without losses.
+    Contacts have the stiffness of the output torque that it holds without losses. Without a torque the crank is free,
+    and the output drives it.
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed
@@ -39,7 +44,13 @@ def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "
     compiled = with_slope(compiled, slope)
     drive = rising(math.copysign(torque, torque * speed), RISE)
     course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
-    return steady(reducer, SETTLED, periods, solver, compiled, course)
+    settled = max(SETTLED, _drift(reducer, torque, slope) / slowness(reducer))
+    return steady(reducer, settled, periods, solver, compiled, course)
+
+
+def _drift(reducer: Reducer, torque: float, slope: float) -> float:
+    """Estimate the time [s] in which the motor turns the crank across all of its play; 0 without a torque."""
+    return widest_play(reducer, 0.0) * reducer.design.reduction * slope / abs(torque) if torque else 0.0
 
 
 def with_slope(compiled: Model, slope: float) -> Model:

@@ -94,7 +94,7 @@ def efficiency(
         },
         runs={
             "rated": efficiency_map.rated.run,
-            **({"backward": efficiency_map.backward.run} if efficiency_map.backward else {}),
+            "backward": efficiency_map.backward.run,
             "from-rest": efficiency_map.rest.run,
         },
     )
@@ -226,9 +226,8 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
 
 def _back_driving(efficiency_map: EfficiencyMap) -> tuple[float, float]:
     """Find the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
-    if efficiency_map.backward is None or efficiency_map.backward.powers.crank > 0.0:
-        return 0.0, 0.0
-    return efficiency_map.backward.powers.efficiency, efficiency_map.backward.shift
+    backward = efficiency_map.backward
+    return (0.0, 0.0) if backward.powers.note else (backward.powers.efficiency, backward.shift)
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
@@ -298,8 +297,8 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
         "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
         "losses), from rest of the rated one; at the rated load "
         f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",
-        f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
-        "the output where it drives",
+        f"mean over {periods} mesh periods, {pins:g} periods of the output pins (two turns of the crank under loads "
+        "where the discs' weight shows); the crank held at its speed, or the output where the crank is free",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",
         "numerical error: half the step (unless --quick) or half the average, whichever changes more; elsewhere half "
         "the average",

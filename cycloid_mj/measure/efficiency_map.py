@@ -1,7 +1,7 @@
 """The runs that efficiency is measured by: a map of torque and speed, no load, and the output as the driver."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from cycloid_mj.base.engine import Progress, all_in_threads
@@ -63,7 +63,7 @@ class EfficiencyMap:
     """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver.
 
     `by_input` is the rated point's efficiency with each assumed input varied, `by_friction` that by the friction of the
-    teeth. A self-locking reducer has no points with the output as driver: held at its speed it would jam.
+    teeth. A free crank that locks the reducer has no coasting: with the output held at its speed it would jam.
     """
 
     grid: tuple[Point, ...]
@@ -72,7 +72,7 @@ class EfficiencyMap:
     ideal: Point
     unloaded: Point
     coasting: Point | None
-    backward: Point | None
+    backward: Point
     rest: BreakAway
     by_input: tuple[Moved, ...]
     by_friction: Mapping[float, float]
@@ -113,9 +113,9 @@ def run_map(
     tasks["rated"] = partial(forward, reducer, rated, speed, periods, solver)
     tasks["ideal"] = partial(forward, ideal_limit(reducer), rated, speed, periods, solver)
     tasks["unloaded"] = partial(forward, reducer, 0.0, speed, periods, solver)
+    tasks["backward"] = partial(backward, reducer, design.drive.torque, periods, solver)
     if not rest.locked:
         tasks["coasting"] = partial(backward, reducer, 0.0, periods, solver)
-        tasks["backward"] = partial(backward, reducer, design.drive.torque, periods, solver)
     if check:
         tasks["halved"] = partial(forward, halved(reducer, solver), rated, speed, periods, solver)
     assumed = inputs(reducer)
@@ -131,7 +131,7 @@ def run_map(
         ideal=points["ideal"],
         unloaded=points["unloaded"],
         coasting=points.get("coasting"),
-        backward=points.get("backward"),
+        backward=points["backward"],
         rest=rest,
         by_input=moved(assumed, rates),
         by_friction={value: rates[value] for value in sensitivity.COMMON},
@@ -141,13 +141,24 @@ def run_map(
 def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
     """Run under an output torque [N m], the crank held at a speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods), solver))
+    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods, torque), solver))
 
 
 def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> Point:
-    """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
-    run = braked_run(reducer, -torque, whole_periods(reducer, periods), solver)
-    return _point(torque, reducer.design.drive.speed, run)
+    """Drive the output against a torque on the crank [N m]; with none, the crank is free.
+
+    The crank is held at its speed against the torque, so that its rotor does not have to cross the play first. What the
+    output is driven by follows from a shorter run, and is what that torque asks for without losses where both shafts
+    drive: self-locking.
+    """
+    if not torque:
+        run = braked_run(reducer, torque, whole_periods(reducer, periods, torque), solver)
+        return _point(torque, reducer.design.drive.speed, run)
+    speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction
+    point = forward(reducer, -driving, speed, SPREAD_PERIODS, solver)
+    if point.powers.efficiency > 0.0:
+        point = forward(reducer, -driving / point.powers.efficiency, speed, periods, solver)
+    return replace(point, torque=torque)
 
 
 def _point(torque: float, speed: float, run: Run) -> Point:

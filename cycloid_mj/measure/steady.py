@@ -1,12 +1,16 @@
 """Runs at a steady state, and the mean powers over their whole periods."""
 
+import math
+
 from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.base.errors import warn
+from cycloid_mj.base.names import GEAR
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course
 from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
+from cycloid_mj.measure.reaction import masses
 from cycloid_mj.reducer import Reducer
 
 SETTLED = 0.01
@@ -15,23 +19,36 @@ SETTLED = 0.01
 NEAR_WHOLE = 0.1
 """By how much of a period the output pins may miss a whole number of theirs."""
 
+HEAVY = 0.02
+"""Weight of the discs, as a share of the load's force on their cams, from which the crank's turn shows in the losses:
+at 0.02 they go up and down by some 1 % of themselves."""
 
-def whole_periods(reducer: Reducer, least: int) -> int:
+
+def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> int:
     """Round up to mesh periods after which the output pins are near to whole periods as well.
 
     Seen from the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
     which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of
     theirs. After N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no
-    better a window.
+    better a window. Where discs are `HEAVY` against the `load` on the output [N m], by default the rated torque, it is:
+    then these are two turns.
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes
+    if _heavy(reducer, design.rated_torque if load is None else load):
+        return max(least, 2 * reducer.mesh_periods)
 
     def missed(count: int) -> float:
         return abs(count * ratio - round(count * ratio))
 
     candidates = range(least, max(least, design.lobes) + 1)
     return next((count for count in candidates if missed(count) <= NEAR_WHOLE), least)
+
+
+def _heavy(reducer: Reducer, load: float) -> bool:
+    design, gravity = reducer.design, reducer.design.environment
+    weight = design.gear.discs * masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
+    return weight * design.gear.eccentricity * design.reduction > HEAVY * abs(load)
 
 
 def steady(

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from designs import unlike
 
 from cycloid_mj.analysis import window
 from cycloid_mj.base.errors import RunError
@@ -15,12 +16,14 @@ from cycloid_mj.dynamics.swing import (
     DEEPEST,
     SETTLING,
     closed_stiffness,
+    crossing_time,
     deepest,
     slowness,
     swing_period,
     turning_inertia,
 )
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import widest_play
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
 SOFT = PRINTED.but(output_material={"name": "", "density": 20000.0}, output={"disc_thickness": 0.2})
@@ -69,6 +72,21 @@ def test_the_period_is_that_of_inertia_on_stiffness() -> None:
     assert closed_stiffness(Reducer(ring)) == pytest.approx(
         (14 / 13) ** 2 * closed_stiffness(Reducer(PRINTED)), rel=0.05
     )
+
+
+def test_a_drive_settles_once_the_load_has_crossed_its_play() -> None:
+    """By constant acceleration, but no longer than the crank takes for a turn; without play or a load at once."""
+    loose = Reducer(unlike("fixed-n31-d1-carrier-250um")).but(load={"torque": 4.0})
+    play = widest_play(loose, 0.0)
+    assert crossing_time(loose) == pytest.approx(math.sqrt(0.5 * play * turning_inertia(loose)))
+    assert slowness(loose) == pytest.approx(4.0 * crossing_time(loose) / 0.005)
+    assert crossing_time(loose.but(load={"torque": 0.0})) == 0.0
+    still = loose.but(drive={"speed": 0.0}, load={"torque": 1e-3})
+    assert crossing_time(still) == pytest.approx(math.sqrt(4e3) * crossing_time(loose))
+    turn = 2.0 * math.pi / loose.design.drive.speed
+    assert 4.0 * crossing_time(loose.but(load={"torque": 1e-3})) == pytest.approx(turn)
+    jammed = loose.but(errors={"pin_dr": tuple([3e-4] * 31)})
+    assert crossing_time(jammed) == 0.0
 
 
 def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:

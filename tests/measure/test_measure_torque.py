@@ -19,10 +19,11 @@ from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, halved
-from cycloid_mj.measure.efficiency_map import forward
+from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import driven
 from cycloid_mj.validate import published, rig
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -161,6 +162,45 @@ def test_output_drives_against_the_crank():
     # losses alike both ways, to the second order of the loss
     ahead = held_efficiency(design, 36.68, PERIODS)
     assert found.efficiency == pytest.approx(2.0 - 1.0 / ahead, abs=0.015)
+
+
+@pytest.mark.parametrize(
+    ("name", "within"),
+    [("nonpin-n33-d2-ring-60um", 0.01), ("fixed-n34-d2-carrier-120um", 0.01), ("fixed-n31-d1-carrier-250um", 0.02)],
+)
+def test_an_output_that_crosses_wide_play_drives_the_crank_as_statics_has_it(name, within):
+    """Runs that began to count with the crank in its play had efficiencies of 0 and of 119 %."""
+    reducer = steady_design(Reducer(unlike(name)))
+    design = reducer.design
+    found = backward(reducer, design.drive.torque, PERIODS, "planar").powers
+    assert found.output > 0.0 > found.crank
+    assert abs(found.crank) == pytest.approx(design.drive.torque * design.drive.speed, rel=0.02)
+    balanced, _ = driven(Reducer(unlike(name)), design.rated_torque)
+    assert found.efficiency == pytest.approx(balanced.efficiency, abs=within)
+
+
+@pytest.mark.slow
+def test_a_motor_that_crosses_wide_play_is_braked_as_the_held_crank_is():
+    reducer = steady_design(Reducer(unlike("fixed-n34-d2-carrier-120um")))
+    reducer = reducer.working_at(reducer.design.rated_torque)
+    braked = rated_test(reducer, 2 * reducer.mesh_periods)
+    held = held_efficiency(reducer, braked.output, 2 * reducer.mesh_periods)
+    assert braked.powers.efficiency == pytest.approx(held, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["nonpin-n69-d1-carrier-2um", "fixed-n31-d1-carrier-250um"])
+def test_a_crank_that_is_slow_to_start_is_not_taken_for_locked(name):
+    """In 40 ms the torque turns a large rotor by less than its play, and a wide play is not crossed at all."""
+    turns = break_away(steady_design(Reducer(unlike(name))))
+    assert not turns.locked
+    assert turns.torque < turns.largest
+
+
+def test_the_discs_weight_is_averaged_over_whole_turns():
+    fixed = Reducer(FIXED)
+    assert whole_periods(fixed, PERIODS) == whole_periods(fixed, PERIODS, -36.68) < fixed.mesh_periods
+    assert whole_periods(fixed, PERIODS, 1.0) == whole_periods(fixed, PERIODS, 0.0) == 2 * fixed.mesh_periods
+    assert whole_periods(fixed.but(environment={"gravity_y": 0.0}), PERIODS, 1.0) < fixed.mesh_periods
 
 
 def test_free_crank_turns_from_rest_and_a_blocked_one_is_self_locking():
