@@ -11,8 +11,9 @@ def _printed() -> Design:
     """Return the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
-    parts that its drawings name: HK0509 needle rollers on 5 mm output pins, HK1522 with an inner ring 12 x 15 x 22.5 on
-    the shaft. What it does not give is assumed, each value with its `reasons`.
+    parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
+    inner ring 12 x 15 x 22.5 on the shaft. What it does not give is assumed, each value with its `reasons`; its shaft
+    is stepped to a 6803 and a 6806, here its bearings stand on the 12 mm of the inner ring.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="printed", structure="springs").but(
@@ -26,7 +27,7 @@ def _printed() -> Design:
             "core_radius": mm(2.5),
             "support": "both_ends",
         },
-        shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0)},
+        shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0), "mounting": "straddle"},
         housing={"outer_radius": mm(45.0)},
         clearance={"pin_gear": um(50.0), "cam": um(10.0), "output": um(50.0)},
         friction={"pin_gear": 0.12},
@@ -124,6 +125,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "output.core_radius": "the pin in the needle roller HK0509",
         "output.support": "parameters.txt: output_stiffener",
         "shaft.radius": "bore of the inner ring 12 x 15 x 22.5",
+        "shaft.mounting": "section view of its CAD: one bearing in the housing, one in the output's hub",
         "clearance.pin_gear": "parameters.txt: cycloid_clearance",
         "clearance.cam": _BEARING,
         "clearance.output": "as the teeth (assumed)",

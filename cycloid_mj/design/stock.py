@@ -39,10 +39,12 @@ _DOWELS = {
     16: (40, 100),
     20: (50, 100),
 }
-"""ISO 8734:1997, table 1, hardened, m6: diameter -> shortest and longest of `_LENGTHS`."""
+"""ISO 8734:1997, table 1, hardened, m6: diameter -> shortest and longest of `_LENGTHS`; as in FreeCAD's Fasteners
+workbench (``FsData/iso8734range.csv``)."""
 
 _GAUGES, _GAUGE_LENGTH, _GAUGE_STEP = (0.2, 1.0), 40, 0.01
-"""DIN 2269, hardened, +-2 um: least and largest diameter that is taken, length and step; ring pins below 1 mm."""
+"""DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um, in steps of 0.01 mm; least and largest diameter that is taken, length
+of the usual sets (assumed), step. For ring pins below 1 mm, which ISO 8734 does not have."""
 
 _DRAWN_CUPS = """
 3 6.5 6 0.925 0.6   4 8 8 1.54 1.07   5 9 9 2.2 1.79   6 10 8 1.98 1.54   6 10 9 2.65 2.4   7 11 9 2.85 2.75
@@ -115,7 +117,8 @@ _BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, 20, 25, 30, 35, 40, 45, 50, 55, 
 _BOLTS = """
 1.6 3 1.6   2 3.8 2   2.5 4.5 2.5   3 5.5 3   4 7 4   5 8.5 5   6 10 6   8 13 8   10 16 10   12 18 12   16 24 16
 """
-"""ISO 4762:2004, hexagon socket head cap screws: thread, diameter and height of the head."""
+"""ISO 4762:2004, table 1, hexagon socket head cap screws: thread, d_k max of a plain head, k max; as in
+``FsData/iso4762def.csv`` of FreeCAD's Fasteners workbench, and amesweb.info."""
 
 _BOLT_LENGTHS: tuple[int, ...] = (
     *(3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160),
@@ -135,15 +138,19 @@ _BOLT_RANGES = {
     12: (20, 120),
     16: (25, 160),
 }
-"""ISO 4762:2004, table 1: thread -> length of the shortest and of the longest screw [mm]."""
+"""ISO 4762:2004, table 1: thread -> length of the shortest and of the longest screw [mm].
+
+FreeCAD's Fasteners workbench has shorter ones of M6 and M8, 8 and 10 mm, as DIN 912; all else is alike.
+"""
 
 _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}
-"""ISO 273:1979, medium: thread -> clearance hole [mm]."""
+"""ISO 273:1979, medium (H13): thread -> clearance hole [mm]; as in engineeringhardware.com and NBK's technical data."""
 
 _INSERTS = """
-2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7
+2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7   10 12 12.7
 """
-"""Heat-set inserts for plastics (Ruthex RX-M, 2023): thread, hole, length."""
+"""Heat-set inserts for plastics: thread, hole d_3, length; of RX-M2x4 to RX-M10x12.7 in the maker's table of sizes
+(ruthex.de, 2025)."""
 
 
 @dataclass(frozen=True)

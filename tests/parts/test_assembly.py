@@ -16,13 +16,14 @@ from designs import cases
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import family
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import PRESETS, Design, dump, override, stock
 from cycloid_mj.parts import Prism
 from cycloid_mj.parts.curve import Curve
 from cycloid_mj.parts.export import (
     Arc,
     Casing,
     LineSegment,
+    Motor,
     Place,
     Spline,
     assembly_order,
@@ -32,7 +33,7 @@ from cycloid_mj.parts.export import (
     places,
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
-from cycloid_mj.parts.export.casing import CasingPart, casing_parts
+from cycloid_mj.parts.export.casing import NEMA, CasingPart, casing_parts
 from cycloid_mj.parts.export.printing import made_parts
 from cycloid_mj.parts.parts import tinted
 from cycloid_mj.parts.polygon import area_moments, turned
@@ -40,11 +41,12 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.proportions import Proportions, shaped
 from cycloid_mj.sizing.requirement import Requirement
 
+SCREWS = ("flange_screw", "motor_screw")
 INSERTS = ("screw_insert", "flange_screw_insert", "load_screw_insert", "motor_screw_insert")
 ANGLES = 2.0 * np.pi * np.arange(36) / 36.0
 BODIES = {
     **dict.fromkeys(("pressed_pin", "motor_cover", "output_cover", "screw", "dowel"), "housing"),
-    **dict.fromkeys(("screw_insert", "motor_screw_insert"), "housing"),
+    **dict.fromkeys(("screw_insert", "motor_screw_insert", "motor_screw"), "housing"),
     **dict.fromkeys(("cam", "cam_bearing", "spacer"), "shaft"),
     **dict.fromkeys(("output", "output_roller", "output_pin", "output_flange", "flange_screw"), "output"),
     **dict.fromkeys(("flange_screw_insert", "load_screw_insert"), "output"),
@@ -211,19 +213,24 @@ def motor_solids(sizes: Casing) -> list[tuple[int, int]]:
     if sizes.motor.shaft:
         cylinders.append((sizes.motor.shaft, 2.0, 1e3 * sizes.motor.shaft_length))
     face = 1e3 * sizes.face
-    return [
+    body, *others = [
         (3, gmsh.model.occ.addCylinder(0.0, 0.0, face + low, 0.0, 0.0, high - low, 1e3 * radius))
         for radius, low, high in cylinders
     ]
+    if sizes.motor.tapped:  # M3, 4.5 mm deep
+        at = 1e3 * sizes.motor.circle / np.sqrt(2.0) * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+        holes = [(3, gmsh.model.occ.addCylinder(x, y, face - 4.5, 0.0, 0.0, 4.5, 1.5)) for x, y in at]
+        (body, *_), _ = gmsh.model.occ.cut([body], holes)
+    return [body, *others]
 
 
-def common_volumes(reducer: Reducer, crank: float, folder: Path) -> dict[str, float]:
+def common_volumes(reducer: Reducer, crank: float, folder: Path, motor: Motor = "auto") -> dict[str, float]:
     """Intersect the solids of a whole drive, and its motor, two by two: what they have in common [mm3], if anything.
 
     One of each like parts; teeth and pins, which splines make slow, are tried as polygons.
     """
-    several = ("pin", "screw", "dowel", "output_pin", "output_roller", "flange_screw", "pressed_pin", *INSERTS)
-    sizes, shared = casing(reducer), {}
+    several = ("pin", "screw", "dowel", "output_pin", "output_roller", "pressed_pin", *SCREWS, *INSERTS)
+    sizes, shared = casing(reducer, motor), {}
     with opened(assembly_step(reducer, crank, sizes), folder) as found:
         solids = {label.split("/")[2]: solid for label, solid in found.items()}
         solids = {one: solid for one, solid in solids.items() if family(one) not in several or one.endswith("_1")}
@@ -245,6 +252,39 @@ def common_volumes(reducer: Reducer, crank: float, folder: Path) -> dict[str, fl
 @pytest.mark.parametrize("name", cases((*NEW, "printed", "pin", "twodisc"), "new"))
 def test_no_two_solids_of_a_whole_drive_and_its_motor_meet(name: str, crank: float, tmp_path: Path) -> None:
     assert common_volumes(Reducer(design_of(name)), crank, tmp_path) == {}
+
+
+@pytest.mark.parametrize("name", cases(("new_printed", "new_milled"), "new_printed"))
+def test_a_motor_with_threads_of_its_own_is_held_by_screws_from_within(name: str, tmp_path: Path) -> None:
+    """Their heads are in counterbores below the cavity's floor, and reach into the motor by a thread's diameter."""
+    reducer = Reducer(design_of(name))
+    sizes = casing(reducer, "nema17")
+    screws = [place for place in places(reducer, 0.0, sizes) if place.part == "motor_screw"]
+    assert len(screws) == 4
+    low, head = (min(one.z0 for one in assembly_sections(reducer, sizes)["motor_screw"]), screws[0].origin[2])
+    assert sizes.face - (head + low) == pytest.approx(3e-3)
+    assert head + 3e-3 <= sizes.floor + 1e-9
+    lines = {line.item: line for line in bill(reducer, 0.0, sizes)}
+    assert lines["motor_screw"].count == 4
+    assert lines["motor_screw"].designation.startswith("ISO 4762 - M3 x ")
+    assert "motor_screw_insert" not in lines
+    assert "from within" in assembly_order(reducer, sizes)[8]
+    assert common_volumes(reducer, 0.0, tmp_path, "nema17") == {}
+
+
+def test_screws_of_a_motor_pass_the_holes_of_its_flange() -> None:
+    """Those of NEMA 23 have 0.195 in: a hole of ISO 273 for its screws is no wider."""
+    assert stock.bolt_hole(NEMA["nema23"].thread) <= 0.195 * 25.4e-3
+    assert not NEMA["nema23"].tapped
+
+
+@pytest.mark.parametrize("name", ["new", "new_printed", "twodisc"])
+def test_a_screws_head_has_play_in_its_counterbore(name: str) -> None:
+    reducer = Reducer(design_of(name))
+    sizes = casing(reducer)
+    parts = casing_parts(reducer, sizes)
+    for part, bolt in (("output_cover", sizes.screws.bolt), ("output_flange", sizes.flange_bolt)):
+        assert any(0.5 * bolt.head + 1e-4 < radius < 0.7 * bolt.head for _, radius, *_ in parts[part].holes)
 
 
 @pytest.mark.parametrize("name", NEW)

@@ -20,6 +20,7 @@ from cycloid_mj.parts.export.casing import (
     FLANGE_SCREW,
     LOAD_INSERT,
     MOTOR_INSERT,
+    MOTOR_SCREW,
     OUTPUT_BEARING,
     SCREW,
     SCREW_INSERT,
@@ -29,6 +30,7 @@ from cycloid_mj.parts.export.casing import (
     casing_places,
     flange_screw_length,
     insert_in,
+    motor_screw,
 )
 from cycloid_mj.parts.export.printing import (
     OUTPUT_PIN,
@@ -118,13 +120,17 @@ def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     hub, places = sizes.hub, [place.part for place in casing_places(reducer, sizes)]
     yield BillLine(OUTPUT_BEARING, 2, _sizes_of(hub), "", "bought", hub.designation, BALLS_OF_HUB)
     flange = sizes.flange_bolt, flange_screw_length(sizes)
-    for item, (bolt, length) in ((SCREW, (sizes.screws.bolt, sizes.screws.length)), (FLANGE_SCREW, flange)):
+    screws = {SCREW: (sizes.screws.bolt, sizes.screws.length), FLANGE_SCREW: flange}
+    if sizes.motor.tapped:
+        screws[MOTOR_SCREW] = motor_screw(sizes.motor, sizes.wall)
+    for item, (bolt, length) in screws.items():
         size = f"thread {_mm(bolt.thread)} x length {_mm(length)} mm"
         name = f"{bolt.designation} x {_mm(length)}"
         yield BillLine(item, places.count(item), size, "steel 8.8", "bought", name)
     bolt_and_motor = sizes.screws.bolt.thread, sizes.flange_bolt.thread, sizes.flange_bolt.thread, sizes.motor.thread
     for item, thread in zip((SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT), bolt_and_motor, strict=True):
-        if insert := insert_in(reducer, thread):
+        insert = insert_in(reducer, thread)
+        if insert and item in places:
             size = f"hole {_mm(insert.hole)} x length {_mm(insert.length)} mm"
             yield BillLine(item, places.count(item), size, "brass", "bought", insert.designation)
     if dowel := sizes.dowel:

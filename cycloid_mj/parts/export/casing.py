@@ -28,7 +28,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
-SCREW, FLANGE_SCREW, DOWEL = "screw", "flange_screw", "dowel"
+SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
 SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
@@ -54,6 +54,9 @@ MOST_SCREWS = 8
 ENGAGED = 1.5
 """Length of a thread in its part, in its diameters."""
 
+HEAD_PLAY = 0.2e-3
+"""Of a screw's head in its counterbore [m], at its radius (assumed; DIN 974-1: 0.5 mm, for which walls are wanting)."""
+
 FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = 6, 0.66, 0.16
 """Screws of the output's flange, radius of their circle and their thread in the hub's radius."""
 
@@ -65,7 +68,8 @@ SHOULDER = 0.3
 class MotorFlange:
     """Where a motor is bolted on: radii of its pilot and its bolts' circle, thread, radius and length of its shaft [m].
 
-    A shaft of no radius: that of the motor is not given, and it is coupled to the end of the journal.
+    A shaft of no radius: that of the motor is not given, and it is coupled to the end of the journal. A motor whose own
+    holes are `tapped` is held by screws from within the cover; others have holes that screws into the cover pass.
     """
 
     name: str
@@ -74,13 +78,18 @@ class MotorFlange:
     thread: float
     shaft: float = 0.0
     shaft_length: float = 0.0
+    tapped: bool = False
 
 
 NEMA = {
-    "nema17": MotorFlange("NEMA 17", 11.0e-3, 15.5e-3 * math.sqrt(2.0), 3e-3, 2.5e-3, 22e-3),
-    "nema23": MotorFlange("NEMA 23", 19.05e-3, 23.57e-3 * math.sqrt(2.0), 5e-3, 3.175e-3, 20.6e-3),
+    "nema17": MotorFlange("NEMA 17", 11.0e-3, 15.5e-3 * math.sqrt(2.0), 3e-3, 2.5e-3, 22e-3, tapped=True),
+    "nema23": MotorFlange("NEMA 23", 19.05e-3, 23.57e-3 * math.sqrt(2.0), 4e-3, 3.175e-3, 20.6e-3),
 }
-"""NEMA ICS 16: pilots 22 and 38.1 mm, holes in squares of 31 and 47.14 mm, shafts of 5 and 6.35 mm."""
+"""NEMA ICS 16: pilots 22 and 38.1 mm, holes in squares of 31 and 47.14 mm, shafts of 5 and 6.35 mm.
+
+Those of 23 are 4.95 to 5.1 mm wide (0.195 in), which M4 passes and M5 does not; makers tap those of 17 M3, some 4.5 mm
+deep. Shafts are 20.6 +- 0.8 mm long there, 22 mm of many motors of 17. As in the charts of Kollmorgen and piclist.com.
+"""
 
 
 @dataclass(frozen=True)
@@ -189,24 +198,26 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
     wall = least_wall(reducer)
     screws = _screws(reducer, wall)
-    outer = screws.circle + 0.5 * screws.bolt.head + wall if screws.outside else radius
+    outer = screws.circle + counterbore(screws.bolt) + wall if screws.outside else radius
     rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
     prisms, straddles = crank_stretches(reducer), design.shaft.mounting == "straddle"
     far, near = bearing_seats(reducer, prisms)
     seat = seat_radius(reducer, near[1] - near[0])
     weight = prisms.get("counterweight")
     second = -half - AXIAL_GAP - output.disc_thickness if output.support == "both_ends" else -half
-    cavity = _cavity(reducer, screws, rim if second < -half else 0.0, wall)
+    cavity, most = _cavity(reducer, screws, rim if second < -half else 0.0, wall)
     floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
-    flange = _motor_flange(reducer, motor, outer, seat, wall)
-    tapped = _depth(reducer, flange.thread, ENGAGED * flange.thread) + wall
+    flange = _motor_flange(reducer, motor, outer, seat, wall, most)
+    if flange.tapped:
+        cavity = max(cavity, _heads_end(flange))
+    under = _under_floor(reducer, flange, wall)
     first = near[0] if straddles else far[0]
     through = _grip(screws.bolt, wall) + (0.0 if screws.outside else 2.0 * half)
     tip = (half if screws.outside else -half) - _depth(reducer, screws.bolt.thread, screws.length - through) - wall
     bored = _bore_end(reducer) - flange.shaft_length
-    face = min(min(prisms["journal"].z0, first - wall) - PILOT, floor - tapped, tip - tapped, bored)
+    face = min(min(prisms["journal"].z0, first - wall) - PILOT, floor - under, tip - under, bored)
     dowel, dowel_angles = _dowel(reducer, screws, wall)
-    room = screws.circle - 0.5 * screws.bolt.head - 2.0 * wall
+    room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
     bolt = _thickest(FLANGE_THREAD * hub.bore / 2.0)
     hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
@@ -271,9 +282,9 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
     """
     design = reducer.design
     ring, housing = design.ring, design.housing
-    around = wall if _is_printed(reducer) else 0.5 * wall
+    around = wall if _is_printed(reducer) else max(0.5 * wall - HEAD_PLAY, 0.5 * LEAST_WALL)
     for bolt in _candidates(housing.outer_radius):
-        hole, head = 0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head
+        hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
@@ -290,7 +301,7 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
         if fits and stock.bolt_length(bolt.thread, _reach(bolt, wall, design.gear.stack_width)):
             return _of_length(bolt, circle, angles, wall, design.gear.stack_width)
     bolt = _thickest(THREAD_SHARE * housing.outer_radius)
-    circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), 0.5 * bolt.head) + wall
+    circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
     angles = tuple(2.0 * math.pi * number / MOST_SCREWS for number in range(MOST_SCREWS))
     return _of_length(bolt, circle, angles, wall, 0.0)
 
@@ -333,8 +344,16 @@ def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel |
     return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other))
 
 
-def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> float:
-    """Find the radius of the room for crank and second disc [m] in the cover, which keeps the ring's pins in."""
+def counterbore(bolt: stock.Bolt) -> float:
+    """Compute the radius of the counterbore for a screw's head [m]."""
+    return 0.5 * bolt.head + HEAD_PLAY
+
+
+def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
+    """Find the radius of the room for crank and second disc [m] in the cover, which keeps the ring's pins in; its most.
+
+    Where the heads of a motor's screws widen it, pins still rest on the cover with a fifth of their ends.
+    """
     design = reducer.design
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
     cavity = max(weight, second) + wall
@@ -345,22 +364,34 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> flo
             f"the crank needs {2e3 * cavity:.4g} mm in the cover on the motor's side, which has room for "
             f"{2e3 * most:.4g} mm; lower shaft.counterweight_radius_mm, or output.pin_circle_radius_mm"
         )
-    return cavity
+    ring = design.ring
+    return cavity, min(most, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else most
 
 
-def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float) -> MotorFlange:
-    """Choose a flange: that asked for, or the largest of NEMA's that fits with its shaft, or a circle of bolts."""
+def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, most: float) -> MotorFlange:
+    """Choose a flange: that asked for, or the largest of NEMA's that fits with its shaft, or a circle of bolts.
+
+    `most` is the radius [m] within which the heads of screws from within the cover have room.
+    """
+
+    def hole(one: MotorFlange) -> float:
+        return counterbore(_thickest(one.thread)) if one.tapped else _core(reducer, one.thread)
+
+    def reach(one: MotorFlange) -> tuple[float, float]:
+        return (_heads_end(one), most) if one.tapped else (one.circle + hole(one) + wall, outer)
 
     def fits(one: MotorFlange) -> bool:
-        core = _core(reducer, one.thread)
-        return one.circle - core - wall >= seat and one.circle + core + wall <= outer and _takes(reducer, one, wall)
+        needed, there = reach(one)
+        return one.circle - hole(one) - wall >= seat and needed <= there and _takes(reducer, one, wall)
 
     if motor in NEMA and not fits(NEMA[motor]):
         one = NEMA[motor]
+        needed, there = reach(one)
+        place = "room for the heads of its screws up to" if one.tapped else "a cover with"
         raise DesignError(
-            f"a flange {one.name} needs a cover with an outer radius of {1e3 * (one.circle + one.thread):.4g} mm, a "
-            f"bearing of {2e3 * (one.circle - one.thread):.4g} mm and a shaft of {2e3 * one.shaft + 4e3 * wall:.4g} mm "
-            f"around its own; the cover has {1e3 * outer:.4g} mm, the bearing {2e3 * seat:.4g} mm, the shaft "
+            f"a flange {one.name} needs {place} a radius of {1e3 * needed:.4g} mm, a bearing of at most "
+            f"{2e3 * (one.circle - hole(one) - wall):.4g} mm and a shaft of {2e3 * one.shaft + 4e3 * wall:.4g} mm "
+            f"around its own; there are {1e3 * there:.4g} mm, the bearing has {2e3 * seat:.4g} mm, the shaft "
             f"{2e3 * reducer.design.shaft.radius:.4g} mm: take another motor"
         )
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
@@ -369,6 +400,30 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     thread = _thickest(THREAD_SHARE * outer).thread
     circle = outer - _core(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
+
+
+def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
+    """Choose the screws from within the cover into a motor that is tapped, by a thread's diameter: bolt, length [m]."""
+    bolt = _thickest(motor.thread)
+    return bolt, _screw_length(bolt, _grip(bolt, wall) + motor.thread)
+
+
+def _heads_end(motor: MotorFlange) -> float:
+    """Compute the least radius of a cavity on whose floor the counterbores of the motor's screws open [m]."""
+    return motor.circle + counterbore(_thickest(motor.thread)) + HEAD_PLAY
+
+
+def _motor_grip(motor: MotorFlange, wall: float) -> float:
+    """Compute the thickness of the cover under the heads of the motor's screws [m]."""
+    _, length = motor_screw(motor, wall)
+    return length - motor.thread
+
+
+def _under_floor(reducer: Reducer, motor: MotorFlange, wall: float) -> float:
+    """Compute how thick the cover has to be behind its cavity for what holds the motor [m]."""
+    if motor.tapped:
+        return _motor_grip(motor, wall) + _thickest(motor.thread).head_height
+    return _depth(reducer, motor.thread, ENGAGED * motor.thread) + wall
 
 
 def _takes(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
@@ -461,7 +516,11 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
     if bore := _motor_bore(reducer, sizes):
         parts[names.SHAFT] = bore
     threads = {SCREW_INSERT: bolt.thread, FLANGE_INSERT: sizes.flange_bolt.thread}
-    threads |= {LOAD_INSERT: sizes.flange_bolt.thread, MOTOR_INSERT: sizes.motor.thread}
+    threads |= {LOAD_INSERT: sizes.flange_bolt.thread}
+    if sizes.motor.tapped:
+        parts[MOTOR_SCREW] = _screw(*motor_screw(sizes.motor, sizes.wall))
+    else:
+        threads |= {MOTOR_INSERT: sizes.motor.thread}
     for name, thread in threads.items():
         if insert := insert_in(reducer, thread):
             parts[name] = tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length)
@@ -482,6 +541,9 @@ def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
     for number, centre in enumerate(_flange_centres(sizes)[::2], start=1):
         at = _place(centre, sizes.top + sizes.flange_thickness - sizes.flange_bolt.head_height)
         yield CasingPlace(names.numbered(FLANGE_SCREW, number), FLANGE_SCREW, at, names.OUTPUT)
+    for number, centre in enumerate(_motor_centres(sizes) if sizes.motor.tapped else (), start=1):
+        at = _place(centre, sizes.face + _motor_grip(sizes.motor, sizes.wall))
+        yield CasingPlace(names.numbered(MOTOR_SCREW, number), MOTOR_SCREW, at, names.HOUSING)
     for number, (low, high) in enumerate(sizes.bearings, start=1):
         yield CasingPlace(
             names.numbered(OUTPUT_BEARING, number), OUTPUT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.HOUSING
@@ -502,11 +564,12 @@ def _inserts(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
     """Yield where the inserts are, each in the mouth of its hole."""
     half, screws, bolt = reducer.design.gear.stack_width / 2.0, sizes.screws, sizes.flange_bolt
     centres, end = _flange_centres(sizes), sizes.top + sizes.flange_thickness
+    motor = _motor_centres(sizes) if not sizes.motor.tapped else ()
     for name, thread, at, mouth, inwards, body in (
         (SCREW_INSERT, screws.bolt.thread, screws.centres(), half if screws.outside else -half, -1.0, names.HOUSING),
         (FLANGE_INSERT, bolt.thread, centres[::2], sizes.top, -1.0, names.OUTPUT),
         (LOAD_INSERT, bolt.thread, centres[1::2], end, -1.0, names.OUTPUT),
-        (MOTOR_INSERT, sizes.motor.thread, _motor_centres(sizes), sizes.face, 1.0, names.HOUSING),
+        (MOTOR_INSERT, sizes.motor.thread, motor, sizes.face, 1.0, names.HOUSING),
     ):
         if insert := insert_in(reducer, thread):
             for number, centre in enumerate(at, start=1):
@@ -575,20 +638,30 @@ def _motor_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
     end = half if screws.outside else -half
     depth = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
     in_cover = _depth(reducer, screws.bolt.thread, depth)
-    in_face = _depth(reducer, motor.thread, ENGAGED * motor.thread)
     holes: list[Hole] = [
         (AXIS, motor.pilot, sizes.face, sizes.face + PILOT),
         (AXIS, _shoulder(sizes.seat, design.shaft.radius), sizes.face + PILOT, first),
         (AXIS, sizes.seat, first, sizes.floor),
         (AXIS, sizes.cavity, sizes.floor, -half),
         (screws.centres(), _core(reducer, screws.bolt.thread), end - in_cover, end),
-        (_motor_centres(sizes), _core(reducer, motor.thread), sizes.face, sizes.face + in_face),
+        *_motor_holes(reducer, sizes),
     ]
     if screws.outside:
         holes.append((AXIS, design.housing.outer_radius, -half, half))
     if sizes.dowel:
         holes.append((_dowel_centres(sizes), 0.5 * sizes.dowel.diameter, end - 0.5 * sizes.dowel.length, end))
     return CasingPart(names.HOUSING, ((sizes.outer, sizes.face, end),), tuple(holes))
+
+
+def _motor_holes(reducer: Reducer, sizes: Casing) -> Iterator[Hole]:
+    """Yield the holes for the motor's screws: threads, or for screws from within holes and counterbores."""
+    motor, at, face = sizes.motor, _motor_centres(sizes), sizes.face
+    if not motor.tapped:
+        yield at, _core(reducer, motor.thread), face, face + _depth(reducer, motor.thread, ENGAGED * motor.thread)
+        return
+    under_head = face + _motor_grip(motor, sizes.wall)
+    yield at, 0.5 * stock.bolt_hole(motor.thread), face, under_head
+    yield at, counterbore(_thickest(motor.thread)), under_head, sizes.floor
 
 
 def _output_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
@@ -598,7 +671,7 @@ def _output_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
     room = max(sizes.rim + sizes.wall, seat)
     flush = half + sizes.grip + screws.bolt.head_height
     slim = room + 2.0 * sizes.wall
-    stepped = slim < screws.circle - 0.5 * screws.bolt.head and flush < first
+    stepped = slim < screws.circle - counterbore(screws.bolt) and flush < first
     rounds = ((sizes.outer, half, flush), (slim, flush, top)) if stepped else ((sizes.outer, half, top),)
     holes: list[Hole] = [
         (AXIS, room, half, first),
@@ -606,7 +679,7 @@ def _output_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
         (AXIS, _shoulder(seat, 0.5 * hub.bore), inner, outer),
         (AXIS, seat, outer, top),
         (screws.centres(), screws.hole, half, half + sizes.grip),
-        (screws.centres(), 0.5 * screws.bolt.head, half + sizes.grip, flush if stepped else top),
+        (screws.centres(), counterbore(screws.bolt), half + sizes.grip, flush if stepped else top),
     ]
     if sizes.dowel:
         deep = 0.5 * sizes.dowel.length
@@ -638,7 +711,7 @@ def _flange(reducer: Reducer, sizes: Casing) -> CasingPart:
     under, centres = top + thickness - bolt.head_height, _flange_centres(sizes)
     holes: tuple[Hole, ...] = (
         (centres[::2], 0.5 * stock.bolt_hole(bolt.thread), top, under),
-        (centres[::2], 0.5 * bolt.head, under, top + thickness),
+        (centres[::2], counterbore(bolt), under, top + thickness),
         (centres[1::2], _core(reducer, bolt.thread), top, top + thickness),
     )
     return CasingPart(names.OUTPUT, ((sizes.flange_radius, top, top + thickness),), holes)

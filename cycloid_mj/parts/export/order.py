@@ -12,12 +12,14 @@ from cycloid_mj.parts.export.casing import (
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
+    MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    motor_screw,
 )
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, is_printed
 from cycloid_mj.reducer import Reducer
@@ -25,6 +27,7 @@ from cycloid_mj.reducer import Reducer
 ALONG = (
     MOTOR_INSERT,
     MOTOR_COVER,
+    MOTOR_SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
     names.SHAFT,
@@ -66,11 +69,33 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{'put the pins into their sockets' if free else 'see that all pins are flush'}.",
         _discs(reducer),
         _crank(reducer),
-        f"Press the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten {len(screws.angles)} x "
-        f"{screws.bolt.designation} x {MILLIMETRES * screws.length:g} crosswise from the output's side.",
-        f"Turn the crank by hand for a turn of it; bolt the motor on ({sizes.motor.name}, 4 x "
-        f"M{MILLIMETRES * sizes.motor.thread:g} on a circle of {2.0 * MILLIMETRES * sizes.motor.circle:.4g} mm), "
-        f"its shaft {'glued into the bore' if sizes.motor.shaft else 'coupled to the end'} of the crank.",
+        f"{_first_on_cover(sizes)}the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten "
+        f"{len(screws.angles)} x {screws.bolt.designation} x {MILLIMETRES * screws.length:g} crosswise from the "
+        "output's side.",
+        _last(sizes),
+    )
+
+
+def _first_on_cover(sizes: Casing) -> str:
+    """Tell what is done with the cover before its bearing: a motor with threads of its own is bolted on from within."""
+    if not sizes.motor.tapped:
+        return "Press "
+    bolt, length = motor_screw(sizes.motor, sizes.wall)
+    screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
+    return (
+        f"Turn the crank by hand for a turn of it; bolt the motor on ({sizes.motor.name}, {screws} from within), press "
+    )
+
+
+def _last(sizes: Casing) -> str:
+    """Tell how the motor goes on, or where it is on the cover already, that it is to turn the drive."""
+    motor = sizes.motor
+    if motor.tapped:
+        return "Let the motor, its shaft glued into the bore of the crank, turn it slowly for a turn."
+    return (
+        f"Turn the crank by hand for a turn of it; bolt the motor on ({motor.name}, 4 x "
+        f"M{MILLIMETRES * motor.thread:g} on a circle of {2.0 * MILLIMETRES * motor.circle:.4g} mm), its shaft "
+        f"{'glued into the bore' if motor.shaft else 'coupled to the end'} of the crank."
     )
 
 
