@@ -6,12 +6,15 @@ stated, and what misses it is warned of: ``WALL_SHARE``, ``LEAST_CORE``, ``PLAY_
 and those of `margin` and `strength`. An error is what cannot be made, put together or turned.
 """
 
+from collections.abc import Iterator
+from itertools import chain
+
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import body_rules, whole_rules
 from cycloid_mj.checks.limit import Check, Checks, Limit, judged
 from cycloid_mj.checks.margin import margin_rules
-from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_rules
+from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, jumps, mechanical_rules
 from cycloid_mj.checks.several import disc_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
@@ -31,7 +34,10 @@ __all__ = [
     "Limit",
     "Summary",
     "check",
+    "jumps",
     "require_sound",
+    "shape_checks",
+    "sound_checks",
     "soundness",
     "summary",
 ]
@@ -62,12 +68,25 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
+    return tuple(sound_checks(reducer))
+
+
+def sound_checks(reducer: Reducer) -> Iterator[Check]:
+    """Yield the checks of `soundness`, each as it is made: who looks for a failed one need not wait for all."""
     design = reducer.design
-    shape = (*judged(reducer, tooth_rules(reducer)), *judged(reducer, body_rules(reducer)))
-    stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
-    whole = all(item.passed or item.severity == "warning" for item in shape) and stands_out
-    of_whole = (*judged(reducer, whole_rules(reducer)), *assembly_checks(reducer)) if whole else ()
-    return (*shape, *of_whole, *judged(reducer, mechanical_rules(reducer, whole)))
+    whole = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
+    for item in shape_checks(reducer):
+        whole &= item.passed or item.severity == "warning"
+        yield item
+    if whole:
+        yield from judged(reducer, whole_rules(reducer))
+        yield from assembly_checks(reducer)
+    yield from judged(reducer, mechanical_rules(reducer, whole))
+
+
+def shape_checks(reducer: Reducer) -> Iterator[Check]:
+    """Yield the checks of `soundness` of the shape of gear and ring, on which the others rest."""
+    return judged(reducer, chain(tooth_rules(reducer), body_rules(reducer)))
 
 
 def require_sound(reducer: Reducer) -> None:

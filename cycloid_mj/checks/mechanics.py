@@ -134,8 +134,7 @@ def _play_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
     """Check the clearances on the way from crank to ring and output: their sum, and what the output turns by them."""
     design = reducer.design
     names = design.pair_kinds
-    total = sum(getattr(design.clearance, name) for name in names)
-    allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
+    total, allowed = _total_clearance(reducer)
     got, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
     tighter = [] if total <= allowed else [share for share in shares if not share.holds(reducer)]
@@ -154,12 +153,37 @@ def _play_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
         yield _jump(reducer)
 
 
+def _total_clearance(reducer: Reducer) -> tuple[float, float]:
+    """Add the clearances on the way from crank to ring and output [m]; and what is usual at most."""
+    design = reducer.design
+    total = sum(getattr(design.clearance, name) for name in design.pair_kinds)
+    return total, PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
+
+
+def jumps(reducer: Reducer) -> bool:
+    """Tell whether the gear jumps a tooth within its clearances, as `soundness` does: by the first angle that shows it.
+
+    Gear and ring are to be sound.
+    """
+    total, usual = _total_clearance(reducer)
+    return total > usual and any(play > _half_lobe(reducer) for play in _widest_plays(reducer))
+
+
+def _half_lobe(reducer: Reducer) -> float:
+    """Compute by how much the output turns as the gear does by half a lobe [rad]."""
+    return reducer.share * math.pi / reducer.design.lobes
+
+
+def _widest_plays(reducer: Reducer) -> Iterator[float]:
+    """Yield the play of the output from stop to stop [rad] at a few crank angles."""
+    poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
+    return (widest_play(reducer, pose, JUMP_SIDES) for pose in poses)
+
+
 def _jump(reducer: Reducer) -> Check:
     """Check that the teeth hold the gear: a run ends where it is a quarter of a lobe from where the crank puts it."""
     design = reducer.design
-    poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
-    play = max(widest_play(reducer, pose, JUMP_SIDES) for pose in poses)
-    allowed = reducer.share * math.pi / design.lobes
+    play, allowed = max(_widest_plays(reducer)), _half_lobe(reducer)
     got, limit = value_and_limit(play, "at most", allowed, DEGREE)
     spared = (1.0 - JUMP_MARGIN) * allowed / play
     lower = [

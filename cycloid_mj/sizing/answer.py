@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -91,6 +92,9 @@ SLOWEST = 30.0 * RPM
 LARGEST = 3.0
 """Slowest crank [rad/s] and largest diameter [m] that a way out names."""
 
+REMEMBERED = 16
+"""Searches whose outcome is kept: the same are asked for when ways out are found, and when they are tried."""
+
 Figures = Mapping[str, float]
 
 
@@ -145,18 +149,36 @@ class Answer(Presented):
         return f"{self.most:g} N m at most here by {self.limit}; {self.asked.torque:g} N m needs {needs}"
 
 
+Listed = Callable[[Requirement, Step], Iterator[SizedDrive]]
+"""Chooses drives to show, from the first proportions that hold a requirement."""
+
+
 def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: None) -> Answer:
     """Find drives that hold a requirement, or the most that goes with its other values.
 
     `noted` gets a refusal as soon as the most that goes is known, and again with each way out that is found.
     """
+    return _answered(asked, _shortlist, noted)
+
+
+def _briefly(asked: Requirement) -> Answer:
+    """Answer with the first drive that holds a requirement alone, and its backlash: whether it can be met, and how."""
+    return _answered(asked, _first_alone)
+
+
+def _first_alone(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
+    reducer = step[1].reducer
+    yield SizedDrive("first", "", reducer.design, {"backlash_arcmin": figure("backlash_arcmin").value(reducer)}, {})
+
+
+def _answered(asked: Requirement, listed: Listed, noted: Callable[[Answer], None] = lambda _: None) -> Answer:
     asked, step, path = _searched(asked)
     if step:
-        drives = tuple(_shortlist(asked, step))
+        drives = tuple(listed(asked, step))
         exact = tuple(drive for drive in drives if drive.figures["backlash_arcmin"] <= asked.backlash)
         if exact:
             return Answer(asked, exact)
-        return _too_loose(asked, min(drive.figures["backlash_arcmin"] for drive in drives))
+        return _too_loose(asked, min(drive.figures["backlash_arcmin"] for drive in drives), listed)
     if not path:
         free = asked.but(custom=True)
         if not asked.custom and next(climbed(free, Budget()), None):
@@ -170,7 +192,7 @@ def answered(asked: Requirement, noted: Callable[[Answer], None] = lambda _: Non
         return _none_fits(asked)
     most, held = _most(asked, path[-1])
     if most and (least := figure("backlash_arcmin").value(held.reducer)) > asked.backlash:
-        return _too_loose(asked, least, held=False)
+        return _too_loose(asked, least, listed, held=False)
     limit = held.weakest.name if held.weakest else NO_BALANCE.format(1e6 * asked.usual_clearance)
     refused = Answer(asked, (), most, limit)
     noted(refused)
@@ -196,7 +218,7 @@ def _beyond(asked: Requirement) -> Iterator[Way]:
     """Yield the least diameter tried into which a gear fits with its parts in stock, and what that needs more."""
     larger = _of_diameter(asked, FAR * asked.diameter)
     while larger:
-        answer = answered(larger) if next(climbed(larger, Budget()), None) else None
+        answer = _briefly(larger) if next(climbed(larger, Budget()), None) else None
         size = f"{1e3 * larger.diameter:g} mm"
         if answer and answer.drives:
             yield Way(size, larger)
@@ -235,14 +257,14 @@ def _exact(asked: Requirement) -> bool:
     return step is not None and figure("backlash_arcmin").value(step[1].reducer) <= asked.backlash
 
 
-def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
+def _too_loose(asked: Requirement, least: float, listed: Listed, held: bool = True) -> Answer:
     """Answer with tighter clearances where drives have too much backlash [arcmin]; where those are too tight, tell.
 
     Where the torque is not `held` either, one change is seldom enough.
     """
     share, finest = asked.backlash / least, PROCESSES[asked.process].finest
     if asked.tightened and asked.usual_clearance > finest:
-        return answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)))
+        return _answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)), listed)
     limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
     ways = []
     if (clearance := TIGHTER * share * asked.usual_clearance) >= finest:
@@ -258,7 +280,7 @@ def _too_loose(asked: Requirement, least: float, held: bool = True) -> Answer:
 def _both(asked: Requirement, looser: Way) -> Iterator[Way]:
     """Yield the strongest process, or a looser backlash, with what that needs to hold the torque too."""
     for words, changed in [*reversed(list(_processes(asked))), (looser.words, looser.asked)]:
-        answer = answered(changed)
+        answer = _briefly(changed)
         if answer.drives:
             yield Way(words, changed)
             return
@@ -300,10 +322,15 @@ def _searched(asked: Requirement) -> tuple[Requirement, Step | None, list[Step]]
     tighter = _tightened(asked)
     for discs in [asked.discs] if asked.discs else [1, 2]:
         last = tighter.but(discs=discs)
-        step, path = _held(last, Budget())
+        step, path = _held_at_any_backlash(last.but(backlash=math.inf, tightened=False))
         if step:
             return last, step, path
     return last, None, path
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _held_at_any_backlash(asked: Requirement) -> tuple[Step | None, list[Step]]:
+    return _held(asked, Budget())
 
 
 def _held(asked: Requirement, budget: Budget) -> tuple[Step | None, list[Step]]:

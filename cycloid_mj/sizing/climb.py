@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
@@ -55,6 +56,9 @@ FIRST_SHORT_WIDTHS, FIRST_BORES = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36), (0.42, 0.
 CLIMB, USUAL_WORK = 40.0, 1.5e4
 """Trials of a climb, and the work of a balance, times the teeth, that costs as much as all else in a trial."""
 
+REMEMBERED = 32
+"""First steps that are kept: other torques and backlashes are asked for of the same drives when ways out are found."""
+
 LOOK = 0.1
 """What proportions cost that are drawn and checked, in trials."""
 
@@ -81,7 +85,7 @@ def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
 
     What is tried does not depend on the torque that is asked for, so that the most that goes is the same for all.
     """
-    best = _first(asked, budget)
+    best = _begun(asked.but(torque=1.0, backlash=math.inf, tightened=False), budget)
     tested: set[Proportions] = set()
     while best:
         yield best
@@ -89,12 +93,24 @@ def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
         best = _better(asked, best, tested, budget)
 
 
-def _first(asked: Requirement, budget: Budget) -> Step | None:
-    """Return the first proportions that hold a load, or else can be built: as wide as may be, then as eccentric.
+def _begun(asked: Requirement, budget: Budget) -> Step | None:
+    """Return the first step and take what it costs from a budget; one that is looked for with all of it is kept."""
+    step, left = _first(asked, CLIMB)
+    if budget.left <= CLIMB - left:
+        step, budget.left = _first(asked, budget.left)
+    else:
+        budget.left -= CLIMB - left
+    return step
 
-    Where the play is a good part of the eccentricity, teeth of some heights alone hold one.
+
+@lru_cache(maxsize=REMEMBERED)
+def _first(asked: Requirement, left: float) -> tuple[Step | None, float]:
+    """Return the first proportions that hold a load, or else can be built, and what is left of a budget.
+
+    They are as wide as may be, then as eccentric. Where the play is a good part of the eccentricity, teeth of some
+    heights alone hold a load.
     """
-    usual = Proportions()
+    usual, budget = Proportions(), Budget(left)
     widths = [width for width in reversed(LEVELS["width"]) if width <= usual.width]
     guess = GUESS[asked.process] * asked.diameter**3
     built: Step | None = None
@@ -108,9 +124,9 @@ def _first(asked: Requirement, budget: Budget) -> Step | None:
             trial = tried(reducer, guess)
             budget.spend(trial)
             if trial.rating:
-                return of, settled(reducer, guess)
+                return (of, settled(reducer, guess)), budget.left
             built = built or (of, trial)
-    return built
+    return built, budget.left
 
 
 def _better(asked: Requirement, best: Step, tested: set[Proportions], budget: Budget) -> Step | None:

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.checks import WALLS, soundness
+from cycloid_mj.checks import WALLS, Check, jumps, shape_checks, sound_checks
 from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.life.figures import drive_length, length
@@ -114,12 +114,20 @@ def _walled(asked: Requirement, of: Proportions, drawn: Reducer, torque: float) 
 
 
 def _sound(asked: Requirement, drawn: Reducer) -> Reducer | None:
-    """Balance a drive; nothing where it is longer than asked for, has no room for its covers, or cannot be built."""
+    """Balance a drive; nothing where it is longer than asked for, has no room for its covers, or cannot be built.
+
+    What most drives that are tried fail by comes first, as all checks together cost the most.
+    """
     reducer = _balanced(Reducer(drawn.design))
+    if _fails(shape_checks(reducer)) or jumps(reducer):
+        return None
     if not has_casing(reducer) or (asked.length < math.inf and _too_long(asked, reducer)):
         return None
-    failed = (item for item in soundness(reducer) if not item.passed)
-    return None if any(item.severity == "error" or item.name in WALLS for item in failed) else reducer
+    return None if _fails(sound_checks(reducer)) else reducer
+
+
+def _fails(checks: Iterator[Check]) -> bool:
+    return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
 
 
 def _too_long(asked: Requirement, reducer: Reducer) -> bool:

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -337,6 +338,26 @@ def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
     refused = answered(asked)
     assert "its backlash is" in refused.refusal
     assert all(way.asked.backlash == asked.backlash for way in refused.ways)
+    require_kept(refused)
+
+
+@pytest.mark.slow
+def test_a_refusal_draws_no_drive_twice_and_compares_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a way out needs more is found by the first drive that holds it: whole shortlists took 30 s of CPU."""
+    drawn_for: Counter[tuple[Requirement, Proportions, float]] = Counter()
+
+    def counted(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
+        drawn_for[asked, of, torque] += 1
+        return shaped(asked, of, torque)
+
+    monkeypatch.setattr("cycloid_mj.sizing.climb.shaped", counted)
+    monkeypatch.setattr("cycloid_mj.sizing.answer._shortlist", lambda *_: pytest.fail("no drive is to be compared"))
+    asked = Requirement(75, 0.0409, 0.894, process="printed", discs=0, backlash=16.3)
+    refused = answered(asked)
+    assert refused.ways
+    assert drawn_for
+    assert set(drawn_for.values()) == {1}
+    monkeypatch.undo()
     require_kept(refused)
 
 
