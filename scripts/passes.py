@@ -205,6 +205,7 @@ def launched(*words: str, **environment: str) -> Launched:
     """
     command = [sys.executable, "-S", "-c", _LAUNCHER, sys.executable, "-m", "cycloid_mj", *words]
     around = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, ROOT / "papers"))), **environment}
+    around.pop("PYTHONDONTWRITEBYTECODE", None)  # an installation keeps what Python compiles
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, cwd=folder, env=around)
     return Launched(*map(float, done.stdout.split()))
