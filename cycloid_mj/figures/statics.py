@@ -11,6 +11,7 @@ from cycloid_mj.figures.sampled import BACKLASH, TOUCH, Sampled
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.bearings import HELD
+from cycloid_mj.statics.following import INERTIA_SHARE
 from cycloid_mj.statics.sheet import CASES, PARTS, SHAFTS, WAYS, sheet_part
 
 SheetPart = Literal["motions", "errors", "loads", "losses"]
@@ -177,6 +178,15 @@ def _errors() -> Iterator[Figure]:
             f"mean of the {shaft}, loaded less unloaded, forward",
             f"Mean angle of the {shaft} under the load less that under 1 % of it, forward, with friction.",
         )
+
+    yield _figure(
+        "errors",
+        INERTIA_SHARE,
+        "1",
+        "torque of the load's inertia, were it to follow the loaded error, over the load",
+        "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
+        "at the design's speed, over the load: rms of a turn; from 0.1 on runs depart from statics.",
+    )
 
 
 def _loads() -> Iterator[Figure]:
