@@ -43,6 +43,11 @@ _NEAR = 0.5
 _HALVINGS = 20
 
 
+_CREEPS, _EASED, _BRAKED, _STIFFEST = 2000, 0.5, 8.0, 1e8
+"""Most steps of a creep to a balance; factors on the drag after a step that has gone through, and after one that has
+not; and the drag beyond which nothing is looked for, as a share of the cam's stiffness, from which it begins."""
+
+
 class Rubbing(NamedTuple):
     """Friction that remembers, of n contacts, D cams and e seals, in this order: s = n + D + e of them.
 
@@ -81,7 +86,8 @@ class _Step(NamedTuple):
     """One step of a path: its load [N], `residual`, `tangent` and Newton step, and friction's limits [N], if given.
 
     `side` and `normal` (s,) are the limits along the surface and in the material that a search holds; without `given`
-    they follow from the normal forces at once, and the tangent is not symmetric. `work` (1,) counts what is assembled.
+    they follow from the normal forces at once, and the tangent is not symmetric. `drag` (1,) [N/m] holds the unknowns
+    where the step begins. `work` (1,) counts what is assembled.
     """
 
     load: Array
@@ -92,6 +98,7 @@ class _Step(NamedTuple):
     ahead: Array
     side: Array
     normal: Array
+    drag: Array
     work: Integers
 
 
@@ -103,9 +110,10 @@ def follow_path(
 
     The departures z (rows, u) [m] are filled in, and `when` (rows,) each was, in steps of the path from its first load,
     which is at 0; the first of z is where the path begins, at rest. Each step is the balance with the forces of
-    friction that the step itself leaves (backward Euler); one that finds none is halved. One in which the output moves
-    by more than `reach` [m] is halved too, down to ``FINEST`` parts, while there are rows for them: under a load that
-    only grows a reducer leaps across its play, and the leap is no wider than that.
+    friction that the step itself leaves (backward Euler); one that finds none is halved, and crept through where that
+    does not help. One in which the output moves by more than `reach` [m] is halved too, down to ``FINEST`` parts, while
+    there are rows for them: under a load that only grows a reducer leaps across its play, and the leap is no wider than
+    that.
 
     Returns
     -------
@@ -116,6 +124,7 @@ def follow_path(
     elements = rubbing.stick.size
     old, new = _memory(elements, number), _memory(elements, number)
     one = _step(elements, number)
+    one.drag[0] = FLOATING * springs.cam_stiffness
     copy(z[0], old.z)
     scale, rows, spare = 0.0, 0, when.size - count
     finest = 1.0 / FINEST if spare > 0 else 1.0
@@ -141,10 +150,12 @@ def follow_path(
                     # so close to a leap there is nothing to find: it is taken in a longer step
                     share, shortest = _SHORTEST, _SHORTEST
                     continue
-                if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
+                if share > _SHORTEST and one.work[0] <= _MOST_WORK * count:
+                    share *= 0.5
+                    continue
+                left = _creep(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
+                if not left <= FOLLOWED:
                     return Left(left, 0, one.work[0]), rows
-                share *= 0.5
-                continue
             done += share
             share *= 2.0
             old, new = new, old
@@ -170,6 +181,7 @@ def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: A
     number, elements = z.size, rubbing.stick.size
     rest, old, new = _memory(elements, number), _memory(elements, number), _memory(elements, number)
     one = _step(elements, number)
+    one.drag[0] = FLOATING * springs.cam_stiffness
     _slips(springs, rubbing, rest)
     copy(before, old.z)
     copy(z, new.z)
@@ -192,6 +204,7 @@ def _step(elements: int, number: int) -> _Step:
         np.zeros(number),
         np.zeros(elements),
         np.zeros(elements),
+        np.zeros(1),
         np.zeros(1, np.int64),
     )
 
@@ -272,6 +285,45 @@ def _settle(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _creep(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
+    """Let the parts creep to the balance against a drag, friction following on their way, and ease it; [N] is left.
+
+    Where friction leaves no balance near, parts leap to one that is not, and what they rub on the way decides which. A
+    drag that is large enough leaves one balance for each step. The parts begin at `old`, and both end where they are.
+    """
+    floating = FLOATING * springs.cam_stiffness
+    drag, left = springs.cam_stiffness, np.inf
+    for _ in range(_CREEPS):
+        one.drag[0] = drag
+        _slips(springs, rubbing, old)
+        if _leap(springs, rubbing, 0.5 * allowed, one, old, new) <= 0.5 * allowed:
+            left = 0.0
+            for j in range(one.load.size):
+                left = max(left, abs(drag * (new.z[j] - old.z[j])))
+            _keep(new, old)
+            if left <= 0.5 * allowed:
+                break
+            drag = max(_EASED * drag, floating)
+        else:
+            left = np.inf
+            drag *= _BRAKED
+            if drag > _STIFFEST * springs.cam_stiffness:
+                break
+    one.drag[0] = floating
+    return left
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _keep(of: _Memory, to: _Memory) -> None:
+    """Copy what a path has left behind, but not how far surfaces slide from there."""
+    copy(of.z, to.z)
+    copy(of.side, to.side)
+    copy(of.normal, to.normal)
+    copy(of.pressed, to.pressed)
+    copy(of.depth, to.depth)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _renew(rubbing: Rubbing, one: _Step, at: _Memory, share: float) -> None:
     """Bring friction's limits by a share to those of the normal forces."""
     for i in range(one.side.size):
@@ -290,13 +342,13 @@ def _weigh(
     """
     one.work[0] += 1
     number, contacts, z = one.load.size, springs.disc.size, new.z
-    floating, energy, ahead = FLOATING * springs.cam_stiffness, 0.0, one.ahead
+    drag, energy, ahead = one.drag[0], 0.0, one.ahead
     for j in range(number):
         moved = z[j] - old.z[j]
-        one.residual[j] = one.load[j] - floating * moved
-        energy += (0.5 * floating * moved - one.load[j]) * moved
+        one.residual[j] = one.load[j] - drag * moved
+        energy += (0.5 * drag * moved - one.load[j]) * moved
         for m in range(number):
-            one.tangent[j, m] = floating if j == m else 0.0
+            one.tangent[j, m] = drag if j == m else 0.0
     for i in range(contacts):
         x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
         pose = pose_of(springs, springs.disc[i], z)

@@ -1,0 +1,38 @@
+"""Loops of torque with friction that remembers: parts that leap across their play, where no balance is near."""
+
+import numpy as np
+import pytest
+from designs import cases, unlike
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design import PRESETS
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sliding import Losses, course_along
+
+COURSE = np.sin(2.0 * np.pi * np.linspace(0.0, 1.25, 250))
+WEIGHTLESS = {"gravity_x": 0.0, "gravity_y": 0.0}
+LEAPS = [
+    ("printed", 0.0),
+    ("fixed-n34-d2-carrier-120um", 0.0),
+    ("fixed-n34-d2-carrier-120um", 1.0),
+    ("nonpin-n33-d2-ring-60um", 1.0),
+    ("fixed-n70-d1-ring-5um", 1.0),
+    ("sleeved-n27-d1-carrier-3um", 1.0),
+    ("free-n35-d2-carrier-15um", 1.0),
+]
+
+
+def turns(reducer: Reducer, crank: float) -> Array:
+    """Compute the turn of the output [rad] along a loop of the rated torque."""
+    course = reducer.design.rated_torque * COURSE
+    _, turn = course_along(reducer.working_at(reducer.design.rated_torque), course, crank, Losses(), "crank", 1e-4)
+    return turn
+
+
+@pytest.mark.parametrize(("name", "crank"), cases(LEAPS, LEAPS[0]))
+def test_parts_that_leap_across_their_play_come_to_a_balance(name: str, crank: float) -> None:
+    """Without weight nothing but friction holds the gear in its play: the loop is narrower by what that takes."""
+    reducer = Reducer(PRESETS[name] if name in PRESETS else unlike(name)).but(environment=WEIGHTLESS)
+    smooth = reducer.but(friction=dict.fromkeys(type(reducer.design.friction).model_fields, 0.0))
+    held, free = np.ptp(turns(reducer, crank)), np.ptp(turns(smooth, crank))
+    assert 0.95 * free < held <= 1.001 * free
