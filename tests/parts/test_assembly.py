@@ -17,6 +17,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import family
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, dump, override, stock
+from cycloid_mj.figures import figure
 from cycloid_mj.parts import Prism
 from cycloid_mj.parts.curve import Curve
 from cycloid_mj.parts.export import (
@@ -30,11 +31,12 @@ from cycloid_mj.parts.export import (
     assembly_step,
     bill,
     casing,
+    drive,
     places,
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.casing import NEMA, CasingPart, casing_parts
-from cycloid_mj.parts.export.printing import made_parts
+from cycloid_mj.parts.export.printing import made_parts, separate_parts
 from cycloid_mj.parts.parts import tinted
 from cycloid_mj.parts.polygon import area_moments, turned
 from cycloid_mj.reducer import Reducer
@@ -362,6 +364,20 @@ def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp
     counts = Counter(place.part for place in expected.values())
     whole = sum(count * sum(map(volume_of, drawn[part])) for part, count in counts.items())
     assert volume == pytest.approx(whole, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", cases((*NEW, "pin", "twodisc", "printed"), "new"))
+def test_a_drives_mass_is_that_of_its_solids(name: str) -> None:
+    """Each part as it is drawn for CAD, of its density; two thirds of a bearing's ring are steel."""
+    reducer = Reducer(design_of(name))
+    sizes = casing(reducer)
+    laid, counts = separate_parts(reducer, 0.0, sizes), Counter(place.part for place in places(reducer, 0.0, sizes))
+    mass = 0.0
+    for part, drawn in drawn_of(reducer, sizes).items():
+        share = drive.BEARING_FILL if part.endswith("_bearing") else 1.0
+        density = laid[part].density if part in laid else drive.STEEL
+        mass += counts[part] * share * density * sum(map(volume_of, drawn))
+    assert figure("drive_mass_kg").value(reducer) == pytest.approx(mass, rel=3e-3)
 
 
 def test_the_command_writes_the_assembly(tmp_path: Path, monkeypatch, capsys) -> None:

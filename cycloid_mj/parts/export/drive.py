@@ -20,7 +20,7 @@ from cycloid_mj.parts.export.casing import (
     cut,
     tube,
 )
-from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts
+from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts, separate_parts
 from cycloid_mj.reducer import Reducer, once
 
 BEARING_FILL = 0.67
@@ -125,14 +125,21 @@ def _bought(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _hollow_cams(reducer: Reducer) -> float:
-    """Compute the mass that hollow cams with their bearings save against cams as drawn [kg]."""
+    """Compute the mass that cams with bearings in stock save against cams as drawn, as wide as the bores [kg]."""
     bought = cam_bearing(reducer)
     if not bought:
         return 0.0
     bearing, count = bought
+    drawn, made = (separate_parts(reducer, cam) for cam in (0.0, 0.5 * bearing.bore))
+    crank = drawn.keys() & {names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)}
     ring = _steel(tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width))
-    return (1.0 - BEARING_FILL) * count * reducer.design.gear.discs * ring
+    saved = sum(_mass(drawn[name]) - _mass(made[name]) for name in crank)
+    return saved - BEARING_FILL * count * reducer.design.gear.discs * ring
 
 
 def _steel(part: CasingPart) -> float:
-    return mass_properties(Part("bought", cut("bought", part), STEEL).solid(CHORD_ERROR)).mass
+    return _mass(Part("bought", cut("bought", part), STEEL))
+
+
+def _mass(part: Part) -> float:
+    return mass_properties(part.solid(CHORD_ERROR)).mass
