@@ -121,7 +121,7 @@ def _sound(asked: Requirement, drawn: Reducer) -> Reducer | None:
     reducer = _balanced(Reducer(drawn.design))
     if _fails(shape_checks(reducer)) or jumps(reducer):
         return None
-    if not has_casing(reducer) or (asked.length < math.inf and _too_long(asked, reducer)):
+    if (asked.length < math.inf and _too_long(asked, reducer)) or not has_casing(reducer):
         return None
     return None if _fails(sound_checks(reducer)) else reducer
 
@@ -131,7 +131,7 @@ def _fails(checks: Iterator[Check]) -> bool:
 
 
 def _too_long(asked: Requirement, reducer: Reducer) -> bool:
-    """Tell whether a drive is longer than asked for, or cannot be drawn: this costs less than all its checks."""
+    """Tell whether a drive is longer than asked for, or cannot be drawn: its mechanism first, which costs the least."""
     most = MILLIMETRES * asked.length
     try:
         return length(reducer) > most or drive_length(reducer) > most
