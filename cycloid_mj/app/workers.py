@@ -5,6 +5,7 @@ and one for long work, which can be stopped.
 """
 
 import multiprocessing
+import os
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -13,6 +14,9 @@ from typing import Any
 
 from cycloid_mj.base.engine.housekeeping import serve_parent
 from cycloid_mj.base.errors import CycloidError
+
+BEHIND = 10
+"""How much nicer than the page's own the processes are whose answers take a moment: moves of a slider go first."""
 
 Work = Callable[..., Any]
 Told = Callable[[Any], None]
@@ -26,9 +30,12 @@ class Died(CycloidError):
 class Worker:
     """One process, which does one work after the other; it ends with this one, however that ends."""
 
-    def __init__(self, warm: Warm = ()) -> None:
-        """Start it; it does the `warm` works once, for their code to be loaded when somebody waits."""
-        self._warm, self._lock = tuple(warm), threading.Lock()
+    def __init__(self, warm: Warm = (), behind: bool = True) -> None:
+        """Start it; it does the `warm` works once, for their code to be loaded when somebody waits.
+
+        One that stands `behind` leaves the processor to others that want it.
+        """
+        self._warm, self._behind, self._lock = tuple(warm), behind, threading.Lock()
         self._start()
 
     def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
@@ -64,7 +71,7 @@ class Worker:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
-        self._process = context.Process(target=_serve, args=(other, self._warm), daemon=False)
+        self._process = context.Process(target=_serve, args=(other, self._warm, self._behind), daemon=False)
         self._process.start()
         other.close()
 
@@ -73,7 +80,7 @@ class Workers:
     """The processes, which all windows share; each does those works once first that it is given to warm up."""
 
     def __init__(self, quick: Warm = (), slower: Warm = ()) -> None:
-        self.quick, self.slower, self.long = Worker(quick), Worker(slower), Worker()
+        self.quick, self.slower, self.long = Worker(quick, behind=False), Worker(slower), Worker()
 
     def close(self) -> None:
         """Terminate the workers at once; what they do is needed no more."""
@@ -81,9 +88,11 @@ class Workers:
             worker.stop()
 
 
-def _serve(pipe: Connection, warm: Warm) -> None:
+def _serve(pipe: Connection, warm: Warm, behind: bool) -> None:
     """Serve the page's process, and load what the works need."""
     serve_parent()
+    if behind and hasattr(os, "nice"):  # Windows has none
+        os.nice(BEHIND)
     for work, args in warm:
         with suppress(CycloidError):  # the page may begin with a design that cannot be built
             work(*args)

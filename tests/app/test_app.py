@@ -6,6 +6,7 @@ import http.client
 import io
 import json
 import math
+import os
 import re
 import socket
 import subprocess
@@ -33,7 +34,7 @@ from cycloid_mj.app.knobs import knobs
 from cycloid_mj.app.local import allowed
 from cycloid_mj.app.server import LARGEST, MOST_ASKED, PageServer
 from cycloid_mj.app.state import changed, design_of, values_of
-from cycloid_mj.app.workers import Died, Worker
+from cycloid_mj.app.workers import BEHIND, Died, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
@@ -743,3 +744,13 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 2
     assert "is taken" in errors[1]
+
+
+@pytest.mark.skipif(not hasattr(os, "nice"), reason="Windows knows no niceness")
+def test_what_takes_a_moment_leaves_the_processor_to_what_follows_a_move() -> None:
+    ahead, after = Worker(behind=False), Worker()
+    try:
+        assert after.do(os.nice, 0) - ahead.do(os.nice, 0) == BEHIND
+    finally:
+        ahead.stop()
+        after.stop()

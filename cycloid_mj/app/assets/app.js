@@ -10,6 +10,7 @@ import { Start } from "./start.js";
 const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, ways: null };
 const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within it are one step of undo
+const ADDRESSED = 250; // ms after a change
 
 const section = new Section(byId("section"), byId("controls"), byId("legend"));
 const tabs = new Tabs(byId("tabs"), () => state, apply);
@@ -54,6 +55,7 @@ function show(told) {
   state.name = told.name;
   state.shown = told;
   state.ways = null;
+  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design }); // they solve while it is drawn
   showKnobs(byId("knobs"), told.knobs, apply);
   section.show(told.section, told.errors);
   byId("name").value = told.name;
@@ -67,7 +69,6 @@ function show(told) {
     tabs.broken(told.errors);
   } else {
     for (const place of ["head", "checks"]) byId(place).classList.add("old");
-    for (const one of Object.values(solved)) one.ask({ design: state.design });
     tabs.changed();
   }
   showHead();
@@ -167,13 +168,20 @@ function remember(key) {
   address();
 }
 
+// The address follows when the drawing stands: to change it takes the browser as long as all the rest.
 function address() {
+  byId("undo").disabled = history.at < 1;
+  byId("redo").disabled = history.at >= history.past.length - 1;
+  clearTimeout(history.timer);
+  history.timer = setTimeout(writeAddress, ADDRESSED);
+}
+
+function writeAddress() {
+  clearTimeout(history.timer);
   const values = new URLSearchParams();
   for (const [key, value] of Object.entries(state.design)) values.set(key, typeof value === "string" ? value : JSON.stringify(value));
   for (const [key, value] of Object.entries(state.asked)) if (value !== null && value !== "") values.set(`asked.${key}`, typeof value === "string" ? value : JSON.stringify(value));
   window.history.replaceState(null, "", `#${values}`);
-  byId("undo").disabled = history.at < 1;
-  byId("redo").disabled = history.at >= history.past.length - 1;
 }
 
 function fromAddress() {
@@ -256,6 +264,7 @@ document.addEventListener("keydown", event => {
   if (does) { event.preventDefault(); does(); }
 });
 window.addEventListener("hashchange", () => put(fromAddress()));
+window.addEventListener("pagehide", writeAddress);
 
 tabs.swap = entry => put(entry);
 
