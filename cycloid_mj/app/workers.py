@@ -15,7 +15,7 @@ from typing import Any
 from cycloid_mj.base.engine.housekeeping import serve_parent
 from cycloid_mj.base.errors import CycloidError
 
-BEHIND = 10
+BEHIND = 5
 """How much nicer than the page's own the processes are whose answers take a moment: moves of a slider go first."""
 
 Work = Callable[..., Any]
