@@ -15,8 +15,18 @@ from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Left, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
-REPEATS = 2
-"""Corrections of the carrier's torque for the losses: each leaves the share 1/N of the error before."""
+REPEATS = 8
+"""Most corrections of the carrier's torque for the losses: two do, but near a jam, where these are a hundred times what
+comes out."""
+
+CORRECTED = 1e-5
+"""Share of the load by which the last correction may change what the losses take of it."""
+
+HALVINGS = 3
+"""How often the carrier's torque is halved to begin with, where it jams under more than it bears in truth."""
+
+SMALL_LOSS = 0.5
+"""Share of the load up to which the crank's torque for the losses is as good as what they were under the load alone."""
 
 
 @dataclass(frozen=True)
@@ -71,19 +81,43 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     RunError
         No balance was found.
     """
-    balanced = _balanced(reducer, springs, reducer.share * torque, follow)
     if reducer.design.output.turns_ring:
-        return _on_ring(reducer, springs, torque, balanced, follow)
+        return _on_ring(reducer, springs, torque, follow)
+    balanced = _balanced(reducer, springs, torque, follow)
     return replace(balanced, output_turn=balanced.output_turn + wind_up(reducer) * torque)
 
 
-def _on_ring(reducer: Reducer, springs: Springs, torque: float | Array, balanced: Loads, follow: bool) -> Loads:
-    """Correct the balance under a torque on a ring [N m] for the losses, and turn it back with the ring."""
-    carried, speed = reducer.share * torque, float(reducer.member.against_ring(reducer.design.drive.speed))
-    for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
-        lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values())
-        carried = (torque - lost / speed) / (1.0 + 1.0 / reducer.design.lobes)
-        balanced = _balanced(reducer, springs, carried, follow)
+def _on_ring(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
+    """Find the balance under a torque on a ring [N m], of which the carrier bears what the crank does not.
+
+    Losses take lost/speed of the torque, and the carrier bears the rest over 1 + 1/lobes: by the secant, as what is
+    lost follows from what is borne.
+    """
+    speed, parts = float(reducer.member.against_ring(reducer.design.drive.speed)), 1.0 + 1.0 / reducer.design.lobes
+    rubs, mean, taken = bool(springs.contacts.rubbing.size and speed), float(np.mean(torque)), 0.0
+    for halved in range(HALVINGS + 1):
+        try:
+            balanced = _balanced(reducer, springs, (torque - taken) / parts, follow)
+            break
+        except RunError:
+            if not rubs or halved == HALVINGS:
+                raise
+            taken = 0.5 * (mean + taken)
+    before = None
+    for _ in range(REPEATS if rubs else 0):
+        lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values()) / speed
+        missing = lost - taken
+        if before is not None and missing != before[1]:
+            step = -missing * (taken - before[0]) / (missing - before[1])
+        elif abs(missing) < SMALL_LOSS * abs(mean):
+            step = missing
+        else:  # losses in proportion to what is borne
+            step = (mean - taken) * missing / (mean - taken + lost)
+        before, taken = (taken, missing), taken + step
+        balanced = _balanced(reducer, springs, (torque - taken) / parts, follow)
+        if abs(step) < CORRECTED * abs(mean):
+            break
+    carried = (torque - taken) / parts
     output_turn = reducer.share * balanced.output_turn + wind_up(reducer) * carried / reducer.share
     return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
 

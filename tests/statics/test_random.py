@@ -10,7 +10,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import jam, loads, springs_of
+from cycloid_mj.statics import balance, jam, loads, springs_of
+from cycloid_mj.statics.balance import powers
 
 SHARES = (0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 1.5)
 WAYS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
@@ -62,6 +63,23 @@ def test_twelve_random_drives_balance() -> None:
 @pytest.mark.parametrize("seed", [2, 7])
 def test_two_hundred_random_drives_balance(seed: int) -> None:
     require_all_balanced(200, seed)
+
+
+@pytest.mark.slow
+def test_a_ring_whose_losses_are_many_times_its_load_balances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drive near its jam: its carrier bears 0.38 of the torque on the ring, and would jam under all of it."""
+    seed, drawn = 40925, 140
+    *_, design = random_drives(drawn + 1, seed)
+    crank = float(np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, drawn + 1)[drawn])
+    assert design.output.turns_ring
+    for way, sign in WAYS:
+        for share in SHARES:
+            require_balance(design, crank, way, sign, share)
+    found = powers(Reducer(design), design.rated_torque, [crank])
+    monkeypatch.setattr(balance, "REPEATS", 30)
+    monkeypatch.setattr(balance, "CORRECTED", 0.0)
+    assert found.lost == pytest.approx(powers(Reducer(design), design.rated_torque, [crank]).lost, rel=1e-3)
+    assert 0.01 < found.efficiency < 0.05
 
 
 def test_a_jam_is_told_where_friction_takes_all_that_ideal_teeth_give() -> None:
