@@ -312,7 +312,7 @@ def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(l
 
 def test_the_crank_bends_at_its_cams_as_handbooks_have_it() -> None:
     """Overhung a^2 (l + a)/(3 E I), between its bearings a^2 b^2/(3 E I l), and Maxwell's symmetry; told in um."""
-    one, two = PRESETS["printed"], PRESETS["twodisc"]
+    one, two = PRESETS["printed"].but(shaft={"mounting": "overhang"}), PRESETS["twodisc"]
     stiff = {
         design: design.material_of("shaft").youngs_modulus * np.pi * design.shaft.radius**4 / 4.0
         for design in (one, two)
