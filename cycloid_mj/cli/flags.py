@@ -90,8 +90,8 @@ HtmlFlag = Annotated[
         name="--html",
         metavar="[FILE]",
         consume_multiple=True,
-        help="Write one HTML page. FILE may be left out: the page is then named after the design, in the folder of "
-        "--out or in runs.",
+        help="Write one HTML page. FILE may be left out: the page is then named after the design, or the "
+        "command that has none, in the folder of --out or in runs.",
     ),
 ]
 FollowFlag = Annotated[
