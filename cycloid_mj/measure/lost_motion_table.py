@@ -17,6 +17,7 @@ from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, in_seri
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"
+BY_WAY = "how the parts move against each other; what each spring gives is told by statics"
 _PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
 _OF_SPRINGS = {**_PARTS, "output": "output pins, with all that bends and twists"}
 
@@ -148,8 +149,8 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
             return loop_series(measured.reducer, loop)[part] / ARCMINUTE
 
-        name = f"compliance of {called[part]}, in series, {IDEAL}"
-        yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
+        name = f"compliance by the way of {called[part]}, {IDEAL}"
+        yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS, BY_WAY)
 
 
 def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:

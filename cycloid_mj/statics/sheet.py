@@ -26,7 +26,7 @@ from cycloid_mj.statics.kernel import CARRIES
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
-from cycloid_mj.statics.windup import SERIES, Windup, windups
+from cycloid_mj.statics.windup import GIVING, Windup, windups
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
 """What makes some figures of a design under a load [N m]."""
@@ -257,17 +257,16 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
     stiffness, name = _stiffness(solved), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    series = [one.series(reducer) for one in solved]
-    give = {part: float(np.mean([one[part] for one in series])) / ARCMINUTE for part in SERIES}
+    gives = [one.gives(reducer) for one in solved]
+    give = {part: float(np.mean([one[part] for one in gives])) / ARCMINUTE for part in GIVING}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         bare = windups(rigid, evenly, load, follow=True)
         name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
         yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
-        twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
-        alone = float(np.mean([one.series(rigid)["output"] for one in bare])) / ARCMINUTE
-        bent = give["output"] - alone - sum(twisted.values())
-        give = {**give, "output": alone, "bending": bent, **twisted}
+        give |= {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
+    else:
+        give.pop("bending")
     for part, one in give.items():
         yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", one, "arcmin/(N m)")
 

@@ -3,6 +3,10 @@
 The compliance of the whole is that of three parts in series, told apart by how the parts move, in simulation and
 statics alike: the output against the gear (output pins); the gear's turn about the pitch point that goes with its
 centre's way s along the eccentric's circle, -s/(c (N-1)) (cam); and the rest of the gear's turn (teeth, pins, sockets).
+
+That is how the parts move, as a run shows it, and not which spring gives: output pins, half of which carry, turn the
+output as well where the cam lets the gear's centre go aside. What each spring gives is told by its work: the torque's
+increment times the turn's is the sum, over all contacts, of the force's increment times the way by which it closes.
 """
 
 from collections.abc import Sequence
@@ -12,8 +16,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.balance import Loads, loads
+from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 LOST_MOTION_SHARE = 0.03
@@ -23,6 +27,9 @@ STRAIGHT = (0.5, 1.0)
 """Ends of the straight part of the curve, as shares of the rated torque."""
 
 SERIES = ("output", "cam", "mesh")
+GIVING = ("output", "cam", "mesh", "bending")
+"""Springs of the contacts, and the bending of the output pins."""
+
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
 
 
@@ -37,12 +44,15 @@ class Windup:
     turn, gear_turn, centre_lead
         Share -> turn of output and gear, from the ideal pose [rad], and way of the gear's centre along the eccentric's
         circle [m].
+    work
+        Of the forces over the straight part, both sides together, by `GIVING` [J].
     """
 
     rated: float
     turn: dict[float, float]
     gear_turn: dict[float, float]
     centre_lead: dict[float, float]
+    work: dict[str, float]
 
     @property
     def lost_motion(self) -> float:
@@ -58,6 +68,11 @@ class Windup:
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
         return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
+
+    def gives(self, reducer: Reducer) -> dict[str, float]:
+        """Compute the compliance of each spring [rad/(N m)], keyed by `GIVING`; with what twists they are the whole."""
+        whole, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
+        return {spring: one / work * whole for spring, one in self.work.items()}
 
 
 def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
@@ -94,13 +109,40 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
         poses = departures[:, :-1].reshape(*ahead.shape, 3)
         return np.asarray((poses[..., :2] * along).sum(axis=-1).mean(axis=-1))
 
+    low, high = STRAIGHT
+    sides = [_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
+    work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in GIVING}
     turns = {share: one.output_turn.tolist() for share, one in by_torque.items()}
     gear_turns = {share: one.gear_turn.tolist() for share, one in by_torque.items()}
     centre_leads = {share: leads(one.departures).tolist() for share, one in by_torque.items()}
+
+    def of_angle(place: int, values: dict[float, list[float]]) -> dict[float, float]:
+        return {share: one[place] for share, one in values.items()}
+
     return [
         Windup(
             rated,
-            *({share: one[place] for share, one in by_share.items()} for by_share in (turns, gear_turns, centre_leads)),
+            of_angle(place, turns),
+            of_angle(place, gear_turns),
+            of_angle(place, centre_leads),
+            {spring: one[place] for spring, one in work.items()},
         )
         for place in range(len(cranks))
     ]
+
+
+def _work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
+    """Compute what the increment of the forces between two loads works on the way between them [J], shape (m,) each."""
+    moved = high.departures - low.departures
+    closed = -np.einsum("mnu,mu->mn", springs.contacts.slope, moved)
+    teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
+    aside = moved[:, :-1].reshape(*cam.shape[:2], 3)[..., :2]
+    phases, of_discs = np.array(reducer.phases), high.by_disc(pins)
+    flexibility = reducer.contacts.pin_flexibility * np.cos(np.subtract.outer(phases, phases))
+    bending = np.einsum("mdp,de,mep->m", of_discs, flexibility, of_discs)
+    return {
+        "output": (pins * closed[:, springs.teeth :]).sum(axis=1) - bending,
+        "cam": -(cam * aside).sum(axis=(1, 2)),
+        "mesh": (teeth * closed[:, : springs.teeth]).sum(axis=1),
+        "bending": bending,
+    }

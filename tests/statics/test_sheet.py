@@ -18,7 +18,8 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, loads, powers, springs_of
 from cycloid_mj.statics.sheet import KNOWN, KNOWN_OF_KINDS, glance, known_difference, sheet, sheet_part
 from cycloid_mj.statics.springs import Springs, turn_evenly
-from cycloid_mj.statics.windup import windups
+from cycloid_mj.statics.structure import wind_up
+from cycloid_mj.statics.windup import Windup, windups
 
 MEASURED = json.loads((Path(__file__).parents[1] / "data" / "measured.json").read_text())
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -63,6 +64,29 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
         assert value["input_power"] == pytest.approx(value["output_power"] + losses + value["seals_power"], rel=1e-9)
         for kind in one.pair_kinds:
             assert value[f"{kind}_mean_force"] <= value[f"{kind}_peak_force"]
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_what_a_spring_gives_is_told_by_its_work(name: str) -> None:
+    """Next to no play, so that no contact comes or goes: a softer spring turns the output by what is told of it."""
+    clearance = dict.fromkeys(type(PRESETS[name].clearance).model_fields, 1e-10)
+    design = Reducer(PRESETS[name].but(clearance=clearance)).working_at(PRESETS[name].rated_torque).design
+
+    def solved(one: Design) -> list[Windup]:
+        return windups(Reducer(one), [0.3, 1.1], design.rated_torque)
+
+    told, contacts = [one.gives(Reducer(design)) for one in solved(design)], Reducer(design).at_rated_load.contacts
+    mesh = [design.tooth_pair, *([design.seat_pair] if design.seat_pair else [])]
+    for spring, kinds in (("output", ["output"]), ("cam", ["cam"]), ("mesh", mesh)):
+        softer, stiffer = (
+            solved(design.but(stiffness={kind: contacts[kind].stiffness / times for kind in kinds}))
+            for times in (1.01, 0.99)
+        )
+        for one, low, high in zip(told, softer, stiffer, strict=True):
+            given = (low.compliance(low.turn) - high.compliance(high.turn)) / 0.02
+            assert one[spring] == pytest.approx(given, rel=0.015), spring
+    for one, whole in zip(told, solved(design), strict=True):
+        assert sum(one.values()) + wind_up(Reducer(design)) == pytest.approx(whole.compliance(whole.turn))
 
 
 @pytest.mark.parametrize("design", [*PRESETS.values(), unlike("large")], ids=lambda design: design.name)
