@@ -1,7 +1,7 @@
 """Write the tables of docs/bench.md on the printed drive and its twin, from what is kept of their fits.
 
 python scripts/docs_bench.py           # from tests/data/bench/fitted.json
-python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts first: a minute of CPU
+python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts first: six minutes of CPU
 
 `scripts/docs_figures.py` calls this.
 """
@@ -37,6 +37,12 @@ PARTS = {
 }
 
 
+RUBBING = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
+"""Values of contacts that rub."""
+
+QUARTERS = (0.0, 0.25, 0.5, 0.75)
+"""Angles of the crank at which it may have been held, as shares of the angle from pin to pin of the ring."""
+
 PRELOADS = (0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0)
 """Angles between the halves of a ring [arcmin]."""
 
@@ -69,7 +75,37 @@ def fitted() -> dict[str, Any]:
             "predicted_shares": list(predicted.shares),
             "parts": wind_up_by_part(Reducer(drawn)),
         }
-    return content | {"preload": preloaded()}
+    return content | {"rubbing": rubbing(), "preload": preloaded()}
+
+
+def rubbing() -> dict[str, Any]:
+    """Fit contacts that rub to the pin drive's loops, by the crank's angle and by the shaft held, and other losses."""
+    import cycloid_mj as cm
+    from cycloid_mj.bench import compare_losses
+    from cycloid_mj.reducer import Reducer
+    from cycloid_mj.reducer.limits import stops
+
+    drawn, loops = cm.load("printed"), [cm.read_loop(BENCH / f"{name}.csv") for name in LOOPS["pin"]]
+    pitch = 2.0 * math.pi / drawn.ring.teeth
+    fits = {
+        f"{math.degrees(share * pitch):.4g}, crank": cm.calibrate(drawn, loops, RUBBING, crank=share * pitch)
+        for share in QUARTERS
+    }
+    first = next(iter(fits.values()))
+    fits["0, output"] = cm.calibrate(drawn, loops, RUBBING, "output")
+    rows: dict[str, Any] = {}
+    for held, calibration in fits.items():
+        told, ends = calibration.as_json(), stops(Reducer(calibration.design), calibration.fitted.bench.crank)
+        rows[held] = {
+            "parameters": told["parameters"],
+            "play": math.degrees(ends[1] - ends[0]),
+            "shares": [loop["residual_share"] for loop in told["loops"]],
+        }
+    losses = [
+        {"meaning": one.meaning, "shares": list(one.shares), "values": one.values}
+        for one in compare_losses(first).variants
+    ]
+    return {"held": rows, "losses": losses}
 
 
 def preloaded() -> dict[str, dict[str, float | None]]:
@@ -102,6 +138,8 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
         "fit": fit_table(content),
         "predicted": predicted_table(content),
         "parts": parts_table(content),
+        "rubbing": rubbing_table(content),
+        "losses": losses_table(content),
         "preload": preload_table(content),
     }
 
@@ -159,6 +197,41 @@ def parts_table(content: Mapping[str, Any]) -> str:
     rows.append(("stiffness, predicted [N m/rad]", *(_number(1.0 / sum(one.values())) for one in both)))
     slopes = [_interval(content[kind]["measured"]["stiffness_nm_per_rad"]) for kind in LOOPS]
     return _table(("turn of the output per torque [mrad/(N m)]", "pin", "nonpin"), [*rows, ("measured", *slopes)])
+
+
+def rubbing_table(content: Mapping[str, Any]) -> str:
+    """Return the fits of contacts that rub, a row for each angle of the crank and shaft that was held."""
+    head = (
+        "crank [deg], held",
+        *(f"`{key}`" for key in RUBBING),
+        "play [deg]",
+        "rms, play loop",
+        "rms, stiffness loop",
+    )
+    rows = [
+        (
+            held,
+            *(_estimate(one["parameters"][key]) for key in RUBBING),
+            f"{one['play']:.2f}",
+            *(f"{share:.1%}" for share in one["shares"]),
+        )
+        for held, one in content["rubbing"]["held"].items()
+    ]
+    return _table(head, rows)
+
+
+def losses_table(content: Mapping[str, Any]) -> str:
+    """Return how far each kind of losses misses the loops."""
+    names = {"friction": "friction", "material_loss": "material loss"}
+    rows = [
+        (
+            one["meaning"],
+            ", ".join(f"{name} {one['values'][key]:.2g}" for key, name in names.items() if key in one["values"]),
+            *(f"{share:.1%}" for share in one["shares"]),
+        )
+        for one in content["rubbing"]["losses"]
+    ]
+    return _table(("losses", "fitted", "rms, play loop", "rms, stiffness loop"), rows)
 
 
 def preload_table(content: Mapping[str, Any]) -> str:

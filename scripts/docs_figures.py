@@ -111,7 +111,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
         {},
         ((PYTHON, "scripts/docs_bench.py", "--fit"),),
         ("printed drive's loops",),
-        1.0,
+        6.0,
     ),
     "report": Artefact(
         ("models/report.png",),

@@ -189,7 +189,7 @@ def fit(
             search.trials.expect(search.expected_trials(long=1, **searches))
             cost, place = search.run(place, LONG, "trf")
             ended.append((cost, place))
-            fits.append(_fitted(search, place))
+            fits.append(fitted_at(search, place))
             better = widen(search, fits[-1], [(cost, place), *others]) if intervals else None
             if better is None:
                 break
@@ -199,15 +199,23 @@ def fit(
     except KeyboardInterrupt as stop:
         if not ended:
             raise
-        raise FitStopped(stop, fits[-1] if fits else _fitted(search, min(ended, key=itemgetter(0))[1])) from stop
+        raise FitStopped(stop, fits[-1] if fits else fitted_at(search, min(ended, key=itemgetter(0))[1])) from stop
 
 
-def _fitted(search: FitProblem, places: Array) -> Fitted:
-    """Compute the fit at places, with the intervals of the straight neighbourhood."""
+def fitted_at(search: FitProblem, places: Array) -> Fitted:
+    """Compute the fit at places, with the intervals of the straight neighbourhood.
+
+    Raises
+    ------
+    RunError
+        A loop has no model there.
+    """
     low, high = search.bounds
     parts = search.parts(places)
-    if all(np.all(part == FAILED) for part in parts):
-        raise RunError("no model of the loop has a static balance near the design: is its friction too large?")
+    if failed := [loop.name for loop, part in zip(search.loops, parts, strict=True) if np.all(part == FAILED)]:
+        raise RunError(
+            f"no model of {' and '.join(failed)} has a static balance near the design: is its friction too large?"
+        )
     # those of what is known without the loops stand last
     slopes = search.slopes(places, range(len(places)), central=True)[: sum(map(len, parts))]
     known = DISCREPANCY * search.known

@@ -2,7 +2,9 @@
 
 Two benches are told apart. Where the crank is held, surfaces slide only as far as contacts give. Where the output is
 held and the crank is turned, they slide with the crank, N - 1 times as fast; the torque is then that on the crank times
-the ratio, the turn that of the crank over it, and the geometry that of the angle that it starts from.
+the ratio, the turn that of the crank over it, and the geometry that of the angle that it starts from. Weight is left
+out there: of parts that lie in their play it alone presses the cam, which carries them round as it turns, and none of
+that shows on a shaft.
 
 A surface sticks on a tangential spring of its own, `STICK` times as stiff as its contact: parts that stick are rigid,
 next to those that give. Constant friction comes on over a travel, as that of a seal or a bearing does (Dahl 1976): its
@@ -72,7 +74,7 @@ def course_along(
     Parameters
     ----------
     reducer
-        Whose clearances, errors, stiffness, friction and weight count; its drive and load do not.
+        Whose clearances, errors, stiffness and friction count, and at a held crank its weight; drive and load do not.
     torque
         Shape (m,) [N m]: on the output, counter-clockwise; or on the crank times the ratio, that way.
     crank
@@ -90,6 +92,8 @@ def course_along(
         A step has no balance, as where friction jams the reducer.
     """
     still = reducer.but(drive={"speed": 0.0})
+    if held == "output":
+        still = still.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, [crank], friction=False)
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)

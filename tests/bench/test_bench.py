@@ -31,11 +31,11 @@ from cycloid_mj.bench import (
     read_te,
 )
 from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped, variants
-from cycloid_mj.bench.fit import Fitted, fit, widen
+from cycloid_mj.bench.fit import Fitted, fit, fitted_at, widen
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
 from cycloid_mj.bench.reading import read_figures
-from cycloid_mj.bench.search import DISCREPANCY, FitProblem, Trials
+from cycloid_mj.bench.search import DISCREPANCY, FAILED, FitProblem, Trials
 from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
@@ -106,6 +106,21 @@ def test_a_partial_reversal_is_forgotten_once_it_closes(held: str) -> None:
     entered, left = nested[120], nested[200]
     assert left == pytest.approx(entered, rel=2e-3)
     assert nested[160] > entered - 0.7 * (entered - stops(Reducer(soft()), 0.0)[1])  # it stuck on the way back
+
+
+@pytest.mark.parametrize("stiffness", [2e6, 2e7])
+def test_a_turned_crank_finds_its_way_across_the_play(stiffness: float) -> None:
+    """Parts that lie loose are carried by nothing: at a held output seals alone resist till the play is crossed."""
+    drag, torque = 2.5, course(0.0, 4.0, -4.0, 4.0)
+    reducer = Reducer(soft().but(stiffness={"pin_gear": stiffness}))
+    low, high = stops(reducer, 0.0)
+    reach = 0.02 * (high - low)
+    when, turn = course_along(reducer, torque, 0.0, Losses(drag, 1e-3), "output", reach)
+    along = np.interp(when, np.arange(len(torque)), torque)
+    for way in (1.0, -1.0):
+        across = along[(turn > low) & (turn < high) & (way * along > 0.0)]
+        assert np.max(way * across) == pytest.approx(drag, rel=0.02)
+    assert np.ptp(turn) > high - low
 
 
 def test_parts_stick_before_they_slide_back() -> None:
@@ -553,6 +568,21 @@ def test_an_interval_covers_a_model_that_is_off() -> None:
     moved = np.linalg.lstsq(slopes, error, rcond=None)[0][0]
     inverse = np.linalg.inv(slopes.T @ slopes)
     assert moved == pytest.approx(DISCREPANCY * inverse[0, 0] ** 0.5)
+
+
+def test_a_loop_without_any_balance_is_told_by_name() -> None:
+    """Before anything is searched further: one loop that no model follows, beside one that it does."""
+    loops = locked_loops(1.0, 0.0, 0)
+
+    class Locked(FitProblem):
+        def parts(self, places: Array) -> list[Array]:
+            _, other = super().parts(places)
+            return [np.full(len(loops[0].torque) - loops[0].lead, FAILED), other]
+
+    chosen = parameters(Reducer(resolve("printed")), ("drag",), loops)
+    problem = Locked(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
+    with pytest.raises(RunError, match="no model of loop-4 has a static balance near the design"):
+        fitted_at(problem, problem.starts()[0])
 
 
 @pytest.fixture(scope="module")
