@@ -95,7 +95,7 @@ PRESETS = ("pin", "nonpin")
 
 def _measure(measure: str, design: str) -> Step:
     names = (design,) if measure == "torque" else ("--design", design)
-    return Step((*CLI, "measure", measure, *names, "--json", "--quiet"), stdout=True)
+    return Step((*CLI, "measure", measure, *names, "--json", "--quiet", "--force"), stdout=True)
 
 
 ARTEFACTS: Mapping[str, Artefact] = {
