@@ -262,7 +262,7 @@ def written(page: str, texts: Mapping[str, str]) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}"
+    return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
 
 
 def _interval(one: Mapping[str, Any]) -> str:
