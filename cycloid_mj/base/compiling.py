@@ -17,11 +17,17 @@ from cycloid_mj.base.interrupt import unbroken
 Function = Callable[..., Any]
 
 
-def njit(*, cache: bool = False, **options: Any) -> Callable[[Function], Any]:
-    """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked."""
+def njit(
+    *, cache: bool = False, allocates: bool = True, inner: bool = False, **options: Any
+) -> Callable[[Function], Any]:
+    """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked.
+
+    One that never `allocates` an array, nor what it calls, need not count references to those that it is given, which
+    costs it time. An `inner` one is for kernels alone: what Python would call it by is half of some compilations.
+    """
 
     def compiled(function: Function) -> Any:
-        wrapped = numba.njit(**options)(function)
+        wrapped = numba.njit(**options, _nrt=allocates, no_cpython_wrapper=inner, no_cfunc_wrapper=inner)(function)
         if cache:
             wrapped._cache = SealedCache(function)
         return wrapped

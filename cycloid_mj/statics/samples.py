@@ -21,7 +21,16 @@ from cycloid_mj.geometry.kinematics import gear_rotation
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import kernel
-from cycloid_mj.statics.kernel import BALANCED, FIGURES, PATHS, Effects, SampleDeviations, balance_samples
+from cycloid_mj.statics.kernel import (
+    BALANCED,
+    FIGURES,
+    PATHS,
+    Effects,
+    SampleDeviations,
+    balance_samples,
+    balance_samples_by_all,
+    room_for,
+)
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -192,9 +201,10 @@ def solve_samples(
 
     def balanced(first: int, last: int) -> None:
         given = springs.contacts, effects, deviations, load
-        balance_samples(*given, first, last, out, None)
+        room = room_for(springs.contacts)
+        balance_samples(*given, first, last, out, None, room)
         for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= BALANCED).all(axis=0)):
-            balance_samples(*given, lost, lost + 1, out, PATHS)
+            balance_samples_by_all(*given, lost, lost + 1, out, PATHS, room)
 
     if threads == 1:
         for first, last in pairwise(bounds):

@@ -34,7 +34,7 @@ from cycloid_mj.statics.kernel import (
     state_after,
 )
 from cycloid_mj.statics.kernel.continuation import along, by_continuation, new_path
-from cycloid_mj.statics.kernel.system import new_system
+from cycloid_mj.statics.kernel.system import system_of
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sliding import Held, Losses, rubbing_of
 from cycloid_mj.validate.displaced import exact_gaps, held_back
@@ -174,7 +174,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     load, other, force = np.zeros((1, u)), np.zeros((1, u)), np.zeros(contacts.distance.shape)
     load[:, -1] = design_of(name).rated_torque / contacts.radius
     assert balance(contacts, load, other, force, False).force <= BALANCED
-    here, system = np.zeros(u), new_system(contacts)
+    here, system = np.zeros(u), system_of(contacts)
     for disc, place in enumerate(contacts.cam_place[0]):
         here[3 * disc : 3 * disc + 2] = place
     allowed = BALANCED * load.max()
@@ -188,7 +188,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
 def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way: float) -> None:
     contacts = springs(name, friction=True)
     u = contacts.slope.shape[2]
-    path, system, load = new_path(contacts, u, lag), new_system(contacts), np.zeros(u)
+    path, system, load = new_path(contacts, u, lag), system_of(contacts), np.zeros(u)
 
     def left(point: np.ndarray) -> np.ndarray:
         along(contacts, 0, load, point, path, system)
@@ -260,7 +260,7 @@ def test_the_forces_of_a_balance_turn_no_part() -> None:
     contacts, load, z = springs("2"), np.zeros((1, 7)), np.zeros((1, 7))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    assert balance_along(contacts, load, z, force, None).force <= BALANCED
+    assert balance_along(contacts, load, z, force, None, system_of(contacts)).force <= BALANCED
     push = force[0] @ np.array([gap(contacts, 0, i, z[0]).ahead for i in range(contacts.disc.size)])
     assert push[3] == pytest.approx(-load[0, -1], rel=1e-6)
     for disc in range(2):
@@ -291,7 +291,11 @@ def balanced(name: str, follow: bool, friction: bool) -> Left:
     z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
     for disc, place in enumerate(contacts.cam_place.swapaxes(0, 1)):
         z[:, 3 * disc : 3 * disc + 2] = place
-    return balance_along(contacts, load, z, force, None) if follow else balance(contacts, load, z, force, False)
+    return (
+        balance_along(contacts, load, z, force, None, system_of(contacts))
+        if follow
+        else balance(contacts, load, z, force, False)
+    )
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -311,7 +315,8 @@ def test_a_balance_that_is_lost_is_searched_for_anew_along_paths(monkeypatch: py
         z += 1.0
         return Left(0.0 if len(searched) > 1 else 0.3, 0, 1)
 
-    monkeypatch.setattr(search, "_balance", lost_without_paths)
+    monkeypatch.setattr(search, "balance_briefly", lost_without_paths)
+    monkeypatch.setattr(search, "balance_by_all", lost_without_paths)
     z = np.full((1, 4), 2.0)
     assert balance(springs("pin"), np.zeros((1, 4)), z, np.zeros((1, 1)), True).force == 0.0
     assert searched == [2.0, 2.0]
@@ -323,8 +328,9 @@ def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
     load[:, -1] = design_of("few").rated_torque / contacts.radius
     ends = [np.zeros_like(load), np.zeros_like(load)]
-    for z, paths in zip(ends, (None, PATHS), strict=True):
-        assert search._balance(contacts, load, z, np.zeros(contacts.distance.shape), follow, paths).force <= BALANCED
+    for z, paths, kernel in zip(ends, (None, PATHS), (search.balance_briefly, search.balance_by_all), strict=True):
+        force, system = np.zeros(contacts.distance.shape), system_of(contacts)
+        assert kernel(contacts, load, z, force, follow, paths, system).force <= BALANCED
     np.testing.assert_array_equal(*ends)
 
 
@@ -332,7 +338,9 @@ def followed(contacts: KernelSprings, torque: float) -> Left:
     """Balance crank angles that follow each other under a torque on the output."""
     load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
     load[:, -1] = torque / contacts.radius
-    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape), None)
+    return balance_along(
+        contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape), None, system_of(contacts)
+    )
 
 
 @pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 46)])

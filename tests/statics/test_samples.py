@@ -84,17 +84,20 @@ def test_samples_that_are_lost_are_balanced_again_along_paths(monkeypatch: pytes
     balance_samples, again = samples.balance_samples, []
 
     def lost_once(*given: Any) -> None:
-        *_, first, last, out, paths = given
-        if paths is not None:
-            again.append((first, last))
-        balance_samples(*given[:-1], None)
-        if paths is None:
-            out[0, first:last, -1] = np.where(np.arange(first, last) == 1, 0.5, out[0, first:last, -1])
+        *_, first, last, out, _, _ = given
+        balance_samples(*given)
+        out[0, first:last, -1] = np.where(np.arange(first, last) == 1, 0.5, out[0, first:last, -1])
+
+    def by_all(*given: Any) -> None:
+        *unchanged, first, last, out, _, room = given
+        again.append((first, last))
+        balance_samples(*unchanged, first, last, out, None, room)
 
     reducer = Reducer(override(PRESETS["pin"], ERRORS))
     made = drawn(reducer, 3, seed=5)
     (usual,) = solve_samples(reducer, made, [36.0], 12)
     monkeypatch.setattr(samples, "balance_samples", lost_once)
+    monkeypatch.setattr(samples, "balance_samples_by_all", by_all)
     (found,) = solve_samples(reducer, made, [36.0], 12)
     assert again == [(1, 2)]
     np.testing.assert_array_equal(found.output_mean, usual.output_mean)

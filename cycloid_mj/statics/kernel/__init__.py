@@ -10,7 +10,15 @@ ends at a balance, or at a jam, is in docs/physics.md.
 from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_open
 from cycloid_mj.statics.kernel.hysteresis import FINEST, Rubbing, follow_path, state_after
 from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Left
-from cycloid_mj.statics.kernel.samples import CARRIES, FIGURES, Effects, SampleDeviations, balance_samples
+from cycloid_mj.statics.kernel.samples import (
+    CARRIES,
+    FIGURES,
+    Effects,
+    SampleDeviations,
+    balance_samples,
+    balance_samples_by_all,
+    room_for,
+)
 from cycloid_mj.statics.kernel.search import PATHS, balance, balance_along
 from cycloid_mj.statics.kernel.system import State, state
 
@@ -32,9 +40,11 @@ __all__ = [
     "balance",
     "balance_along",
     "balance_samples",
+    "balance_samples_by_all",
     "follow_path",
     "gap",
     "is_open",
+    "room_for",
     "state",
     "state_after",
 ]

@@ -87,7 +87,7 @@ class _Step(NamedTuple):
 
     `side` and `normal` (s,) are the limits along the surface and in the material that a search holds; without `given`
     they follow from the normal forces at once, and the tangent is not symmetric. `drag` (1,) [N/m] holds the unknowns
-    where the step begins. `work` (1,) counts what is assembled.
+    where the step begins. `work` (1,) counts what is assembled; `vectors` (u, u) are for `roll_off`.
     """
 
     load: Array
@@ -100,6 +100,7 @@ class _Step(NamedTuple):
     normal: Array
     drag: Array
     work: Integers
+    vectors: Array
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -206,6 +207,7 @@ def _step(elements: int, number: int) -> _Step:
         np.zeros(elements),
         np.zeros(1),
         np.zeros(1, np.int64),
+        np.zeros((number, number)),
     )
 
 
@@ -267,7 +269,7 @@ def _settle(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step
                 break
             if not solve_stable(one.tangent, one.residual, one.step, floating):
                 _weigh(springs, rubbing, YES, one, old, new)
-                roll_off(one.tangent, one.residual, one.step, floating)
+                roll_off(one.tangent, one.residual, one.step, floating, one.vectors)
             copy(new.z, one.start)
             share = min(1.0, longest / max(largest(one.step), 1e-300))
             for _ in range(_HALVINGS):

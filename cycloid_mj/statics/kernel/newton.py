@@ -3,8 +3,6 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import NO, KernelSprings
@@ -51,7 +49,7 @@ class Left(NamedTuple):
     work: int
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def newton(
     springs: KernelSprings,
     k: int,
@@ -92,7 +90,7 @@ def newton(
                 return left
             energy = found
             if downhill:
-                roll_off(system.tangent, residual, step, _SOFT * hard)
+                roll_off(system.tangent, residual, step, _SOFT * hard, system.vectors)
             elif solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard) == 0.0:
                 break
             share, falls = min(1.0, longest / max(largest(step), 1e-300)), _product(step, residual)
@@ -123,7 +121,7 @@ def _curvature(stiffness: Array, step: Array) -> float:
     return total
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
     """Solve a system by Gauss's elimination with pivots, in place; give the sign of its determinant, 0 if unsolvable.
 
@@ -162,7 +160,7 @@ def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
     return sign
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bool:
     """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
     number = right.size
@@ -192,11 +190,14 @@ def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bo
     return True
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
-    """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge."""
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
+    """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge.
+
+    In place; the matrix of its `vectors` is filled in.
+    """
     number = right.size
-    vectors = _eigenvectors(matrix)
+    _find_eigenvectors(matrix, vectors)
     clear(out)
     for m in range(number):
         along = 0.0
@@ -206,8 +207,8 @@ def roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
             out[j] += along / max(abs(matrix[m, m]), floating) * vectors[j, m]
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _eigenvectors(matrix: Array) -> Array:
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
     """Compute the eigenvectors of a symmetric matrix, as columns, by Jacobi's turns; its diagonal becomes the values.
 
     Golub and Van Loan, Matrix Computations, 8.5. NumPy's would load SciPy, a quarter of a second of each command.
@@ -215,7 +216,9 @@ def _eigenvectors(matrix: Array) -> Array:
     number, least = len(matrix), 0.0
     for i in range(number):
         least = max(least, ROUNDING * largest(matrix[i]))
-    vectors = np.eye(number)
+    for i in range(number):
+        clear(vectors[i])
+        vectors[i, i] = 1.0
     turned = True
     while turned:
         turned = False
@@ -237,10 +240,9 @@ def _eigenvectors(matrix: Array) -> Array:
                 for i in range(number):
                     first, second = matrix[p, i], matrix[q, i]
                     matrix[p, i], matrix[q, i] = cos * first - sin * second, sin * first + cos * second
-    return vectors
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def largest(values: Array) -> float:
     """Compute the largest size among values."""
     largest = 0.0
@@ -249,14 +251,14 @@ def largest(values: Array) -> float:
     return largest
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def copy(values: Array, to: Array) -> None:
     """Put values (m,) into an array: numba takes a second to compile this as an assignment, for its message alone."""
     for j in range(to.size):
         to[j] = values[j]
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def clear(values: Array) -> None:
     """Put 0 into an array (m,)."""
     for j in range(values.size):

@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import KernelSprings
 from cycloid_mj.statics.kernel.search import balance_along
-from cycloid_mj.statics.kernel.system import cam_at
+from cycloid_mj.statics.kernel.system import Linearised, cam_at, system_of
 
 CARRIES = 0.01
 """A tooth carries where its force is at least this share of the largest over the turn."""
@@ -53,8 +53,27 @@ class SampleDeviations(NamedTuple):
     cam: Array
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def balance_samples(
+class SampleRoom(NamedTuple):
+    """Room for one sample after the other: as in `KernelSprings`, its departures `z`, forces, and a system."""
+
+    distance: Array
+    shift: Array
+    cam_place: Array
+    z: Array
+    force: Array
+    system: Linearised
+
+
+def room_for(ideal: KernelSprings) -> SampleRoom:
+    """Make room for samples of ideal parts."""
+    shape, number = ideal.distance.shape, ideal.slope.shape[2]
+    places = np.empty(ideal.cam_place.shape)
+    return SampleRoom(
+        np.empty(shape), np.empty(shape), places, np.empty((shape[0], number)), np.empty(shape), system_of(ideal)
+    )
+
+
+def _balance_samples(
     ideal: KernelSprings,
     effects: Effects,
     made: SampleDeviations,
@@ -63,15 +82,15 @@ def balance_samples(
     last: int,
     out: Array,
     paths: bool | None,
+    room: SampleRoom,
 ) -> None:
     """Balance samples `first` to `last` under each of t loads (t, k, u) [N] at crank angles that follow each other.
 
     `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. For
-    `paths` see `balance_along`.
+    `paths` see `balance_along`; what stands in the `room` is written over.
     """
     count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
-    distance, shift = np.empty((count, contacts)), np.empty((count, contacts))
-    z, force, cam_place = np.empty(load.shape[1:]), np.empty((count, contacts)), np.empty(effects.cam_place.shape)
+    distance, shift, cam_place, z, force, system = room
     for s in range(first, last):
         circle, rotation = made.pin_circle[s], made.rotation[s]
         for k in range(count):
@@ -112,12 +131,19 @@ def balance_samples(
             ideal.pins,
         )
         for t in range(len(load)):
-            left = balance_along(springs, load[t], z, force, paths)
+            left = balance_along(springs, load[t], z, force, paths, system)
             _sum_up(springs, z, force, out[t, s])
             out[t, s, FIGURES - 1] = left.force
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance_samples)
+"""`_balance_samples` without the paths of `by_continuation`, which make arrays: with no `paths`."""
+
+balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balance_samples)
+"""`_balance_samples` by all `paths`."""
+
+
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
     """Write the figures of one sample, but the last."""
     count, discs = len(z), springs.cam_place.shape[1]

@@ -9,7 +9,7 @@ from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, largest_play, opened_by
 from cycloid_mj.statics.kernel.continuation import by_continuation
 from cycloid_mj.statics.kernel.newton import BALANCED, Left, clear, copy, largest, newton
-from cycloid_mj.statics.kernel.system import Linearised, new_system
+from cycloid_mj.statics.kernel.system import Linearised, system_of
 
 _SHORT, _KEPT = 3, 2
 """How often a system is put together in a search that was led well, and with contacts kept: from longer ones contacts
@@ -64,23 +64,29 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
     The worst of all angles, and their work together: where its force is above ``BALANCED``, no balance was found, and
     that angle is the last.
     """
-    begun = z.copy()
-    left = _balance(springs, load, z, force, follow, None)
+    begun, system = z.copy(), system_of(springs)
+    left = balance_briefly(springs, load, z, force, follow, None, system)
     if left.force <= BALANCED:
         return left
     z[:] = begun
-    return _balance(springs, load, z, force, follow, PATHS)
+    return balance_by_all(springs, load, z, force, follow, PATHS, system)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool, paths: bool | None) -> Left:
+def _balance(
+    springs: KernelSprings,
+    load: Array,
+    z: Array,
+    force: Array,
+    follow: bool,
+    paths: bool | None,
+    system: Linearised,
+) -> Left:
     """Do what `balance` does, by all paths, or without those of `by_continuation`, where `paths` is None.
 
     For None, numba leaves out what hangs on them, which is half of what there is to compile, and seldom needed.
     """
-    count, number = load.shape
-    system = new_system(springs)
-    start, near, keep, worst, last = np.zeros(number), False, False, 0.0, 0
+    count, start, near, keep, worst, last = len(load), system.begun, False, False, 0.0, 0
+    system.assembled[0] = 0
     for k in range(count):
         here = z[k]
         copy(here, start)
@@ -101,8 +107,17 @@ def _balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow
     return Left(worst, last, system.assembled[0])
 
 
+balance_briefly = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance)
+"""`_balance` without the paths of `by_continuation`, which make arrays."""
+
+balance_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balance)
+"""`_balance` by all paths."""
+
+
 @njit(nogil=True, error_model="numpy", inline="always")
-def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array, paths: bool | None) -> Left:
+def balance_along(
+    springs: KernelSprings, load: Array, z: Array, force: Array, paths: bool | None, system: Linearised
+) -> Left:
     """Balance crank angles that follow each other closely, with every disc where its cam is at first.
 
     By all paths, or for None without those of `by_continuation`: what it loses then is to be balanced by all.
@@ -111,7 +126,9 @@ def balance_along(springs: KernelSprings, load: Array, z: Array, force: Array, p
         clear(z[k])
         for disc in range(springs.cam_place.shape[1]):
             z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
-    return _balance(springs, load, z, force, YES, paths)
+    if paths is None:
+        return balance_briefly(springs, load, z, force, YES, None, system)
+    return balance_by_all(springs, load, z, force, YES, paths, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

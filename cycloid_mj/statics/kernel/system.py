@@ -29,13 +29,32 @@ class State(NamedTuple):
     stiffness: Array
 
 
+class _PinSystem(NamedTuple):
+    """Arrays for one output pin that bends under D discs: of each its `width` [m], and the force `pressed` [N] on it.
+
+    `ahead`, `aside` (D, 4) [1] and `rate` (D,) [1/m] are as in ``contacts.Curved``, `carries` and `held` (D,), and
+    `flexible` [m/N] and `stiff` [N/m] (D, D), as in `_hold`.
+    """
+
+    width: Array
+    pressed: Array
+    ahead: Array
+    aside: Array
+    rate: Array
+    carries: Mask
+    held: Mask
+    flexible: Array
+    stiff: Array
+
+
 class Linearised(NamedTuple):
     """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u).
 
     `pressed` (n,) [N] are the forces of the springs. The rest are arrays of the search: the Newton `step` and where it
     is from, `start` (u,), `ahead` (4,) [1], and `assembled` (1,), how often the system was put together. Where all
     contacts were `seen` last (u,) [m] each was open by the `margin` (n,) [m], 0 where it may have been closed; `arm`
-    (1,) [1] is how far a contact's curves move with the turns of its parts, at most.
+    (1,) [1] is how far a contact's curves move with the turns of its parts, at most. At an angle the search has `begun`
+    (u,) [m]; `vectors` (u, u) are for `roll_off`, and `pin` for one after the other.
     """
 
     residual: Array
@@ -50,6 +69,9 @@ class Linearised(NamedTuple):
     seen: Array
     margin: Array
     arm: Array
+    begun: Array
+    vectors: Array
+    pin: _PinSystem
 
 
 class _Cam(NamedTuple):
@@ -79,10 +101,9 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     return State(energy, system.residual, system.tangent)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def new_system(springs: KernelSprings) -> Linearised:
-    """Make room for the system of springs at one crank angle."""
-    number = springs.slope.shape[2]
+def system_of(springs: KernelSprings) -> Linearised:
+    """Make room for the system of springs at one crank angle; for kernels there is `new_system`."""
+    number, discs = springs.slope.shape[2], springs.bending.shape[0]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
         for j in (3 * springs.disc[i] + 2, number - 1):
@@ -100,10 +121,27 @@ def new_system(springs: KernelSprings) -> Linearised:
         np.zeros(number),
         np.zeros(springs.disc.size),
         arm,
+        np.zeros(number),
+        np.zeros((number, number)),
+        _PinSystem(
+            np.zeros(discs),
+            np.zeros(discs),
+            np.zeros((discs, 4)),
+            np.zeros((discs, 4)),
+            np.zeros(discs),
+            np.zeros(discs, np.bool_),
+            np.zeros(discs, np.bool_),
+            np.zeros((discs, discs)),
+            np.zeros((discs, discs)),
+        ),
     )
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(system_of)
+"""`system_of`, for kernels: for Python it would have to be compiled first."""
+
+
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def assemble(
     springs: KernelSprings,
     k: int,
@@ -227,7 +265,7 @@ def _straight(springs: KernelSprings) -> int:
     return springs.disc.size - springs.pins * springs.bending.shape[0]
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def _bend(
     springs: KernelSprings, k: int, z: Array, soft: float, friction: float, anew: bool, system: Linearised
 ) -> float:
@@ -243,10 +281,7 @@ def _bend(
     discs, energy = springs.bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
-    width, pressed = np.empty(discs), np.empty(discs)
-    ahead, aside, rate = np.empty((discs, 4)), np.empty((discs, 4)), np.empty(discs)
-    carries, held = np.empty(discs, np.bool_), np.empty(discs, np.bool_)
-    flexible, stiff = np.empty((discs, discs)), np.empty((discs, discs))
+    width, pressed, ahead, aside, rate, carries, held, flexible, stiff = system.pin
     for pin in range(springs.pins):
         closed = False
         for d in range(discs):
@@ -297,7 +332,7 @@ def _bend(
     return energy
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
     """Find the forces on one pin [N] and which contacts carry, from widths [m] and flexibility [m/N]; and stiffness.
 
@@ -326,7 +361,7 @@ def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Arr
         carries[changes] = not carries[changes]
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
 def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
     """Put the stiffness of the contacts of a pin that carry [N/m] into `stiff`, 0 for the others.
 
@@ -352,7 +387,7 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
                 stiff[d, e] -= factor * stiff[pivot, e]
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     """Compute how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
@@ -364,7 +399,7 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     return _Cam(x * share, y * share, depth, 1.0, depth * share, 0.5 * depth * depth, max(depth, 0.0))
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _drag(springs: KernelSprings, k: int, friction: float, system: Linearised) -> None:
     """Add the friction of contacts that slide, in proportion to their normal forces, to a system."""
     o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
