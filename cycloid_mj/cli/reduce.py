@@ -135,7 +135,10 @@ def reduce(
     asked, lossy = scenes(reduced, load_inertia_kgm2, step, integrator)
     warn(
         design.name,
-        [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in comparison.missed)],
+        [
+            *inaccurate(asked, timestep_ms, integrator),
+            *(f"{name} of the joint is off the full model's" for name in comparison.missed),
+        ],
     )
     return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives), place, delivery)
 
@@ -197,10 +200,14 @@ def _outcome(
     )
 
 
-def _inaccurate(asked: "Tried") -> list[str]:
+def inaccurate(asked: "Tried", timestep_ms: float | None, integrator: str | None) -> list[str]:
+    """Say how far a scene is off, and what to do: of what was given, what to leave out."""
     if asked.accurate:
         return []
+    given = {"--timestep-ms": timestep_ms, "--integrator": integrator}
+    left_out = " and ".join(flag for flag, value in given.items() if value is not None)
+    ways = [f"leave out {left_out}"] * bool(left_out) + ["give a larger --load-inertia-kgm2"]
     return [
         f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output: "
-        f"{asked.sentence}; leave out --timestep-ms and --integrator, or give a larger --load-inertia-kgm2"
+        f"{asked.sentence}; {', or '.join(ways)}"
     ]

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from cycloid_mj.base.array import Array
@@ -253,7 +254,25 @@ def vibration(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
     if lengths is None or float(np.ptp(lengths[steps // 2 :])) > GROWN * wound:
         return False, np.nan, np.nan
     rest, frequency = _vibration(lengths[steps // 2 :] - stop, step)
-    return True, rest / wound - 1.0, frequency / slowest - 1.0
+    error = rest / wound - 1.0
+    if abs(error) > WOUND_UP:
+        error = _left_at_rest(on, steps, stop)
+    return True, error, frequency / slowest - 1.0
+
+
+def _left_at_rest(on: TrialScene, steps: int, stop: float) -> float:
+    """Find the relative error of the wind-up where the output starts from its rest under the rated torque.
+
+    Transmission error that changes with the load bends the spring, and the middle of a vibration on it is not its rest.
+    """
+    torque = on.reduced.rated_torque
+    mujoco.mj_resetData(on.model, on.data)
+    on.hold()
+    on.press(torque)
+    lengths = on.lengths(lambda time: torque, steps)
+    if lengths is None:
+        return math.nan
+    return (float(lengths[steps // 2 :].mean()) - stop) / on.reduced.wind_up(torque) - 1.0
 
 
 def _all(reduced: ReducedJoint) -> Iterator[Tried]:

@@ -20,6 +20,7 @@ from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.result import plain
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli import main
+from cycloid_mj.cli.reduce import inaccurate
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import play
 from cycloid_mj.measure.efficiency_map import backward, forward
@@ -883,6 +884,32 @@ def test_an_unknown_level_is_refused(few: ReducedJoint) -> None:
 def test_a_crank_at_rest_is_refused() -> None:
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
         measured.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
+
+
+@pytest.mark.slow
+def test_a_joint_whose_error_changes_with_the_load_by_more_than_it_winds_up_has_a_step() -> None:
+    """The middle of its vibration is 21 % off its rest at any step: the error falls by nine wind-ups up to the load."""
+    loose = joint_of("fixed-n31-d1-carrier-250um")
+    chosen = scene(loose, loose.reflected_inertia)
+    assert chosen.accurate
+    assert abs(chosen.error) < 0.01
+    assert not tried(loose, "implicitfast", 1e-3, loose.reflected_inertia).good
+
+
+@pytest.mark.parametrize(
+    ("given", "advice"),
+    [
+        ((None, None), "; give a larger --load-inertia-kgm2"),
+        ((5.0, None), "; leave out --timestep-ms, or give a larger --load-inertia-kgm2"),
+        ((5.0, "discrete"), "; leave out --timestep-ms and --integrator, or give a larger --load-inertia-kgm2"),
+    ],
+)
+def test_advice_names_flags_that_were_given_alone(
+    few: ReducedJoint, given: tuple[float | None, str | None], advice: str
+) -> None:
+    asked = tried(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
+    (told,) = inaccurate(asked, *given)
+    assert told.endswith(f"unstable{advice}")
 
 
 def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
