@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.interrupt import unbroken
@@ -13,7 +14,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.cli.flags import CommonFlags, Delivery
 from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
-from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell
+from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell, with_warnings
 from cycloid_mj.design import PRESETS
 
 RUNS = "runs"
@@ -117,10 +118,18 @@ def deliver(outcome: Outcome, place: Destination, wanted: CommonFlags) -> int:
     """Write the files of an outcome, print it, and return its exit code."""
     write(outcome, place, wanted)
     if wanted.json:
-        say_json(dict(outcome.result))
+        say_json(_result(outcome))
     else:
         show_outcome(outcome, wanted.all)
     return outcome.code
+
+
+def _result(outcome: Outcome) -> dict[str, Any]:
+    """Collect the JSON object of an outcome, with its own warnings after those that were given on the way."""
+    noted = with_warnings(dict(outcome.result))
+    seen = noted.get("warnings", [])
+    own = [one for one in outcome.warnings if one not in seen]
+    return noted | {"warnings": [*seen, *own]} if own else noted
 
 
 def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, wanted: CommonFlags) -> int:
@@ -179,7 +188,7 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
             for form in outcome.formats:
                 yield place.folder / f"{name}.{form}", draw(form)
         if outcome.filed:
-            yield place.folder / f"{place.stem}.json", storable(f"{json_text(dict(outcome.result))}\n").encode()
+            yield place.folder / f"{place.stem}.json", storable(f"{json_text(_result(outcome))}\n").encode()
         if outcome.frame:
             yield place.folder / f"{place.stem}.csv", storable(outcome.frame.as_csv()).encode()
     if place.page:

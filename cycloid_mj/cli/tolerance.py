@@ -135,7 +135,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         },
         summary=[tolerances.words],
         tables=tolerances.tables(),
-        warnings=tolerances.warnings if tolerances.samples == tolerances.asked else (),
+        warnings=tolerances.warnings,
         notes=tolerances.notes,
         pictures={key: partial(drawn, figure) for key, figure in tolerance_figures(tolerances).items()},
         formats=(),

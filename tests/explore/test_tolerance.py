@@ -506,6 +506,8 @@ def test_the_command_says_why_a_few_samples_all_jam(tmp_path: Path, capsys) -> N
     flags = ["--samples", "4", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"']
     assert main(["tolerance", "--design", "pin", *flags]) == 0
     assert "all samples jam: in the first 4 of them cam interferes by" in " ".join(capsys.readouterr().out.split())
+    (warning,) = json.loads((tmp_path / "pin-tolerance.json").read_text())["warnings"]
+    assert warning.startswith("all samples jam: in the first 4 of them cam interferes by")
 
 
 def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
@@ -517,6 +519,7 @@ def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeyp
     last = said.err.splitlines()[-1]
     assert last.startswith("error: all of the first 6 samples jam: in the first 6 of them cam interferes by ")
     assert json.loads(said.out)["jammed_by"] in last
+    assert json.loads(said.out)["warnings"] == [f"all samples jam: {json.loads(said.out)['jammed_by']}"]
     assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 7
 
 
