@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
@@ -13,6 +14,7 @@ from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import casing, drive, places
 from cycloid_mj.parts.export.assembly import assembly_sections
 from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.printing import PRESSED_PIN, separate_parts
 from cycloid_mj.reducer import Reducer
 
 PIN = Reducer(PRESETS["pin"])
@@ -75,3 +77,12 @@ def test_a_drive_without_room_for_its_covers_has_no_such_figures() -> None:
     assert not drive.has_casing(crowded)
     assert not figure("drive_mass_kg").exists(crowded)
     assert np.isnan(figure("drive_length_mm").value(crowded))
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_a_ring_in_two_halves_is_cased_as_one(kind: str) -> None:
+    """Both halves are the housing: neither is taken for what is pressed into it."""
+    whole, split = (PIN.but(ring={"kind": kind, "pins": "sleeved", "halves": halves}) for halves in (1, 2))
+    assert drive.casing_mass(split) == pytest.approx(drive.casing_mass(whole), rel=1e-3)
+    assert len(separate_parts(split)[HOUSING].stretches) == 2
+    assert (PRESSED_PIN in separate_parts(split)) == (kind == "pin")

@@ -171,9 +171,9 @@ def separate_parts(
     """
     laid = laid_out(reducer, chord_error)
     housing = laid[names.HOUSING]
-    wheel, *pressed = housing.stretches
-    if pressed:
-        laid[names.HOUSING] = housing.of([wheel])
+    rings = housing.stretches[: reducer.design.ring.halves]
+    if pressed := housing.stretches[len(rings) :]:
+        laid[names.HOUSING] = housing.of(rings)
         core = Stretch(PRESSED_PIN, CircleContour(sleeve_core_radius(reducer)), (), pressed[0].z0, pressed[0].z1)
         laid[PRESSED_PIN] = laid[names.PIN].of([core], PRESSED_PIN)
     laid |= _output(reducer, laid[names.OUTPUT])
