@@ -614,7 +614,7 @@ def server() -> Iterator[PageServer]:
 def asking(
     server: PageServer, path: str, body: Any = None, headers: dict[str, str] | None = None
 ) -> tuple[int, bytes, http.client.HTTPMessage]:
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=20)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=300)
     kind = {"Content-Type": "application/json", **(headers or {})}
     content = body if isinstance(body, bytes | None) else json.dumps(body).encode()
     connection.request("GET" if body is None else "POST", path, content, kind)
@@ -702,7 +702,7 @@ def test_whatever_is_sent_is_refused_in_a_sentence(
 
 
 def test_too_much_at_once_is_refused(server: PageServer) -> None:
-    assert all(server.asked.acquire(timeout=10.0) for _ in range(MOST_ASKED))
+    assert all(server.asked.acquire(timeout=300.0) for _ in range(MOST_ASKED))
     assert asking(server, "/ask/draw", {"design": {}})[0] == 503
     for _ in range(MOST_ASKED):
         server.asked.release()
