@@ -323,8 +323,8 @@ def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> G
     CycloidWarning
         As `simulate`.
     """
-    warn(reducer.design.name, warnings(compiled, reducer, course))
     plan = schedule(reducer, compiled.timestep)
+    warn(reducer.design.name, warnings(compiled, reducer, course))
     driven, course = course is None, course or ramp_and_hold(compiled, reducer)
     profile = contact_of(compiled) == "profile"
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
