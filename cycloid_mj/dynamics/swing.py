@@ -12,7 +12,6 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.reducer.limits import widest_play
 from cycloid_mj.statics.structure import wind_up
 
 SETTLING = 0.005
@@ -71,7 +70,7 @@ def crossing_time(reducer: Reducer) -> float:
     if not load:
         return 0.0
     try:
-        play = widest_play(reducer, 0.0)
+        play = reducer.play
     except RunError:  # errors leave none
         return 0.0
     turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf

@@ -10,7 +10,6 @@ from cycloid_mj.dynamics.course import Course, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import widest_play
 
 GROWTHS, GROWS_FOR = (0.025, 0.1), 0.04
 """The torque from rest grows to this share of the rated output torque, over this time [s] or a longer one; to the
@@ -97,8 +96,7 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> BreakAway:
 
 def _crossing(reducer: Reducer, largest: float) -> float:
     """Compute the time [s] of growth to a torque that carries the output across its play in `CROSSED` of it."""
-    play = widest_play(reducer, 0.0)
-    return math.sqrt(6.0 * play * turning_inertia(reducer) / (largest * CROSSED**3))
+    return math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * CROSSED**3))
 
 
 def _start(moving: Run) -> float:

@@ -18,7 +18,6 @@ from cycloid_mj.dynamics.run import Model, Solver, model_for
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import widest_play
 
 DECAY = 2e-3
 """Time [s] in which the motor's slope lets the ringing fall to 1/e: with the paper's motor, 5 % of its speed take all
@@ -50,7 +49,7 @@ def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "
 
 def _drift(reducer: Reducer, torque: float, slope: float) -> float:
     """Estimate the time [s] in which the motor turns the crank across all of its play; 0 without a torque."""
-    return widest_play(reducer, 0.0) * reducer.design.reduction * slope / abs(torque) if torque else 0.0
+    return reducer.play * reducer.design.reduction * slope / abs(torque) if torque else 0.0
 
 
 def with_slope(compiled: Model, slope: float) -> Model:

@@ -22,7 +22,7 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import closed_stiffness
 from cycloid_mj.measure import bench
 from cycloid_mj.parts import turning_inertia
-from cycloid_mj.reducer import Reducer, limits
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
@@ -172,6 +172,5 @@ def slow_period(reducer: Reducer, rated: float) -> float:
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
-    play = limits.widest_play(reducer, 0.0)
-    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(play, 1e-9)))
+    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(reducer.play, 1e-9)))
     return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(reducer)))

@@ -129,6 +129,13 @@ class Reducer:
         return self.shape.kept("phases", lambda: phases(self.design))
 
     @property
+    def play(self) -> float:
+        """The output's widest play between rigid parts [rad], at the crank angle 0; errors as of ``limits.stops``."""
+        from cycloid_mj.reducer.limits import widest_play
+
+        return self.kept("play", lambda: widest_play(self, 0.0))
+
+    @property
     def gears(self) -> tuple[str, ...]:
         """Names of the bodies of all discs."""
         return names.gears(self.design.gear.discs)
