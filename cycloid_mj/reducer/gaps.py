@@ -15,6 +15,7 @@ of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes t
 """
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +24,9 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_centre
-from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
 
 _STEP = 1e-6
 """Step of a difference along the trochoid [rad]."""
@@ -91,12 +94,12 @@ class Gaps:
         return np.asarray(self.room + self.distance)
 
 
-def unknowns(reducer: Reducer) -> int:
+def unknowns(reducer: "Reducer") -> int:
     """Count the unknowns: three for each disc, one for the output."""
     return 3 * len(reducer.phases) + 1
 
 
-def gaps(reducer: Reducer, crank: float) -> Gaps:
+def gaps(reducer: "Reducer", crank: float) -> Gaps:
     """Compute the gaps of teeth and output pins of all discs at a crank angle [rad].
 
     An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
@@ -107,7 +110,7 @@ def gaps(reducer: Reducer, crank: float) -> Gaps:
     return _joined([arc_gaps(reducer, crank), *flanks])
 
 
-def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
+def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
     """Compute the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
     The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins; of a ring in
@@ -118,25 +121,25 @@ def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
     return _joined([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
 
 
-def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
+def _arc_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
     lines, middle = envelope.arc_contacts(gear, turned), gear_centre(gear, turned)
     return _of_halves(reducer, disc, lines, middle)
 
 
-def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
+def flank_gaps(reducer: "Reducer", crank: float, disc: int = 0) -> Gaps:
     """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
     gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
     lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
     return _of_halves(reducer, disc, lines, middle)
 
 
-def _of_halves(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
+def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     ahead = reducer.design.ring.ahead
     return _joined([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
 
 
-def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
+def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
     """Compute the gaps between a disc and the ring, or a `half` of it as it is turned, pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
@@ -177,7 +180,7 @@ def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middl
     )
 
 
-def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
+def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     """Compute the gaps between the holes of a disc and the output pins.
 
     Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
@@ -210,7 +213,7 @@ def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
     )
 
 
-def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
+def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     """Compute how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
@@ -223,7 +226,7 @@ def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
     return motion
 
 
-def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
+def cam_places(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     """Find where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
 
     The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
@@ -236,7 +239,7 @@ def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
     )
 
 
-def _by_unknown(reducer: Reducer, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
+def _by_unknown(reducer: "Reducer", disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
     """Find a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
     slope = np.zeros((*by_turn.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_place

@@ -6,15 +6,17 @@ around it stands for it, larger than the circle by 1 - cos(pi/sides).
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
-from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer import Reducer
 
 _SCALE = 1e-6
 """Unit of length of the programmes [m]."""
@@ -54,18 +56,18 @@ class Fit:
     pin_shift: Array
 
 
-def best_fit(reducer: Reducer, crank: float) -> Fit:
+def best_fit(reducer: "Reducer", crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
     mesh_gaps, pose, least, _ = _most_room(reducer, crank)
     return _fit(reducer, mesh_gaps, pose, least)
 
 
-def pressed_fit(reducer: Reducer, crank: float, pose: Array) -> Fit:
+def pressed_fit(reducer: "Reducer", crank: float, pose: Array) -> Fit:
     """Tell a pose of the unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad]; its room is not looked for."""
     return _fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
 
 
-def _fit(reducer: Reducer, mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
+def _fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
@@ -76,7 +78,7 @@ def _fit(reducer: Reducer, mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
     return Fit(least, discs[:, :2], turned, output, _aside(reducer, mesh_gaps, pose))
 
 
-def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
+def tightest(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]:
     """Find the room of `best_fit` at a crank angle [rad], and which pairs leave no more.
 
     Clearances may be negative here, as in no design file.
@@ -91,7 +93,7 @@ def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
     return least, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
 
 
-def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Array]:
+def _most_room(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Array]:
     """Return the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
     from scipy.optimize import linprog
 
@@ -105,7 +107,7 @@ def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Arra
     return mesh_gaps, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
 
 
-def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
+def stops(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
     """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
 
     As `stops_at`, errors too.
@@ -114,7 +116,7 @@ def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float
     return low, high
 
 
-def stops_at(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
+def stops_at(reducer: "Reducer", cranks: Array, sides: int = CAM_SIDES) -> Array:
     """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at crank angles [rad] (n,).
 
     All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
@@ -133,7 +135,7 @@ def stops_at(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
     return np.concatenate([_stops(reducer, some, sides) for some in together])
 
 
-def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
+def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     """Solve one programme for the stops at some crank angles, which have no limits in common."""
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csc_array
@@ -161,7 +163,7 @@ def _stops(reducer: Reducer, cranks: Array, sides: int) -> Array:
     return np.sort(reducer.member.sense * reducer.share * turns, axis=1)
 
 
-def widest_play(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> float:
+def widest_play(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> float:
     """Compute the output's play between rigid parts [rad] at a crank angle [rad]; errors as `stops`.
 
     Halves of a ring count as not turned against each other: that leaves the most.
@@ -170,7 +172,7 @@ def widest_play(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> float
     return high - low
 
 
-def _limits(reducer: Reducer, mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
+def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
     """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then polygons of `cams`.
 
     These are the cams' places [m], shape (D, 2).
@@ -185,7 +187,7 @@ def _limits(reducer: Reducer, mesh_gaps: Gaps, cams: Array, sides: int) -> tuple
     return np.concatenate(slopes), np.concatenate(rooms)
 
 
-def _aside(reducer: Reducer, mesh_gaps: Gaps, pose: Array) -> Array:
+def _aside(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
     """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
     design = reducer.design
     if not design.ring.has_moving_pins:
