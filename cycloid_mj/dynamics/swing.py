@@ -74,7 +74,12 @@ def crossing_time(reducer: Reducer) -> float:
     except RunError:  # errors leave none
         return 0.0
     turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
-    return min(math.sqrt(2.0 * play * turning_inertia(reducer) / load), turn / CROSSINGS)
+    return min(way_time(reducer, play, load), turn / CROSSINGS)
+
+
+def way_time(reducer: Reducer, way: float, torque: float) -> float:
+    """Compute the time [s] in which a torque [N m] carries output and gear over a way [rad] from rest."""
+    return math.sqrt(2.0 * turning_inertia(reducer) * way / torque)
 
 
 @once

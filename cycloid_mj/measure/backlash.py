@@ -22,10 +22,10 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
+from cycloid_mj.dynamics.swing import way_time
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
-from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, limits
 
 ANGLES, QUICK_ANGLES = 8, 2
@@ -166,7 +166,7 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
     `longer` multiplies the time, `finer` divides the step.
     """
     torque = PRESS * reducer.design.rated_torque
-    dwell = longer * SETTLING * _crossing(reducer, crank, torque)
+    dwell = longer * SETTLING * way_time(reducer, limits.widest_play(reducer, crank), torque)
     levels = torque * np.array(LEVELS)
 
     def signal(time: Array) -> Array:
@@ -177,11 +177,6 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
     turn, phase = output_error(run, reducer), run.time / dwell
     ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
     return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
-
-
-def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
-    """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
-    return math.sqrt(2.0 * turning_inertia(reducer) * limits.widest_play(reducer, crank) / torque)
 
 
 def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:

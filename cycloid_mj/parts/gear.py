@@ -53,8 +53,7 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     design = reducer.design
     _require_room(reducer)
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
-    teeth, phase = GearContour(reducer.shape), reducer.phases[disc]
-    outline = TurnedContour(teeth, -phase / design.lobes) if phase else teeth
+    outline = TurnedContour(GearContour(reducer.shape), -reducer.phases[disc] / design.lobes)
     holes = circles_at(_hole_radius(reducer), output_centres(reducer))
     half = design.gear.face_width / 2
     stretch = Stretch("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half, half)

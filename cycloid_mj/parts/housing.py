@@ -78,7 +78,7 @@ def housing_part(reducer: Reducer) -> Part:
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Stretch("housing", outline, (TurnedContour(hole, ahead) if ahead else hole,), low, high)
+        Stretch("housing", outline, (TurnedContour(hole, ahead),), low, high)
         for low, high, ahead in ring_stretches(reducer)
     ]
     return Part("housing", (*rings, *_cores(reducer)), design.material_of("housing").density)

@@ -151,8 +151,8 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
             gap = planes[number - 2] + half, plane - half
             laid.append(Stretch(names.numbered(NECK, number - 1), journal, (), *gap))
             laid.append(Stretch(names.numbered(names.SPACER, number - 1), ring, (journal,), *gap))
-        outline = TurnedContour(cam, phase) if phase else cam
-        laid.append(Stretch(names.numbered(names.CAM, number), outline, (), plane - half, plane + half))
+        turned = TurnedContour(cam, phase)
+        laid.append(Stretch(names.numbered(names.CAM, number), turned, (), plane - half, plane + half))
     return laid + _far_journal(reducer, journal, shaft.length)
 
 

@@ -8,19 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from cycloid_mj.base import names
-from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import PartSection, Prism
-from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut
-from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_sections, places
+from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_parts, places
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG
 from cycloid_mj.plots.style import WIDTH, styled
 from cycloid_mj.reducer import Reducer
-
-POINTS = 25
-"""On each curve of an outline."""
 
 GAP = 0.12
 """Between parts taken apart, over the housing's outer radius."""
@@ -32,19 +27,20 @@ HEIGHT = 6.2
 @styled
 def exploded(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section through the axis, each part turned into its plane: put together, and below it taken apart."""
-    sections, placed = assembly_sections(reducer, sizes), places(reducer, 0.0, sizes)
+    laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    drawn = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
     figure = Figure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     together, apart = figure.subplots(2, 1)
     counts, gap = Counter(names.family(place.part) for place in placed), GAP * reducer.design.housing.outer_radius
     at = 0.0
     for number, family in enumerate([one for one in ALONG if counts[one]]):
         own = [place for place in placed if names.family(place.part) == family]
-        ends = [place.origin[2] + z for place in own for one in sections[place.part] for z in (one.z0, one.z1)]
+        ends = [place.origin[2] + z for place in own for one in drawn[place.part] for z in (one.z0, one.z1)]
         shift, top = at - min(ends), 0.0
         for place in own:
-            _draw(together, place, sections[place.part], 0.0)
+            _draw(together, place, drawn[place.part], 0.0)
         for place in own:
-            top = max(top, _draw(apart, place, sections[place.part], shift))
+            top = max(top, _draw(apart, place, drawn[place.part], shift))
         at += max(ends) - min(ends) + gap
         middle = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
         text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
@@ -65,45 +61,16 @@ def exploded(reducer: Reducer, sizes: Casing) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, place: Place, sections: tuple[PartSection, ...], shift: float) -> float:
+def _draw(axes: Axes, place: Place, prisms: tuple[Prism, ...], shift: float) -> float:
     """Draw what the plane through the axis and the middle of a part cuts of it; return how high it reaches [m]."""
     x, y, z = place.origin
     away = float(np.hypot(x, y))
     red, green, blue, _ = COLOURS[names.family(place.part)]
     reach = 0.0
-    for section in sections:
-        prism = Prism(*_prism(section), section.z0, section.z1)
+    for prism in prisms:
         for low, high in cut(prism, (0.0, away if names.family(place.part) != names.GEAR else y)):
-            corner = MILLIMETRES * (section.z0 + z + shift), MILLIMETRES * low
-            size = MILLIMETRES * (section.z1 - section.z0), MILLIMETRES * (high - low)
+            corner = MILLIMETRES * (prism.z0 + z + shift), MILLIMETRES * low
+            size = MILLIMETRES * (prism.z1 - prism.z0), MILLIMETRES * (high - low)
             axes.add_patch(Rectangle(corner, *size, facecolor=(red, green, blue), edgecolor="#26323D", linewidth=0.3))
             reach = max(reach, high)
     return reach
-
-
-def _prism(section: PartSection) -> tuple[Array, tuple[Array, ...]]:
-    outline, *holes = (_points(loop) for loop in section.loops)
-    return outline, tuple(holes)
-
-
-def _points(loop: tuple[Curve, ...]) -> Array:
-    """Walk along a closed loop, (n, 2) [m], counter-clockwise."""
-    walked: list[Array] = []
-    for curve in loop:
-        points = _on(curve)
-        if walked and np.linalg.norm(points[-1] - walked[-1][-1]) < np.linalg.norm(points[0] - walked[-1][-1]):
-            points = points[::-1]
-        walked.append(points[:-1] if len(loop) > 1 else points)
-    return np.concatenate(walked)
-
-
-def _on(curve: Curve) -> Array:
-    match curve:
-        case Spline():
-            return curve.points(POINTS)
-        case LineSegment():
-            return np.array([curve.start, curve.end])
-        case _:
-            start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
-            angle = np.linspace(start, end, 8 * POINTS, endpoint=not isinstance(curve, Circle))
-            return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])

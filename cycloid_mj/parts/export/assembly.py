@@ -29,8 +29,8 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
     casing_places,
-    cut,
     tube,
+    with_holes,
 )
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
 from cycloid_mj.parts.export.step import SPLINES, step_part
@@ -130,18 +130,23 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     CycloidError
         The package gmsh is not installed, or OpenCASCADE cannot make a part.
     """
-    drawn = {name: step_part(name, sections) for name, sections in assembly_sections(reducer, sizes).items()}
+    laid = assembly_parts(reducer, sizes)
+    drawn = {name: step_part(name, part.sections(SPLINES)) for name, part in laid.items()}
     return _assembled(reducer.design.name, drawn, places(reducer, crank, sizes))
 
 
 def assembly_sections(
     reducer: Reducer, sizes: Casing | None = None, splines: int = SPLINES
 ) -> dict[str, tuple[PartSection, ...]]:
-    """Build the sections of every part as it is put together, with covers and all they need if their sizes are given.
+    """Build the sections of `assembly_parts`, a lobe by so many splines; errors as there."""
+    return {name: part.sections(splines) for name, part in assembly_parts(reducer, sizes).items()}
+
+
+def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, Part]:
+    """Lay out every part as it is put together, with covers and all they need if their sizes are given.
 
     Pins that are pressed into housing or output are parts of their own; cams are as thick as the bore of their bearing,
-    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough. A lobe is drawn by so
-    many splines.
+    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough.
 
     Raises
     ------
@@ -154,8 +159,8 @@ def assembly_sections(
     if in_stock:
         bearing, count = in_stock
         ring = tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width * count)
-        laid[CAM_BEARING] = Part(CAM_BEARING, cut(CAM_BEARING, ring), STEEL)
-    return {name: part.sections(splines) for name, part in laid.items()}
+        laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, ring), STEEL)
+    return laid
 
 
 @dataclass(frozen=True)

@@ -589,7 +589,7 @@ def flange_screw_length(sizes: Casing) -> float:
     return _screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread)
 
 
-def cut(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
+def with_holes(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
     """Lay out a part of the casing, or cut its holes into the stretches of a part of the mechanism.
 
     The stretches end at all faces of the part and of its holes.

@@ -17,8 +17,8 @@ from cycloid_mj.parts.export.casing import (
     casing,
     casing_parts,
     casing_places,
-    cut,
     tube,
+    with_holes,
 )
 from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts, separate_parts
 from cycloid_mj.reducer import Reducer, once
@@ -138,7 +138,7 @@ def _hollow_cams(reducer: Reducer) -> float:
 
 
 def _steel(part: CasingPart) -> float:
-    return _mass(Part("bought", cut("bought", part), STEEL))
+    return _mass(Part("bought", with_holes("bought", part), STEEL))
 
 
 def _mass(part: Part) -> float:

@@ -9,7 +9,15 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.parts import Part, Solid, Stretch, laid_out, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, CasingPart, casing_parts, cut
+from cycloid_mj.parts.export.casing import (
+    FLANGE,
+    MOTOR_COVER,
+    OUTPUT_COVER,
+    Casing,
+    CasingPart,
+    casing_parts,
+    with_holes,
+)
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
@@ -186,7 +194,7 @@ def separate_parts(
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
         base = laid[name].stretches if name in laid else ()
         density = STEEL if part.bought else reducer.design.material_of(material_part(reducer, name)).density
-        laid[name] = Part(name, cut(name, part, base), density)
+        laid[name] = Part(name, with_holes(name, part, base), density)
     return laid
 
 
@@ -237,9 +245,9 @@ def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
     pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
     pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
-        names.OUTPUT: drawn.of(cut(names.OUTPUT, pressed, [disc])),
+        names.OUTPUT: drawn.of(with_holes(names.OUTPUT, pressed, [disc])),
         OUTPUT_PIN: drawn.of([pin], OUTPUT_PIN),
     }
     if reducer.design.output.support == "both_ends":
-        pieces[SECOND_OUTPUT] = drawn.of(cut(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
+        pieces[SECOND_OUTPUT] = drawn.of(with_holes(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
     return pieces
