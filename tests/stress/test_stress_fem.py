@@ -30,7 +30,7 @@ from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.recover import principal, recovery, stresses, stresses_at_points, von_mises
 from cycloid_mj.stress.region import Boundary, Region
 from cycloid_mj.stress.shaftgrid import shaft_measures
-from cycloid_mj.stress.springs import part_springs
+from cycloid_mj.stress.springs import PartSprings, part_springs
 from cycloid_mj.stress.study import StudySettings
 from cycloid_mj.stress.surface import surface
 from cycloid_mj.stress.vtu import NAMES
@@ -683,20 +683,37 @@ def test_the_map_has_the_bulk_stress_of_the_table() -> None:
         assert drawn.von_mises[drawn.bulk].max() == pytest.approx(found.bulk_stress[row], rel=1e-12)
 
 
+def predicted(drawn: Design, springs: PartSprings) -> tuple[float, float]:
+    """Compute the stiffness that statics has without and with the parts' springs [N m/rad]."""
+    bare, sprung = (
+        1.0 / np.mean([sum(one.series(Reducer(design)).values()) for one in windups(Reducer(design), [0.3, 2.0], 10.0)])
+        for design in (drawn, springs.design)
+    )
+    assert sprung == pytest.approx(springs.stiffness, rel=0.03)
+    return bare, sprung
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "measured"), [("pin", 366.0), ("nonpin", 331.0)])
-def test_a_printed_drive_is_nearly_as_stiff_as_its_parts(kind: str, measured: float) -> None:
-    """Nothing fitted: statics with the parts' springs is 2 to 3.5 times the loops (docs/bench.md), without 12 times."""
+def test_a_printed_drive_with_an_overhung_shaft_would_be_as_stiff_as_its_parts(kind: str, measured: float) -> None:
+    """Nothing fitted: statics with the parts' springs is within 1.5 times of the loops (docs/bench.md), else 12 off."""
+    drawn = resolve("printed").but(ring={"kind": kind}, shaft={"mounting": "overhang"})
+    found = part_springs(Reducer(drawn))
+    given = found.given
+    assert min(given["gear"], given["shaft"], given["bearing_seats"]) > 3.0 * given["ring"]
+    bare, sprung = predicted(drawn, found)
+    assert measured / 1.5 < sprung < 1.5 * measured
+    assert bare > 8.0 * measured
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "measured"), [("pin", 366.0), ("nonpin", 331.0)])
+def test_a_printed_drive_as_drawn_is_stiffer_than_measured(kind: str, measured: float) -> None:
+    """Nothing fitted: its shaft is held on both sides of the disc, and 2.1 and 3.4 times as stiff (docs/bench.md)."""
     drawn = resolve("printed").but(ring={"kind": kind})
     found = part_springs(Reducer(drawn))
     given = found.given
     assert given["gear"] > 3.0 * given["bearing_seats"] / 2.0 > given["shaft"]
-    overhung = part_springs(Reducer(drawn.but(shaft={"mounting": "overhang"}))).given
-    assert all(overhung[part] > 6.0 * given[part] for part in ("shaft", "bearing_seats"))
-    bare, sprung = (
-        1.0 / np.mean([sum(one.series(Reducer(design)).values()) for one in windups(Reducer(design), [0.3, 2.0], 10.0)])
-        for design in (drawn, found.design)
-    )
-    assert sprung == pytest.approx(found.stiffness, rel=0.03)
+    bare, sprung = predicted(drawn, found)
     assert 1.5 * measured < sprung < 3.6 * measured
     assert bare > 8.0 * measured
