@@ -10,6 +10,8 @@ from typing import Any
 import numba
 from numba.core import event, sigutils
 from numba.core.ccallback import CFunc
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 
 from cycloid_mj.base.compile_cache import SealedCache, folder, say_compiling
 from cycloid_mj.base.interrupt import unbroken
@@ -23,16 +25,51 @@ def njit(
     """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked.
 
     One that never `allocates` an array, nor what it calls, need not count references to those that it is given, which
-    costs it time. An `inner` one is for kernels alone: what Python would call it by is half of some compilations.
+    costs it time. An `inner` one is for kernels alone, and must not raise: it is kept with those that call it.
     """
+    if inner:
+        options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": _InnerCompiler}
 
     def compiled(function: Function) -> Any:
-        wrapped = numba.njit(**options, _nrt=allocates, no_cpython_wrapper=inner, no_cfunc_wrapper=inner)(function)
+        wrapped = numba.njit(**options, _nrt=allocates)(function)
         if cache:
             wrapped._cache = SealedCache(function)
         return wrapped
 
     return compiled
+
+
+class _InnerCompiler(Compiler):  # type: ignore[misc]  # numba has no types
+    """Numba's compiler, up to the code that is linked into that of callers."""
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *rest: Any) -> None:
+        super().__init__(typingctx, targetctx, library or _InnerCode(targetctx.codegen(), "inner"), *rest)
+
+
+class _InnerCode(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
+    """Code of which no machine code is made: callers optimise it with their own, which is a third of a compilation."""
+
+    @property
+    def codegen(self) -> Any:
+        """What is to hand the environment, for objects of Python and errors, to the machine code."""
+        return _NoEnvironment()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Tell that there is none for Python."""
+        self._ensure_finalized()
+        return 0
+
+    def _optimize_final_module(self) -> None:
+        """Leave that to callers."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+class _NoEnvironment:
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing needs it."""
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:

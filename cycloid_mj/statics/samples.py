@@ -27,6 +27,7 @@ from cycloid_mj.statics.kernel import (
     PATHS,
     Effects,
     SampleDeviations,
+    balance_few_samples,
     balance_samples,
     balance_samples_by_all,
     room_for,
@@ -36,6 +37,9 @@ from cycloid_mj.statics.structure import wind_up
 
 ANGLES = 360
 """Crank angles in a turn."""
+
+FEW = 2
+"""Samples for which it does not pay to compile a loop over them: what it calls is compiled."""
 
 CHUNKS = 8
 """Pieces of work for each thread: samples do not all take as long, and between them it gives way."""
@@ -202,7 +206,8 @@ def solve_samples(
     def balanced(first: int, last: int) -> None:
         given = springs.contacts, effects, deviations, load
         room = room_for(springs.contacts)
-        balance_samples(*given, first, last, out, None, room)
+        balance = balance_few_samples if len(samples) <= FEW else balance_samples
+        balance(*given, first, last, out, None, room)
         for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= BALANCED).all(axis=0)):
             balance_samples_by_all(*given, lost, lost + 1, out, PATHS, room)
 

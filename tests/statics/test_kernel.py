@@ -25,7 +25,7 @@ from cycloid_mj.statics.kernel import (
     Rubbing,
     State,
     balance,
-    balance_along,
+    begin,
     follow_path,
     gap,
     is_open,
@@ -260,7 +260,7 @@ def test_the_forces_of_a_balance_turn_no_part() -> None:
     contacts, load, z = springs("2"), np.zeros((1, 7)), np.zeros((1, 7))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    assert balance_along(contacts, load, z, force, None, system_of(contacts)).force <= BALANCED
+    assert balance_along(contacts, load, z, force).force <= BALANCED
     push = force[0] @ np.array([gap(contacts, 0, i, z[0]).ahead for i in range(contacts.disc.size)])
     assert push[3] == pytest.approx(-load[0, -1], rel=1e-6)
     for disc in range(2):
@@ -283,6 +283,12 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
         assert -turn == pytest.approx(0.01 * contacts.cam_stiffness * depth, rel=1e-6)
 
 
+def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Left:
+    """Balance crank angles that follow each other, with every disc where its cam is at first."""
+    begin(contacts, z)
+    return search.balance_briefly(contacts, load, z, force, True, None, system_of(contacts))
+
+
 def balanced(name: str, follow: bool, friction: bool) -> Left:
     """Balance the rated torque at three crank angles, from where the cams are."""
     contacts = springs(name, crank=TURN, friction=friction)
@@ -291,11 +297,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Left:
     z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
     for disc, place in enumerate(contacts.cam_place.swapaxes(0, 1)):
         z[:, 3 * disc : 3 * disc + 2] = place
-    return (
-        balance_along(contacts, load, z, force, None, system_of(contacts))
-        if follow
-        else balance(contacts, load, z, force, False)
-    )
+    return balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -338,9 +340,7 @@ def followed(contacts: KernelSprings, torque: float) -> Left:
     """Balance crank angles that follow each other under a torque on the output."""
     load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
     load[:, -1] = torque / contacts.radius
-    return balance_along(
-        contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape), None, system_of(contacts)
-    )
+    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape))
 
 
 @pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 46)])

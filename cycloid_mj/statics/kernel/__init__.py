@@ -15,11 +15,12 @@ from cycloid_mj.statics.kernel.samples import (
     FIGURES,
     Effects,
     SampleDeviations,
+    balance_few_samples,
     balance_samples,
     balance_samples_by_all,
     room_for,
 )
-from cycloid_mj.statics.kernel.search import PATHS, balance, balance_along
+from cycloid_mj.statics.kernel.search import PATHS, balance, begin
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
@@ -38,9 +39,10 @@ __all__ = [
     "SampleDeviations",
     "State",
     "balance",
-    "balance_along",
+    "balance_few_samples",
     "balance_samples",
     "balance_samples_by_all",
+    "begin",
     "follow_path",
     "gap",
     "is_open",

@@ -204,7 +204,7 @@ def apart_of(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
     return _Apart(q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p, q, p)
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
     """Compute a gap and its derivatives from what `apart_of` gives."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
@@ -230,7 +230,7 @@ def curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, e
     return Curved(room + width, ahead, aside, rate)
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _rounded(
     trochoid: tuple[float, float, float],
     phase: float,
@@ -278,7 +278,7 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
     return (E - c * N * N) / (E - c * N) ** 2
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _foot(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
 ) -> tuple[bool, float, float, float, float]:

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import cacheable, njit
+from cycloid_mj.base.compiling import njit
 from cycloid_mj.statics.kernel.contacts import NO, KernelSprings
 from cycloid_mj.statics.kernel.system import Linearised, assemble
 
@@ -49,7 +49,7 @@ class Left(NamedTuple):
     work: int
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def newton(
     springs: KernelSprings,
     k: int,
@@ -121,7 +121,7 @@ def _curvature(stiffness: Array, step: Array) -> float:
     return total
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
     """Solve a system by Gauss's elimination with pivots, in place; give the sign of its determinant, 0 if unsolvable.
 
@@ -160,7 +160,7 @@ def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
     return sign
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bool:
     """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
     number = right.size
@@ -190,7 +190,7 @@ def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bo
     return True
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
     """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge.
 
@@ -207,7 +207,7 @@ def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: 
             out[j] += along / max(abs(matrix[m, m]), floating) * vectors[j, m]
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
     """Compute the eigenvectors of a symmetric matrix, as columns, by Jacobi's turns; its diagonal becomes the values.
 
@@ -242,7 +242,7 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
                     matrix[p, i], matrix[q, i] = cos * first - sin * second, sin * first + cos * second
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def largest(values: Array) -> float:
     """Compute the largest size among values."""
     largest = 0.0
@@ -251,14 +251,14 @@ def largest(values: Array) -> float:
     return largest
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def copy(values: Array, to: Array) -> None:
     """Put values (m,) into an array: numba takes a second to compile this as an assignment, for its message alone."""
     for j in range(to.size):
         to[j] = values[j]
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def clear(values: Array) -> None:
     """Put 0 into an array (m,)."""
     for j in range(values.size):

@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import KernelSprings
-from cycloid_mj.statics.kernel.search import balance_along
+from cycloid_mj.statics.kernel.contacts import YES, KernelSprings
+from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all, begin
 from cycloid_mj.statics.kernel.system import Linearised, cam_at, system_of
 
 CARRIES = 0.01
@@ -73,7 +73,7 @@ def room_for(ideal: KernelSprings) -> SampleRoom:
     )
 
 
-def _balance_samples(
+def balance_few_samples(
     ideal: KernelSprings,
     effects: Effects,
     made: SampleDeviations,
@@ -86,43 +86,28 @@ def _balance_samples(
 ) -> None:
     """Balance samples `first` to `last` under each of t loads (t, k, u) [N] at crank angles that follow each other.
 
-    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. For
-    `paths` see `balance_along`; what stands in the `room` is written over.
+    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. By all
+    `paths`, or for None without those of `by_continuation`: what is lost then is to be balanced by all. What stands in
+    the `room` is written over.
     """
-    count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
-    distance, shift, cam_place, z, force, system = room
+    z, force, system = room.z, room.force, room.system
     for s in range(first, last):
-        circle, rotation = made.pin_circle[s], made.rotation[s]
-        for k in range(count):
-            for i in range(contacts):
-                across = along = 0.0
-                for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
-                    across += effects.distance[k, i, j] * size
-                    along += effects.shift[k, i, j] * size
-                for j in range(made.waves.shape[1]):
-                    across += effects.waves[k, i, j] * made.waves[s, j]
-                distance[k, i], shift[k, i] = across, along
-            cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
-            for disc in range(discs):
-                x, y = made.cam_place[s, disc, 0], made.cam_place[s, disc, 1]
-                out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
-                cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
-                cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
+        _make(effects, made, s, room.distance, room.shift, room.cam_place)
         springs = KernelSprings(
             ideal.radius,
             ideal.disc,
             ideal.turning,
             made.room[s],
-            distance,
+            room.distance,
             ideal.slope,
-            shift,
+            room.shift,
             ideal.shift_slope,
             ideal.bend,
             ideal.twist,
             ideal.phase,
             ideal.trochoid,
             ideal.stiffness,
-            cam_place,
+            room.cam_place,
             made.cam[s],
             ideal.cam_stiffness,
             ideal.rubbing,
@@ -131,19 +116,44 @@ def _balance_samples(
             ideal.pins,
         )
         for t in range(len(load)):
-            left = balance_along(springs, load[t], z, force, paths, system)
+            begin(springs, z)
+            if paths is None:
+                left = balance_briefly(springs, load[t], z, force, YES, None, system)
+            else:
+                left = balance_by_all(springs, load[t], z, force, YES, paths, system)
             _sum_up(springs, z, force, out[t, s])
             out[t, s, FIGURES - 1] = left.force
 
 
-balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance_samples)
-"""`_balance_samples` without the paths of `by_continuation`, which make arrays: with no `paths`."""
+balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
+"""`balance_few_samples` for many, without the paths of `by_continuation`, which make arrays: with no `paths`."""
 
-balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balance_samples)
-"""`_balance_samples` by all `paths`."""
+balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(balance_few_samples)
+"""`balance_few_samples` by all `paths`."""
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def _make(effects: Effects, made: SampleDeviations, s: int, distance: Array, shift: Array, cam_place: Array) -> None:
+    """Write the gaps of a sample (k, n) [m] and the places of its cams (k, D, 2) [m] at all crank angles."""
+    circle, rotation = made.pin_circle[s], made.rotation[s]
+    for k in range(distance.shape[0]):
+        for i in range(distance.shape[1]):
+            across = along = 0.0
+            for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
+                across += effects.distance[k, i, j] * size
+                along += effects.shift[k, i, j] * size
+            for j in range(made.waves.shape[1]):
+                across += effects.waves[k, i, j] * made.waves[s, j]
+            distance[k, i], shift[k, i] = across, along
+        cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
+        for disc in range(cam_place.shape[1]):
+            x, y = made.cam_place[s, disc, 0], made.cam_place[s, disc, 1]
+            out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
+            cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
+            cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
+
+
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
     """Write the figures of one sample, but the last."""
     count, discs = len(z), springs.cam_place.shape[1]

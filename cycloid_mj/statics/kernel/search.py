@@ -114,21 +114,13 @@ balance_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balan
 """`_balance` by all paths."""
 
 
-@njit(nogil=True, error_model="numpy", inline="always")
-def balance_along(
-    springs: KernelSprings, load: Array, z: Array, force: Array, paths: bool | None, system: Linearised
-) -> Left:
-    """Balance crank angles that follow each other closely, with every disc where its cam is at first.
-
-    By all paths, or for None without those of `by_continuation`: what it loses then is to be balanced by all.
-    """
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def begin(springs: KernelSprings, z: Array) -> None:
+    """Put every disc to where its cam is at each crank angle, in departures z (k, u) [m]: searches start there."""
     for k in range(len(z)):
         clear(z[k])
         for disc in range(springs.cam_place.shape[1]):
             z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
-    if paths is None:
-        return balance_briefly(springs, load, z, force, YES, None, system)
-    return balance_by_all(springs, load, z, force, YES, paths, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

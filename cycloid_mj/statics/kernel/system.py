@@ -141,7 +141,7 @@ new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(system_of)
 """`system_of`, for kernels: for Python it would have to be compiled first."""
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def assemble(
     springs: KernelSprings,
     k: int,
@@ -265,7 +265,7 @@ def _straight(springs: KernelSprings) -> int:
     return springs.disc.size - springs.pins * springs.bending.shape[0]
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _bend(
     springs: KernelSprings, k: int, z: Array, soft: float, friction: float, anew: bool, system: Linearised
 ) -> float:
@@ -332,7 +332,7 @@ def _bend(
     return energy
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
     """Find the forces on one pin [N] and which contacts carry, from widths [m] and flexibility [m/N]; and stiffness.
 
@@ -361,7 +361,7 @@ def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Arr
         carries[changes] = not carries[changes]
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
     """Put the stiffness of the contacts of a pin that carry [N/m] into `stiff`, 0 for the others.
 
@@ -387,7 +387,7 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
                 stiff[d, e] -= factor * stiff[pivot, e]
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     """Compute how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
@@ -399,7 +399,7 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     return _Cam(x * share, y * share, depth, 1.0, depth * share, 0.5 * depth * depth, max(depth, 0.0))
 
 
-@njit(cache=cacheable(), allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _drag(springs: KernelSprings, k: int, friction: float, system: Linearised) -> None:
     """Add the friction of contacts that slide, in proportion to their normal forces, to a system."""
     o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
