@@ -7,10 +7,10 @@ which arms a disc, a pin and a shaft move it: the speed of the part that is push
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
@@ -76,7 +76,9 @@ _ROUND = 1e-9
 _SHALLOWEST = 1e-12
 """Least depth [m] that the law IMPACT is evaluated at."""
 
-njit = numba.njit(error_model="numpy")
+njit = compiling.njit(inner=True, allocates=False, error_model="numpy", forceinline=True)
+"""Compile what the solver calls at every step."""
+
 _spring, _damper = njit(impact.spring), njit(impact.damper)
 
 
