@@ -34,7 +34,7 @@ def draw(content: Content) -> dict[str, Any]:
 def opened(content: Content) -> dict[str, Any]:
     """Read a design file, or take a preset."""
     text, preset = content.get("text"), content.get("preset")
-    if preset in PRESETS:
+    if isinstance(preset, str) and preset in PRESETS:
         design = PRESETS[preset]
     elif isinstance(text, str):
         design = loads(text, str(content.get("name", "the file"))[:80])
@@ -135,13 +135,13 @@ def long_work(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
     UsageError
         There is no such work.
     """
-    kind, design = content.get("kind"), content.get("design")
+    kind, design = str(content.get("kind")), content.get("design")
     if kind == "size":
         asked.requirement_of(content.get("form"))
         return asked.size, (content.get("form"),)
     if kind in made.FILES:
         return made.make, (design, kind)
-    works: Mapping[Any, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+    works: Mapping[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
         "run": (made.run, (design,)),
         "scatter": (scatter.samples, (design, content.get("spread_um"))),
         "stress": (stressed.stress, (design,)),

@@ -4,23 +4,17 @@ A server on 127.0.0.1 is reached by every page that the browser has open: one wh
 machine would be of the same origin (DNS rebinding). The names give it away.
 """
 
+import re
 from collections.abc import Sequence
-from urllib.parse import urlsplit
 
-NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
+LOCAL = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.ASCII | re.IGNORECASE)
+"""A ``Host`` of this machine, with or without its port."""
 
 REFUSED = "This page is for the machine that serves it: open it as http://127.0.0.1 or http://localhost.\n"
 
 
 def allowed(hosts: Sequence[str], origins: Sequence[str]) -> bool:
     """Tell whether a request has one ``Host``, a local one, and no other ``Origin``."""
-    if len(hosts) != 1 or _name(hosts[0]) not in NAMES:
+    if len(hosts) != 1 or not LOCAL.fullmatch(hosts[0]):
         return False
     return all(origin.lower() == f"http://{hosts[0].lower()}" for origin in origins)
-
-
-def _name(host: str) -> str | None:
-    try:
-        return urlsplit(f"//{host}").hostname
-    except ValueError:
-        return None

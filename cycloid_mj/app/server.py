@@ -1,5 +1,6 @@
 """The page's server: Python's own, on this machine alone, for JSON questions, files and the page itself."""
 
+import gc
 import json
 import logging
 import sys
@@ -132,6 +133,7 @@ class Handler(BaseHTTPRequestHandler):
             self._send_json(HTTPStatus.INTERNAL_SERVER_ERROR, {"error": reason})
         finally:
             self.server.asked.release()
+            gc.collect()  # as the workers do
 
     def log_message(self, format: str, *args: Any) -> None:
         """Suppress the log of requests that succeed."""
@@ -194,6 +196,7 @@ def serve(design: Design, port: int, show: bool) -> None:
         with PageServer(design, port, workers) as server:
             if show:
                 threading.Timer(0.3, webbrowser.open, (f"http://127.0.0.1:{port}",)).start()
+            gc.freeze()
             server.serve_forever()
     finally:
         workers.close()

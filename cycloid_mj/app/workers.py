@@ -4,6 +4,7 @@ One is for what follows every move of a slider, one for what takes a moment long
 and one for long work, which can be stopped.
 """
 
+import gc
 import multiprocessing
 import os
 import threading
@@ -96,7 +97,9 @@ def _serve(pipe: Connection, warm: Warm, behind: bool) -> None:
     for work, args in warm:
         with suppress(CycloidError):  # the page may begin with a design that cannot be built
             work(*args)
+    gc.freeze()  # modules, and what all questions share: the rest is searched for circles in a millisecond
     while True:
+        gc.collect()  # values of a design refer to each other: 350 MB of them in 200 moves, left to Python
         try:
             work, args, tells = pipe.recv()
         except EOFError:

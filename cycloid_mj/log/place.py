@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cycloid_mj.base.errors import LogError
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.replacing import LOG, claim, require_ending
 from cycloid_mj.base.whole import hidden_beside
 
 
@@ -43,9 +43,12 @@ class LogFile:
         Another run is writing the log at `path`, or it cannot be written.
     TakenError
         The running command reads the file at `path`, or that is no log.
+    UsageError
+        The name has the ending of another kind of file.
     """
 
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
+        require_ending(path, LOG)
         if force:
             claim(path, force=True)
         self.path, self.hidden = path, hidden

@@ -244,6 +244,7 @@ def test_no_input_is_replaced_even_by_force(words: str, file: str, here: Path) -
 def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
     Path("page.html").write_bytes(LOG)
     Path("table.csv").symlink_to("other.mcap")
+    Path("my.toml").write_text('name = "my"\n')
     before = contents(here)
     for words in ("report run.mcap --out page.html", "design profile --design pin --csv table.csv"):
         code, err = called(*words.split(), "--force")
@@ -252,6 +253,7 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
         "design profile --design pin --csv my.toml",
         "report run.mcap --out my.csv",
         "log parquet run.mcap a.mcap",
+        "log repair run.mcap my.toml --scene-hz 10",
     ):
         code, err = called(*words.split(), "--force")
         assert (code, "is the ending of a" in err) == (2, True), err
