@@ -63,14 +63,25 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
         OUTPUT: _pose(still, still, carrier),
     }
     if design.ring.kind == "pin":
-        for number, (x, y) in enumerate(ring_places(reducer), start=1):
-            away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
-            if design.ring.has_massless_pins:
-                force = [_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)]
-                away[:2] = _pressed(reducer, [*turned(np.stack(force, axis=-1), -ring).T])
-            place = turned(np.stack([x + away[0], y + away[1]], axis=1), ring)
-            by_part[pin(number)] = _pose(place[:, 0], place[:, 1], away[2] + ring)
+        placed = _pin_poses(reducer, columns, ring)
+        by_part |= {pin(number): pose for number, pose in enumerate(placed, start=1)}
     return by_part
+
+
+def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
+    """Compute the poses of all pins, shape (N, n, 3), of a ring that has turned by `ring` (n,) [rad]."""
+    places = ring_places(reducer)
+    numbers, still = range(1, len(places) + 1), np.zeros_like(ring)
+    away = np.array(
+        [[columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")] for number in numbers]
+    ).swapaxes(1, 2)
+    if reducer.design.ring.has_massless_pins:
+        force = np.array(
+            [[_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
+        )
+        away[..., :2] = _pressed(reducer, turned(force.swapaxes(1, 2), -ring))
+    centres = turned(places[:, np.newaxis] + away[..., :2], ring)
+    return usable(np.concatenate([centres, away[..., 2:] + ring[:, np.newaxis]], axis=-1))
 
 
 def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
@@ -80,10 +91,10 @@ def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis:
     return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
 
 
-def _pressed(reducer: Reducer, force: list[Array]) -> list[Array]:
-    """Find how far a massless pin is from its place [m]: by its play away from the gears, which feel its force [N]."""
-    size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
-    return [-reducer.design.pin_play * component / size for component in force]
+def _pressed(reducer: Reducer, force: Array) -> Array:
+    """Find how far massless pins are from their places [m]: by their play away from gears, which feel `force` [N]."""
+    size = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
+    return -reducer.design.pin_play * force / size
 
 
 def turned(points: Array, angle: npt.ArrayLike) -> Array:
