@@ -43,10 +43,12 @@ LIKE = 1e-6
 """Share of the largest normal force by which friction of the round before may miss its limit at the end."""
 
 AT_ONCE_ROUNDS = 6
-"""Rounds in which all contacts change that ask for it; from then on it is the first of them alone.
+"""Rounds in which all contacts without a moving pin change that ask for it; from then on it is the first of them alone.
 
-Two contacts of a light pin, gear and seat, may change each other for ever. One at a time they come to an end, where the
-law of all is a P-matrix (Murty, Note on a Bard-type scheme for solving the complementarity problem, 1974).
+Contacts may change each other for ever. One at a time they come to an end, where the law of all is a P-matrix (Murty,
+Note on a Bard-type scheme for solving the complementarity problem, 1974). The two of a moving pin, gear and seat, do so
+at once, as it is light: of each pin the first alone changes in every round. Pins meet each other by way of the discs
+alone, which are heavy, so that all of them change in the rounds that one takes.
 """
 
 
@@ -67,6 +69,8 @@ class Equations(NamedTuple):
         What each pin adds to the equations of the others, and the others to its own, shapes (n N, 3), (3 N, n).
     coupled
         Whether a pin meets anything that moves, shape (N,).
+    settled
+        Whether no contact of a pin has changed in this round, shape (N,).
     shaft_state
         Of the drags of output and crank, as of contacts, shape (2,).
     """
@@ -78,6 +82,7 @@ class Equations(NamedTuple):
     by_pin: Array
     of_pin: Array
     coupled: Integers
+    settled: Integers
     shaft_state: Integers
 
 
@@ -92,6 +97,7 @@ def room_for_equations(system: System) -> Equations:
         by_pin=np.zeros((size * pins, 3)),
         of_pin=np.zeros((3 * pins, size)),
         coupled=np.zeros(pins, dtype=np.int64),
+        settled=np.zeros(pins, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
     )
 
@@ -387,14 +393,19 @@ def _changes(
 ) -> bool:
     """Compute the forces at speeds v, set the states that they ask for, and tell whether one has changed.
 
-    Where not all change `at_once`, the first does alone; where friction is not coupled, it is to come out as it was.
+    Of each moving pin the first contact changes; of all others the first, or all `at_once`. Where friction is not
+    coupled, it is to come out as it was.
 
     A contact that was open closes where its gap does; one that has closed bears what it bears, until that is nothing.
     """
-    changed, largest, moved = False, 0.0, 0.0
+    changed, others_settled, largest, moved = False, True, 0.0, 0.0
+    size, settled = len(equations.right), equations.settled
+    for i in range(len(settled)):
+        settled[i] = 1
     for k in range(count):
         contact = contacts[k]
-        before, bore = contact.state, contact.pressing
+        before, bore, pin = contact.state, contact.pressing, (contact.pin - size) // 3
+        one_by_one = pin >= 0 or not at_once
         contact.speed, contact.slip = speeds(contact, v)
         pressing = contact.force - contact.slope * contact.speed
         if before == OPEN:
@@ -406,18 +417,26 @@ def _changes(
         if before in (SLIDES, SLIDES_BACK):
             moved = max(moved, abs(contact.pressing - bore))
         after = OPEN
-        if pressing > 0.0:
+        if (before == SLIDES and contact.slip < 0.0) or (before == SLIDES_BACK and contact.slip > 0.0):
+            after = STICKS  # what turns round comes to rest on the way, even if friction as it was parts it
+        elif pressing > 0.0:
             after = rubbing_state(contact, contact.slip)
-            if after != before and after != STICKS and before in (SLIDES, SLIDES_BACK):
-                after = STICKS  # what turns round comes to rest on the way
+            if before == OPEN and not coupled_friction:
+                after = STICKS  # the force that it would have had is no measure of friction
+        elif before == STICKS and one_by_one and contact.friction > 0.0:
+            after = SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may part what presses
+        if pressing > 0.0:
             limit = contact.friction * pressing
             contact.rubbing = -max(-limit, min(limit, contact.creep * contact.slip))
-        elif before == STICKS and not at_once and contact.friction > 0.0:
-            after = SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may part what presses
-        if after != before and (at_once or not changed):
+        if after == before:
+            continue
+        changed = True
+        if not one_by_one or (settled[pin] if pin >= 0 else others_settled):
             contact.state = after
-            changed = True
-    size = len(equations.right)
+        if pin >= 0:
+            settled[pin] = 0
+        else:
+            others_settled = False
     for shaft in range(2):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
@@ -425,7 +444,7 @@ def _changes(
             after = STICKS
             if system.drag[shaft, 1] * abs(speed) > limit:
                 after = SLIDES if speed > 0.0 else SLIDES_BACK
-            if after != equations.shaft_state[shaft] and (at_once or not changed):
+            if after != equations.shaft_state[shaft] and (at_once or others_settled):
                 equations.shaft_state[shaft] = after
-                changed = True
+                changed, others_settled = True, False
     return changed or (not coupled_friction and moved > LIKE * largest)

@@ -155,16 +155,16 @@ def _compiled() -> Any:
         sample, most = 0, 0
         for taken in range(len(commands)):
             _foresee(motion, size, near)
-            count = 0
+            count, rounds = 0, 0
             for _ in range(MOST_LOOKS):
                 _go(motion.q, half, near, q)
                 count = find(system, lobes, q, near, half, scratch, contacts)
                 at, command = motion.q, commands[taken]
                 rounds = solve(system, contacts, count, equations, at, motion.v, near, command, step, pin_span, middle)
-                most = max(most, rounds)
                 if not _is_far(system, half, near, middle, size):
                     break
                 _go(middle, 0.0, middle, near)
+            most = max(most, rounds)
             _note(contacts, count, sums, motion.peak)
             due -= 1
             if due == 0:
@@ -246,7 +246,7 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step: what moves, energies, what the solver did, pairs and drags.
 
-    `rounds` are the most that a step since the last sample took.
+    `rounds` are the most that a step since the last sample took at its last look for contacts.
     """
     discs, size = len(system.cams), len(system.inertia)
     output, crank = size - 2, size - 1
