@@ -22,6 +22,12 @@ PER_PERIOD = 12
 MOST_ORDER = 60.0
 """Cycles in a turn of the crank."""
 
+FEWER = 6
+"""Crank angles in a mesh period for the orders, which take all turns of the crank in one of the output."""
+
+DRAWN = 2e-3
+"""Share of the strongest order from which on an order is drawn."""
+
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     """Compute the forces on every disc over one turn of the crank, the first or a later one, seen from the ring.
@@ -57,25 +63,35 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
 
 
 def error(reducer: Reducer) -> dict[str, Any]:
-    """Compute the transmission error over a turn and its orders, at the load and without it, by statics."""
+    """Compute the transmission error over a turn, at the load and without it, and its orders at the load, by statics.
+
+    Output pins pass at no whole order, so that nothing repeats before the output has turned once.
+    """
     reducer, load = _loaded(reducer)
     design = reducer.design
     crank = np.linspace(0.0, reducer.mesh_turn, PER_PERIOD * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
-        angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, share * load)[:, 1]
-        angle = angle - angle.mean()
-        spectrum = periodic_orders(crank, angle, 2.0 * np.pi / reducer.mesh_turn, MOST_ORDER)
-        curves.append(
-            {
-                "name": name,
-                "arcsec": np.round(angle, 4).tolist(),
-                "orders": np.round(spectrum.order, 4).tolist(),
-                "amplitudes": np.round(spectrum.amplitude, 5).tolist(),
-                "peak_to_peak": float(np.ptp(angle)),
-            }
-        )
-    return {"crank_deg": np.round(np.degrees(crank), 3).tolist(), "curves": curves, "mesh": reducer.mesh_periods}
+        angle = _output_error(reducer, crank, share * load)
+        curves.append({"name": name, "arcsec": np.round(angle, 4).tolist(), "peak_to_peak": float(np.ptp(angle))})
+    whole = np.linspace(0.0, design.lobes * reducer.mesh_turn, FEWER * design.lobes * design.ring.teeth, endpoint=False)
+    found = periodic_orders(whole, _output_error(reducer, whole, load), reducer.share / design.lobes, MOST_ORDER)
+    drawn = found.amplitude > DRAWN * found.amplitude.max(initial=0.0)
+    mesh = float(reducer.mesh_periods)
+    pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
+    return {
+        "crank_deg": np.round(np.degrees(crank), 3).tolist(),
+        "curves": curves,
+        "orders": np.round(found.order[drawn], 4).tolist(),
+        "amplitudes": np.round(found.amplitude[drawn], 5).tolist(),
+        "named": [[mesh, "mesh"], [2.0 * mesh, "2 x mesh"], [round(pins, 4), "output pins"]],
+    }
+
+
+def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
+    """Compute the transmission error of the output about its mean [arcsec], shape (n,)."""
+    angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
+    return np.asarray(angle - angle.mean())
 
 
 def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any]:

@@ -46,10 +46,12 @@ HeldFlag = Annotated[
     Literal["crank", "output"],
     Parameter(
         help="Which shaft the bench held: the crank, with the torque on the output; or the output, with the motor "
-        "turning the crank: torque times the ratio, angle over it."
+        "turning the crank: torque times the ratio, angle over it. Default: crank."
     ),
 ]
-CrankFlag = Annotated[float, Parameter(metavar="X", help="Angle at which the crank was held, or started [deg].")]
+CrankFlag = Annotated[
+    float, Parameter(metavar="X", help="Angle at which the crank was held, or started [deg]. Default: 0.")
+]
 LossesFlag = Annotated[
     bool,
     Parameter(

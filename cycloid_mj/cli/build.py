@@ -11,7 +11,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, TIMESTEP, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
@@ -52,7 +52,7 @@ def build(
     chosen: Annotated[DesignOptions, FLAT],
     *,
     out: OutFlag,
-    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step of the model")] = None,
+    timestep_us: Annotated[float | None, TIMESTEP.flag(f"Time step of the model{STEP}")] = None,
     chord_error_um: ChordFlag = 0.1,
     seed: SeedFlag = 0,
     plain_coacd: PlainFlag = False,

@@ -17,6 +17,7 @@ from cycloid_mj.cli.flags import (
     LOAD,
     NAMES,
     RAMP,
+    RATED,
     SPEED,
     TIMESTEP,
     Delivery,
@@ -79,9 +80,8 @@ class CompareOptions:
     load_nm: Annotated[
         float | None,
         LOAD.flag(
-            "Torque of the loaded runs",
-            "; with 0, there is no load only. Default: the first design's rated torque, drive.torque_nm times the "
-            "ratio (36.68 in the presets).",
+            "Torque of the loaded runs; 0: no loaded runs, those at no load alone",
+            f". Default: the first design's {RATED}.",
         ),
     ] = None
     timestep_us: Annotated[
@@ -99,8 +99,8 @@ class CompareOptions:
         float | None,
         HOLD.flag(
             "Duration at constant speed",
-            f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 in the "
-            f"presets); {IDLE_TURNS} at no load (0.1198).",
+            f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 of pin); "
+            f"{IDLE_TURNS} at no load (0.1198).",
         ),
     ] = None
     q: PointFlag = None

@@ -200,7 +200,7 @@ class DesignValue:
 
     def flag(self, text: str, rest: str = "") -> Parameter:
         """Declare the flag; `text` says what it is, `rest` what follows its limits, if not the design's value."""
-        default = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} in the presets)."
+        default = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} of pin)."
         help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
@@ -216,6 +216,9 @@ HOLD = DesignValue("drive", "hold")
 LOAD = DesignValue("load", "torque")
 LOADED = DesignValue("load", "torque", positive=True)
 """The same for what is computed under a load alone."""
+
+RATED = "rated torque, drive.torque_nm times the ratio (36.68 of pin)"
+STEP = "; 0: the longest at which the design's figures hold"
 
 
 Values = Sequence[tuple[DesignValue, float | None]]

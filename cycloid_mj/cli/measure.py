@@ -21,6 +21,7 @@ from cycloid_mj.cli.flags import (
     LOADED,
     NAMES,
     PRESET,
+    RATED,
     SPEED,
     Delivery,
     DesignNames,
@@ -52,7 +53,7 @@ EXAMPLES = """Examples:
 OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
 TORQUE = DesignValue("drive", "torque")
-RATED = ". Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
+AT_RATED = f". Default: the {RATED}."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +114,7 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
     )
 
 
-LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", RATED)]
+LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", AT_RATED)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
     several("--speed-rpm", SPEED, "Crank speeds", "Default: shares of the design's drive.speed_rpm from 0.5 to 1.5."),
@@ -196,7 +197,7 @@ class LostMotionOptions(MeasureOptions):
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --json"""
 
     load_nm: Annotated[
-        float | None, LOADED.flag("Largest torque of the loop, of which lost motion is read at 3 %", RATED)
+        float | None, LOADED.flag("Largest torque of the loop, of which lost motion is read at 3 %", AT_RATED)
     ] = None
     quick: Annotated[bool, Parameter(help="2 crank angles instead of 6.")] = False
 
@@ -216,7 +217,7 @@ class LoadsOptions(MeasureOptions):
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-    load_nm: Annotated[float | None, LOADED.flag("Torque on the output", RATED)] = None
+    load_nm: Annotated[float | None, LOADED.flag("Torque on the output", AT_RATED)] = None
     quick: Annotated[bool, Parameter(help="Two mesh periods instead of a whole turn of the crank.")] = False
 
 
@@ -284,8 +285,7 @@ class EfficiencyOptions(MeasureOptions):
             "--load-nm",
             LOAD,
             "Output torques of the map",
-            "Default: a quarter, half and all of the rated torque, drive.torque_nm times the ratio (36.68 in the "
-            "presets).",
+            f"Default: a quarter, half and all of the {RATED}.",
         ),
     ] = ()
     speeds_rpm: SpeedsFlag = ()

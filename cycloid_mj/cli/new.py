@@ -67,7 +67,7 @@ CustomFlag = Annotated[
 ]
 ProcessFlag = Annotated[
     Literal["steel", "printed", "milled"],
-    Parameter(help="How a new drive is made: materials, clearances, how the pins are held."),
+    Parameter(help="How a new drive is made: materials, clearances, how the pins are held. Default: steel."),
 ]
 DiscsFlag = Annotated[
     str, Parameter(metavar="N|auto", help="Discs on the crank, 1 to 4, or auto: two where one is too few. Default: 1.")

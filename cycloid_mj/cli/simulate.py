@@ -17,7 +17,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
-from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, Delivery, DesignOptions
+from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, Delivery, DesignOptions
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress, underway
 from cycloid_mj.design import Design
@@ -86,7 +86,7 @@ def simulate(
     *,
     contact: ContactFlag = "profile",
     solver: SolverFlag = "mujoco",
-    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step")] = None,
+    timestep_us: Annotated[float | None, TIMESTEP.flag(f"Time step{STEP}")] = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp; negative turns the other way")] = None,
     ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0 starts at full speed")] = None,
     hold_s: Annotated[float | None, HOLD.flag("Duration at constant speed after the ramp")] = None,

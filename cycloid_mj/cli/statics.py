@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.cli.delivery import claimed, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, LOADED, Delivery, DesignOptions
+from cycloid_mj.cli.flags import DELIVERY, FLAT, LOADED, RATED, Delivery, DesignOptions
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ LoadFlag = Annotated[
     Parameter(
         metavar="X",
         validator=LOADED.require,
-        help="Torque on the output [N m], more than 0. Default: the size of load.torque_nm; where that is 0 the rated "
-        "torque, drive.torque_nm times the ratio (36.68 in the presets).",
+        help="Torque on the output [N m], more than 0. Default: the size of load.torque_nm; where that is 0 the "
+        f"{RATED}.",
     ),
 ]
 

@@ -17,6 +17,7 @@ from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
     NAMES,
+    RATED,
     Delivery,
     DesignNames,
     SetFlag,
@@ -71,8 +72,7 @@ LoadFlag = Annotated[
     float | None,
     LOAD.flag(
         "Torque against the output's rotation in the run",
-        ". Default: the design's load.torque_nm or, where that is 0, its rated torque, drive.torque_nm times the ratio "
-        "(36.68 in the presets).",
+        f". Default: the design's load.torque_nm or, where that is 0, its {RATED}.",
     ),
 ]
 AngleFlag = Annotated[

@@ -18,6 +18,7 @@ from cycloid_mj.cli.app import ABOUT_PAPERS, application
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
 from cycloid_mj.cli.page import WIDEST, commands, folded
+from cycloid_mj.design import resolve
 
 
 def pages(app: App, chain: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -257,3 +258,33 @@ def test_the_nearest_whole_numbers_are_offered(
     assert told in err
     assert err.count("\n") == 1
     assert not list(empty.iterdir())
+
+
+HELPS = {
+    (chain, argument.name): (argument, argument.parameter.help)
+    for chain, command in LEAVES.items()
+    for argument in command.assemble_argument_collection()
+    if argument.parse and argument.parameter.help
+}
+"""Every argument of every command, and its help."""
+
+
+def test_what_holds_without_a_flag_stands_beside_it() -> None:
+    nothing = (None, False, (), "")
+    untold = [
+        place
+        for place, (argument, text) in HELPS.items()
+        if not argument.required
+        and argument.field_info.default not in (*nothing, argument.field_info.empty)
+        and "Default: " not in text
+    ]
+    assert untold == []
+
+
+def test_a_help_gives_the_value_of_a_design_with_its_name() -> None:
+    """A preset has values of its own: none stands for all of them."""
+    texts = [text for _, text in HELPS.values()]
+    told = [float(number) for text in texts for number in re.findall(r"times the ratio \(([\d.]+) of pin", text)]
+    assert len(told) > 5
+    assert told == pytest.approx([resolve("pin").rated_torque] * len(told), abs=0.005)
+    assert [place for place, (_, text) in HELPS.items() if "presets)" in text] == []

@@ -49,14 +49,14 @@ export function lines(title, x, series, labels) {
   return el("figure", {}, el("h3", {}, title), drawn, told);
 }
 
-// Upright bars at orders; those named stand out: [order, name] each.
+// Upright bars at orders; those named stand out: [order, name] each. Names stand over all bars.
 export function spikes(title, orders, values, labels, named) {
-  const between = orders[0], { across, up, axes } = frame([0, orders[orders.length - 1] + between], [0, 1.08 * Math.max(...values) || 1], labels);
-  const wide = Math.max(1.5, 0.62 * (W - LEFT - RIGHT) / (values.length + 1));
-  const name = order => named.find(([at]) => Math.abs(at - order) < between / 2)?.[1];
-  return el("figure", {}, el("h3", {}, title), chart(title, axes, values.map((value, at) => svg("g", {},
-    svg("rect", { x: across(orders[at]) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: name(orders[at]) ? "spike named" : "spike" }, svg("title", {}, `order ${number(orders[at])}: ${number(value)}`)),
-    name(orders[at]) ? svg("text", { x: across(orders[at]), y: Math.max(TOP + 10, up(value) - 4), "text-anchor": "middle", class: "label" }, name(orders[at])) : null))));
+  const most = Math.max(...orders, 1), { across, up, axes } = frame([0, 1.02 * most], [0, 1.12 * Math.max(...values) || 1], labels);
+  const wide = Math.min(9, Math.max(2, 0.5 * (across(1) - across(0))));
+  const name = order => named.filter(([at]) => Math.abs(at - order) < 1e-3).map(([, word]) => word).join(", ");
+  const bar = (value, at) => svg("rect", { x: across(orders[at]) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: name(orders[at]) ? "spike named" : "spike" }, svg("title", {}, `order ${number(orders[at])}: ${number(value)}`));
+  const word = (value, at) => name(orders[at]) ? svg("text", { x: across(orders[at]), y: Math.max(TOP + 10, up(value) - 4), "text-anchor": "middle", class: "label over" }, name(orders[at])) : null;
+  return el("figure", {}, el("h3", {}, title), chart(title, axes, values.map(bar), values.map(word)));
 }
 
 export function histogram(title, edges, counts, unit, marks) {

@@ -93,6 +93,8 @@ export class Start {
     const tick = () => { time.textContent = `${Math.round((performance.now() - began) / 1000)} s`; };
     tick();
     this.clock = setInterval(tick, 500);
+    const look = () => (found.firstChild ? found : this.answer).scrollIntoView({ block: "nearest" });
+    look();
     let mine = null, ways = -1;
     try {
       const job = await work({ kind: "size", form }, told => {
@@ -102,8 +104,10 @@ export class Start {
         if (told.told?.answer) {
           doing.textContent = "what would help: trying larger ones, other processes, other materials";
           if (told.told.answer.ways.length !== ways) { // else the buttons stay: one may just be pressed
+            const first = ways < 0;
             ways = told.told.answer.ways.length;
             this.#refused(found, told.told.answer, false);
+            if (first) look(); // later ones must not move what somebody reads
           }
         }
       });

@@ -121,7 +121,7 @@ export class Tabs {
       const [loaded, idle] = told.curves;
       return [
         lines("Transmission error of the output", told.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
-        spikes("Orders, at the load", loaded.orders, loaded.amplitudes, ["per turn of the crank", "amplitude [arcsec]"], [[told.mesh, "mesh"], [2 * told.mesh, "2 × mesh"]]),
+        spikes("Orders, at the load", told.orders, told.amplitudes, ["per turn of the crank", "amplitude [arcsec]"], told.named),
         el("p", { class: "soft" }, "By statics, without friction, about its mean; manufacturing errors are those of the design.")];
     });
   }
