@@ -242,13 +242,48 @@ def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
     assert orders.plot().axes[0].get_ylabel() == "amplitude [as the values]"
 
 
-def test_every_public_function_describes_its_parameters() -> None:
-    for name in cm.__all__:
-        value = getattr(cm, name)
-        function = getattr(value, "main", value)
-        if not inspect.isfunction(function):
-            continue
-        _, _, described = inspect.getdoc(function).partition("Parameters\n----------\n")
-        described = described.partition("\n\n")[0]
-        given = {one for line in described.splitlines() if line[:1].strip() for one in re.findall(r"\w+", line)}
-        assert set(inspect.signature(function).parameters) <= given, name
+def public_functions() -> dict[str, Callable[..., Any]]:
+    """Every public function of the package and of its rooms."""
+    rooms = {"": cm, "measure.": cm.measure, "stress.": cm.stress, "statics.": cm.statics, "report.": cm.report}
+    public = {f"{room}{name}": getattr(of, name) for room, of in rooms.items() for name in of.__all__}
+    functions = {name: getattr(value, "main", value) for name, value in public.items()}
+    return {name: value for name, value in functions.items() if inspect.isfunction(value)}
+
+
+@pytest.mark.parametrize("name", public_functions())
+def test_every_public_function_describes_its_parameters(name: str) -> None:
+    function = public_functions()[name]
+    _, _, described = inspect.getdoc(function).partition("Parameters\n----------\n")
+    described = described.partition("\n\n")[0]
+    given = {one for line in described.splitlines() if line[:1].strip() for one in re.findall(r"\w+", line)}
+    assert set(inspect.signature(function).parameters) <= given
+
+
+def test_a_room_that_is_called_shows_what_it_takes() -> None:
+    assert list(inspect.signature(cm.statics).parameters) == ["design", "load_nm"]
+    assert list(inspect.signature(cm.report).parameters) == ["runs", "q", "settle"]
+
+
+def test_a_curve_and_a_table_show_in_a_line_and_as_a_frame() -> None:
+    curve = cm.Curve("play", "model", np.arange(300.0), np.arange(300.0), "crank angle [deg]", "turn [arcmin]")
+    assert repr(curve) == "<Curve: play: model, 300 points; crank angle [deg], turn [arcmin]>"
+    assert curve.frame["turn [arcmin]"][-1] == 299.0
+    (axes,) = curve.plot().axes
+    assert (axes.get_title("left"), axes.get_ylabel()) == ("play", "turn [arcmin]")
+    table = cm.Table("orders", ("order", "cause", "arcsec"), ((1.0, "<weight>", 0.5), (36.0, "mesh", 2.0)))
+    assert repr(table) == "<Table: orders; 2 rows of order, cause, arcsec>"
+    assert table.frame["arcsec"].tolist() == [0.5, 2.0]
+    assert "&lt;weight&gt;" in table._repr_html_()
+
+
+def test_studies_say_in_a_line_what_came_of_them() -> None:
+    made = cm.tolerance(cm.load("pin", {"tolerance.cam": "uniform 0.1"}), samples=20)
+    assert re.fullmatch(
+        r"<Tolerances: pin, 20 samples; yield 100.00%, backlash_arcmin 0.9\d+ \+- 0.0\d+ arcmin>", repr(made)
+    )
+    swept = cm.sweep("pin", {"gear.face_width_mm": "8:12:2"}, "mass_kg")
+    assert repr(swept) == "<Sweep: pin, 2 points of gear.face_width_mm; mass_kg>"
+    best = cm.optimize("pin", {"ring.pin_radius_mm": "2:2.4"}, minimize="mass_kg", evaluations=4, starts=1)
+    assert re.match(
+        r"<Optimum: pin, \d+ points, \d+ keep all; best: mass_kg 0.8\d+, ring.pin_radius_mm 2.\d+>", repr(best)
+    )

@@ -3,6 +3,7 @@
 from html import escape
 from importlib import import_module
 from importlib.util import find_spec
+from inspect import Signature, signature
 from itertools import islice
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -69,6 +70,11 @@ class CallableRoom(ModuleType):
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Do what the room is for: its function `main`."""
         return self.main(*arguments, **named)
+
+    @property
+    def __signature__(self) -> Signature:
+        """What a call takes, as notebooks show it."""
+        return signature(self.main)
 
     def __dir__(self) -> list[str]:
         """List its public names alone, for completion."""

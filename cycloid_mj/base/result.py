@@ -6,8 +6,11 @@ from dataclasses import dataclass, fields, is_dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
+from cycloid_mj.base.presented import Presented
+
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
+    from cycloid_mj.base.frame import Frame
 
 
 def plain(value: Any) -> Any:
@@ -90,8 +93,8 @@ def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     return Table(title, ("quantity", "value", "unit", "num. error", "closed form", "source"), tuple(rows))
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
+@dataclass(frozen=True, eq=False, repr=False)
+class Curve(Presented):
     """One curve of a figure.
 
     Attributes
@@ -120,6 +123,18 @@ class Curve:
     style: str = "line"
     of: str = ""
 
+    @property
+    def frame(self) -> "Frame":
+        """Its points, a row each, under the labels of the axes."""
+        from cycloid_mj.base.frame import Frame  # which takes NumPy, that no help page needs
+
+        return Frame({self.x_label: self.x, self.y_label: self.y})
+
+    @property
+    def line(self) -> str:
+        """Panel, name and axes."""
+        return f"{self.panel}: {self.name}, {len(self.x)} points; {self.x_label}, {self.y_label}"
+
     def as_json(self) -> dict[str, Any]:
         """Convert the curve to JSON values."""
         x, y = self.x.tolist(), self.y.tolist()
@@ -133,8 +148,8 @@ class Curve:
         }
 
 
-@dataclass(frozen=True)
-class Table:
+@dataclass(frozen=True, repr=False)
+class Table(Presented):
     """Numbers that belong together: a map, or a sensitivity.
 
     Attributes
@@ -153,6 +168,18 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str | float, ...], ...]
     words: Sequence[int] = ()
+
+    @property
+    def frame(self) -> "Frame":
+        """Its rows, under the names of its columns."""
+        from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+
+        return framed([dict(zip(self.header, row, strict=True)) for row in self.rows], self.header, {})
+
+    @property
+    def line(self) -> str:
+        """Title, and what is in it."""
+        return f"{self.title}; {len(self.rows)} rows of {', '.join(self.header)}"
 
     @property
     def cells(self) -> list[list[str]]:

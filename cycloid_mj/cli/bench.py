@@ -78,7 +78,7 @@ LoadFlag = Annotated[
 EXAMPLES = """Examples:
   cycloid-mj calibrate --design printed --loop play_loop.csv --loop stiffness_loop.csv --out made
   cycloid-mj calibrate --design my.toml --loop loop.csv --fit play,tooth_stiffness,friction,drag --json
-  cycloid-mj calibrate --design my.toml --loop loop.csv --held output --losses"""
+  cycloid-mj calibrate --design my.toml --loop loop.csv --held output --losses --out losses"""
 
 TE_EXAMPLES = """Examples:
   cycloid-mj compare-bench --design my.toml --te te.csv --load-nm 10

@@ -25,7 +25,7 @@ from cycloid_mj.design import Design
 EXAMPLES = """Examples:
   cycloid-mj design kinematics --design pin --q 0,24 --csv q.csv
   cycloid-mj design kinematics --design pin --q 26,0 --until-s 0.1 --csv -
-  cycloid-mj design kinematics --design twodisc --set output.member=ring --csv q.csv"""
+  cycloid-mj design kinematics --design twodisc --set output.member=ring --csv ring.csv"""
 
 SHORTEST, LONGEST = 1e-12, 1e6
 ROUNDING = 1e-6

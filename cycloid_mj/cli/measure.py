@@ -174,7 +174,7 @@ class BacklashOptions(MeasureOptions):
     EXAMPLES: ClassVar[str] = """Examples:
   cycloid-mj measure backlash --design pin
   cycloid-mj measure backlash --design nonpin --set clearance.tooth_um=5
-  cycloid-mj measure backlash --design pin --set errors.pin_position_um=0.3 --json"""
+  cycloid-mj measure backlash --design pin --set errors.pin_position_um=0.3 --out placed --json"""
 
     quick: Annotated[bool, Parameter(help="2 crank angles instead of 8.")] = False
 
@@ -194,7 +194,7 @@ class LostMotionOptions(MeasureOptions):
     EXAMPLES: ClassVar[str] = """Examples:
   cycloid-mj measure lost-motion --design pin
   cycloid-mj measure lost-motion --design nonpin --load-nm 30 --quick
-  cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --json"""
+  cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --out fixed --json"""
 
     load_nm: Annotated[
         float | None, LOADED.flag("Largest torque of the loop, of which lost motion is read at 3 %", AT_RATED)
@@ -236,8 +236,8 @@ class TorqueOptions(MeasureOptions):
 
     EXAMPLES: ClassVar[str] = """Examples:
   cycloid-mj measure torque pin nonpin
-  cycloid-mj measure torque --design pin --set friction.pin_gear=0.02 --quick
-  cycloid-mj measure torque --torque-nm 0.5 --json"""
+  cycloid-mj measure torque pin nonpin --set friction.pin_gear=0.02 --quick --out low
+  cycloid-mj measure torque --torque-nm 0.5 --out half --json"""
     PUBLISHED: ClassVar[bool] = True
 
     torque_nm: Annotated[float | None, TORQUE.flag("Input torque")] = None
@@ -276,7 +276,7 @@ class EfficiencyOptions(MeasureOptions):
     EXAMPLES: ClassVar[str] = """Examples:
   cycloid-mj measure efficiency --design pin
   cycloid-mj measure efficiency --design nonpin --load-nm 5 20 36 --speed-rpm 500 3000
-  cycloid-mj measure efficiency --design pin --quick --json"""
+  cycloid-mj measure efficiency --design pin --quick --out quick --json"""
     PUBLISHED: ClassVar[bool] = True
 
     loads_nm: Annotated[

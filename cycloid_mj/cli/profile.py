@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   cycloid-mj design profile --design pin --csv gear.csv --points 7000
-  cycloid-mj design profile --design pin --set ring.pin_radius_mm=2 --csv gear.csv
+  cycloid-mj design profile --design pin --set ring.pin_radius_mm=2 --csv thin.csv
   cycloid-mj design profile --design nonpin --part ring --csv -
   cycloid-mj design profile --design nonpin --part curvature --csv lines.csv"""
 

@@ -65,8 +65,8 @@ SAMPLES = "samples.csv"
 
 EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
-  cycloid-mj reduce --design my.toml --level backlash --load-inertia-kgm2 0.5 --timestep-ms 2 --out joint
-  cycloid-mj reduce --design my.toml --spread --samples 200 --seed 1 --out joint
+  cycloid-mj reduce --design my.toml --level backlash --load-inertia-kgm2 0.5 --timestep-ms 2 --out light
+  cycloid-mj reduce --design my.toml --spread --samples 200 --seed 1 --out drives
   python -m mujoco.viewer --mjcf=joint/scene.xml"""
 
 

@@ -37,11 +37,14 @@ FAILURE = 1
 
 EXAMPLES = """Examples:
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5:5 --measure statics
-  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --vary ring.kind=pin,nonpin --measure simulate,mass
-  cycloid-mj sweep --design pin --vary clearance.cam_um=1:5 --vary errors.pin_position_um=0:2 --sample sobol --points 64
-  cycloid-mj sweep --design pin --vary gear.eccentricity_mm=0.6:1:5 --follow output.hole_radius_mm --measure statics
-  cycloid-mj sweep --design pin --vary gear.face_width_mm=8:16:5 --measure mass_kg,life_h
-  cycloid-mj sweep --design pin --table points.csv --measure backlash --quick --scheduler 10.0.0.1:8786"""
+  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --vary ring.kind=pin,nonpin \
+--measure simulate,mass --out loads
+  cycloid-mj sweep --design pin --vary clearance.cam_um=1:5 --vary errors.pin_position_um=0:2 \
+--sample sobol --points 64 --out drawn
+  cycloid-mj sweep --design pin --vary gear.eccentricity_mm=0.6:1:5 \
+--follow output.hole_radius_mm --measure statics --out eccentricity
+  cycloid-mj sweep --design pin --vary gear.face_width_mm=8:16:5 --measure mass_kg,life_h --out widths
+  cycloid-mj sweep --design pin --table points.csv --measure backlash --quick --scheduler 10.0.0.1:8786 --out table"""
 
 VaryFlag = Annotated[
     tuple[str, ...],

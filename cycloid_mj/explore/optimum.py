@@ -72,6 +72,16 @@ class Optimum(Tabular):
         return len(self.rows)
 
     @property
+    def line(self) -> str:
+        """How many points were evaluated, and the best of them."""
+        head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} keep all"
+        if self.best is None:
+            return head
+        told = {objective.key: self.figures(self.best)[objective.key] for objective in self.task.objectives}
+        told |= self.values(self.best)
+        return f"{head}; best: {', '.join(f'{key} {_short(value)}' for key, value in told.items())}"
+
+    @property
     def feasible(self) -> list[int]:
         """Places of the points that keep every check and limit."""
         return [place for place, row in enumerate(self.rows) if row.values[FEASIBLE]]

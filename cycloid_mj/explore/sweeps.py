@@ -55,6 +55,14 @@ class Sweep(Tabular):
     rows: Mapping[int, PointResult]
 
     @property
+    def line(self) -> str:
+        """How many points there are, of what, and how many failed."""
+        done = f"{len(self.points)}" if self.complete else f"{len(self.rows)} of {len(self.points)}"
+        failed = f", {self.failed} failed" if self.failed else ""
+        varied, measured = ", ".join(self.task.keys), ", ".join(self.quantities[:4])
+        return f"{self.task.reducer.design.name}, {done} points of {varied}{failed}; {measured}"
+
+    @property
     def failed(self) -> int:
         """How many of the rows have an error."""
         return sum(bool(row.error) for row in self.rows.values())

@@ -127,6 +127,14 @@ class Tolerances(Tabular):
         return Frame({"sample": number, **self.drawn, **self.figures, "jams": jams}, units)
 
     @property
+    def line(self) -> str:
+        """Design, yield, and the figure that the budget is of."""
+        unit = figure(self.budget_of).unit
+        values = self.figures[self.budget_of][~self.jams]
+        spread = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
+        return f"{self.design}, {self.samples_text}; yield {self.good.mean():.2%}, {self.budget_of} {spread}"
+
+    @property
     def yield_interval(self) -> tuple[float, float]:
         """The yield with 95 % confidence (Wilson)."""
         from scipy.stats import binomtest

@@ -55,5 +55,14 @@ def measured(reducer: Reducer, measure: str, quantity: str) -> float:
     """Measure a quantity of a design at the usual conditions of its measure, in the quantity's unit.
 
     Errors are those of the measure.
+
+    Parameters
+    ----------
+    reducer
+        Which is measured.
+    measure
+        A name of `MEASURES`.
+    quantity
+        The key of one of its quantities.
     """
     return _quantities(reducer, measure)[quantity].value

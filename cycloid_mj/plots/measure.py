@@ -4,6 +4,7 @@ Nothing is made to look more than it is: a panel of values above zero begins at 
 quarter of its largest value; bars of several curves stand side by side; points that coincide show round each other.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,30 +43,36 @@ MOST_MARKED = 72
 """Contacts round a ring up to which each is marked."""
 
 
-@styled
 def measurement_figure(measurement: Measurement) -> Figure:
     """Draw every curve of a measurement, panel below panel."""
+    title = f"{measurement.measure}: {measurement.design.name}"
+    return curves_figure(measurement.curves, f"{title}, {measurement.condition}" if measurement.condition else title)
+
+
+@styled
+def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
+    """Draw curves, panel below panel."""
     panels: dict[str, list[Curve]] = {}
-    for curve in measurement.curves:
+    for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
     heights = [POLAR_HEIGHT if curves[0].style == "polar" else HEIGHT for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
-    for place, (title, curves) in enumerate(panels.items()):
-        polar = curves[0].style == "polar"
+    for place, (name, drawn) in enumerate(panels.items()):
+        polar = drawn[0].style == "polar"
         axes = figure.add_subplot(grid[place], projection="polar" if polar else None)
-        axes.set_title(title)
+        axes.set_title(name)
         if polar:
-            _draw_round(axes, curves)
+            _draw_round(axes, drawn)
         else:
-            _draw(axes, curves)
-            _limit(axes, curves)
-            axes.set(xlabel=curves[0].x_label, ylabel=curves[0].y_label)
+            _draw(axes, drawn)
+            _limit(axes, drawn)
+            axes.set(xlabel=drawn[0].x_label, ylabel=drawn[0].y_label)
         axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
-    title = f"{measurement.measure}: {measurement.design.name}"
-    figure.suptitle(f"{title}, {measurement.condition}" if measurement.condition else title, fontsize=9.5)
+    if title:
+        figure.suptitle(title, fontsize=9.5)
     return figure
 
 

@@ -13,6 +13,7 @@ from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Curve
 from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench.calibration import Calibration
 from cycloid_mj.bench.loop import MeasuredLoop
@@ -30,7 +31,7 @@ from cycloid_mj.plots import figures
 from cycloid_mj.plots.bench import calibration_figure
 from cycloid_mj.plots.datasheet import datasheet_pictures
 from cycloid_mj.plots.explored import sweep_figure
-from cycloid_mj.plots.measure import measurement_figure
+from cycloid_mj.plots.measure import curves_figure, measurement_figure
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
@@ -86,6 +87,11 @@ figures_of.register(Design, lambda design: {"mechanism": mechanism(Reducer(desig
 @figures_of.register
 def _of_measurement(measurement: Measurement) -> Figures:
     return {measurement.measure: measurement_figure(measurement)}
+
+
+@figures_of.register
+def _of_one_curve(curve: Curve) -> Figures:
+    return {curve.name: curves_figure([curve])}
 
 
 @figures_of.register

@@ -36,7 +36,13 @@ class ReportPage(str):
 
 
 def review_page(log: Path) -> str:
-    """Write the review of one logged run, which `report` names by the log's path; for the errors see there."""
+    """Write the review of one logged run, which `report` names by the log's path; for the errors see there.
+
+    Parameters
+    ----------
+    log
+        File of the run.
+    """
     from cycloid_mj.log import read
 
     return report({str(log): read(log)})

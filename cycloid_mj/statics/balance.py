@@ -72,9 +72,18 @@ class Loads:
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
     """Compute what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
 
-    There may be a torque for each crank angle, shape (m,). A ring that turns under friction leaves the carrier its
-    torque less the crank's, which the losses raise. `follow` tells that angles and torques follow each other closely:
-    each search then starts from the balances before.
+    A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise.
+
+    Parameters
+    ----------
+    reducer
+        Whose contacts carry.
+    springs
+        Of the reducer at crank angles, as of `springs_of`.
+    torque
+        On the output [N m], one or one for each crank angle, shape (m,).
+    follow
+        Whether angles and torques follow each other closely: each search then starts from the balances before.
 
     Raises
     ------
@@ -170,8 +179,16 @@ def require_balance(left: Left, contacts: KernelSprings, load: Array) -> None:
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Compute the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
 
-    Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
-    each other. The `torque` [N m] is on the output, in the sense of `member.share`.
+    Without friction, and without inertia but the gear's centrifugal force at the speed of the design.
+
+    Parameters
+    ----------
+    reducer
+        Whose error.
+    crank
+        Crank angles [rad], shape (k,), which follow each other.
+    torque
+        On the output, in the sense of `member.share` [N m].
 
     Raises
     ------
@@ -190,6 +207,15 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
     The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
     output are carried by the contacts.
+
+    Parameters
+    ----------
+    reducer
+        Whose powers.
+    torque
+        On the output [N m].
+    crank
+        Crank angles [rad], shape (m,).
 
     Raises
     ------

@@ -12,12 +12,32 @@ GUESSES, TOLERANCE = 12, 1e-3
 
 
 def peak_force(contact_loads: Loads, kind: str) -> float:
-    """Compute the largest force on a contact of a kind [N]."""
+    """Compute the largest force on a contact of a kind [N].
+
+    Parameters
+    ----------
+    contact_loads
+        As of `loads`.
+    kind
+        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+    """
     return float(forces(contact_loads, kind).max())
 
 
 def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> float:
-    """Compute the largest Hertz pressure on a kind of contact [Pa]."""
+    """Compute the largest Hertz pressure on a kind of contact [Pa].
+
+    Parameters
+    ----------
+    reducer
+        Whose contacts are pressed.
+    springs
+        Of the reducer at crank angles, as of `springs_of`.
+    contact_loads
+        What they carry, as of `loads`.
+    kind
+        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+    """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.curvature
     return float(contact.pressure(forces(contact_loads, kind) * contact.line_share, curvature).max())
@@ -34,8 +54,24 @@ def torque_at_pressure(
 ) -> float:
     """Compute the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
 
-    `torque` [N m] is the first guess, not 0, and `contact_loads` what it loads, if that is known; better guesses
-    follow, as if the pressure rose with the square root of the torque. `follow` is that of `loads`.
+    Better guesses follow the first, as if the pressure rose with the square root of the torque.
+
+    Parameters
+    ----------
+    reducer
+        Whose contacts are pressed.
+    springs
+        Of the reducer at crank angles, as of `springs_of`.
+    kind
+        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+    pressure
+        The peak that is asked for [Pa].
+    torque
+        The first guess [N m], not 0.
+    contact_loads
+        What `torque` loads, where that is known.
+    follow
+        As of `loads`.
 
     Raises
     ------
@@ -52,7 +88,19 @@ def torque_at_pressure(
 
 
 def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
-    """Compute the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
+    """Compute the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m].
+
+    Parameters
+    ----------
+    reducer
+        Whose contacts are pressed.
+    springs
+        Of the reducer at crank angles, as of `springs_of`.
+    kind
+        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+    torque
+        The first guess [N m], not 0.
+    """
     return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * reducer.contacts[kind].strength, torque)
 
 

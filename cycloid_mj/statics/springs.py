@@ -71,7 +71,16 @@ def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
     """Compute the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
 
-    Their stiffness is that `at_rated_load`; without `friction` the crank need not turn.
+    Their stiffness is that `at_rated_load`.
+
+    Parameters
+    ----------
+    reducer
+        Of a sound design.
+    crank
+        Crank angles [rad], shape (m,); by default all round.
+    friction
+        Whether contacts rub; without it the crank need not turn.
 
     Raises
     ------
@@ -152,9 +161,16 @@ def _bending(reducer: Reducer) -> Array:
 def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
     """Compute weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
 
-    The disc is ahead of the crank by its `phase` [rad].
-
     Its mass is that of `Reducer.disc_section`.
+
+    Parameters
+    ----------
+    reducer
+        Whose disc it is.
+    crank
+        Crank angles [rad], shape (m,).
+    phase
+        How far the disc is ahead of the crank [rad].
     """
     design = reducer.design
     x, y, turned = design.environment.gravity_x, design.environment.gravity_y, reducer.member.ring_angle(crank)

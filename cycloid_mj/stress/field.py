@@ -240,6 +240,15 @@ def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, f
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:
     """Compute the fields on a part at the crank angle of an index; bulk begins at a distance [m], or at the grid's.
 
+    Parameters
+    ----------
+    design, grid, loads
+        The design, the grid of one of its parts, and the loads on that part.
+    index
+        Which of the angles of the loads.
+    distance
+        From contacts and sharp corners on which stress counts as bulk [m]; by default the grid's.
+
     Raises
     ------
     UsageError

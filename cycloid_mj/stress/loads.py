@@ -79,6 +79,15 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     moment that was logged. The parts that move freely, gear and pin 1, have the acceleration that their logged forces
     and gravity give them (d'Alembert), so they are in balance at every sample.
 
+    Parameters
+    ----------
+    run, reducer
+        A logged run, and the reducer that ran.
+    part
+        ``gear`` (of several discs ``gear_1``, ...), ``ring``, ``output``, ``shaft`` or ``pin_1``.
+    angles
+        Crank angles [rad], shape (k,); by default every degree.
+
     Raises
     ------
     UsageError

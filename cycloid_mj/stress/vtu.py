@@ -18,7 +18,13 @@ _TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "
 
 
 def as_vtu(stress_map: StressMap) -> bytes:
-    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk."""
+    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and where it counts as bulk.
+
+    Parameters
+    ----------
+    stress_map
+        Fields on a part at one crank angle.
+    """
     dimension = stress_map.points.shape[1]
     cells = _outward(stress_map)
     flat = np.zeros((len(stress_map.points), 3 - dimension))

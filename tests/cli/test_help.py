@@ -2,10 +2,12 @@
 
 import os
 import re
+import shlex
 import struct
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import is_dataclass
 from inspect import BoundArguments
 from itertools import pairwise
 from pathlib import Path
@@ -288,3 +290,35 @@ def test_a_help_gives_the_value_of_a_design_with_its_name() -> None:
     assert len(told) > 5
     assert told == pytest.approx([resolve("pin").rated_torque] * len(told), abs=0.005)
     assert [place for place, (_, text) in HELPS.items() if "presets)" in text] == []
+
+
+NUMBERED = {("simulate",), ("stress",), ("compare",), ("design", "show"), ("design", "check")}
+"""Commands whose results take the next free name, or that write none by default."""
+
+
+def results_of(line: str) -> tuple[object, ...] | None:
+    """What names the files that an example writes: command, place and designs; None where it writes none."""
+    _, *words = shlex.split(line.partition("&&")[0].partition(">")[0])
+    chain = next((chain for chain in DESIGNED if tuple(words[: len(chain)]) == chain), None)
+    if chain is None or chain in NUMBERED or chain in WINDOWS:
+        return None
+    _, bound, _ = application().parse_args(words)
+    given = dict(bound.arguments)
+    for one in bound.arguments.values():
+        given |= vars(one) if is_dataclass(one) else {}
+    out = given.get("out") or given.get("csv")
+    by_default = HELPS.get((chain, "--out"), (None, ""))[1]
+    if out == "-" or (out is None and "nothing is written" in by_default):
+        return None
+    return chain, out, given.get("design"), given.get("designs")
+
+
+@pytest.mark.parametrize("chain", [chain for chain in PAGES if chain and chain[0] != "log"], ids=" ".join)
+def test_examples_of_a_page_can_be_pasted_one_after_the_other(chain: tuple[str, ...]) -> None:
+    """No command writes over what is there, so each example has a place of its own."""
+    app = application()
+    for name in chain:
+        app = app[name]
+    lines = [line.strip() for line in (app.help_epilogue or "").replace("\\\n", " ").splitlines()]
+    found = [results for line in lines if line.startswith("cycloid-mj") and (results := results_of(line))]
+    assert len(set(found)) == len(found), found
