@@ -77,7 +77,7 @@ class Optimum(Tabular):
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} keep all"
         if self.best is None:
             return head
-        told = {objective.key: self.figures(self.best)[objective.key] for objective in self.task.objectives}
+        told: dict[str, Cell] = {one.key: self.figures(self.best)[one.key] for one in self.task.objectives}
         told |= self.values(self.best)
         return f"{head}; best: {', '.join(f'{key} {_short(value)}' for key, value in told.items())}"
 
