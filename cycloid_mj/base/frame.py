@@ -24,7 +24,6 @@ import numpy.typing as npt
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.whole import whole_file
 
 Cell = float | int | str | bool
@@ -89,13 +88,6 @@ class Frame(Tabular):
     def numbers(self) -> dict[str, Column]:
         """The columns that are numbers, as floats."""
         return {name: column.astype(float) for name, column in self.columns.items() if column.dtype.kind in "fiu"}
-
-
-def quantity_frame(quantities: Mapping[str, Quantity]) -> Frame:
-    """Return quantities as a frame, a row each."""
-    rows = [{"key": key, **quantity.as_json()} for key, quantity in quantities.items()]
-    names = ("key", "name", "value", "unit", "numerical_error", "reference", "source", "note")
-    return framed(rows, names, {})
 
 
 def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:

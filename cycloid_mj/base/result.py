@@ -77,6 +77,15 @@ def keyed(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
     return {quantity.key: quantity for group in groups for quantity in group}
 
 
+def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
+    """Return quantities as a frame, a row each."""
+    from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+
+    rows = [{"key": key, **quantity.as_json()} for key, quantity in quantities.items()]
+    names = ("key", "name", "value", "unit", "numerical_error", "reference", "source", "note")
+    return framed(rows, names, {})
+
+
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     """Tabulate quantities as text, a line each; an error or a reference that is not known is left empty."""
     rows = (

@@ -58,7 +58,7 @@ def datasheet(
 
 
 def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:
-    from cycloid_mj.base.frame import quantity_frame
+    from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
     from cycloid_mj.report.datasheet import datasheet_page

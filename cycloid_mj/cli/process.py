@@ -4,12 +4,20 @@ import atexit
 import os
 import sys
 from collections.abc import Sequence
+from importlib.util import cache_from_source
 from io import StringIO
+from pathlib import Path
 
 from cycloid_mj.base.interrupt import cause, end_on_signals, raise_on_signals
 from cycloid_mj.base.memory import leave_circles, look_rarely
 
 FAILURE = 1
+
+LOADED = Path(__file__).parents[1] / "design" / "model.py"
+"""A module that every command loads."""
+
+SILENT = {"--quiet", "--help", "-h", "--version"}
+"""Words of a command line that asks for no messages, or loads little."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -19,12 +27,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     return app.main(argv)
 
 
+def first_start(words: Sequence[str]) -> bool:
+    """Tell whether a command has its modules to compile before it says anything: an install may bring no bytecode."""
+    if sys.dont_write_bytecode or not words or SILENT & set(words):
+        return False
+    return not Path(cache_from_source(str(LOADED))).exists()
+
+
 def run() -> None:
     """Run the command of ``sys.argv`` and end the process with its exit code."""
     # a stream that was closed before the start is None
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()
     code = FAILURE
+    if first_start(sys.argv[1:]):
+        sys.stderr.write("the first start: Python compiles its modules, for some seconds\n")
     look_rarely()
     # pydantic looks for plugins in every package that is installed; no command has a use for one
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

@@ -151,8 +151,7 @@ def _outcome(
     lossy: "Tried | None",
     drives: "Population | None",
 ) -> Outcome:
-    from cycloid_mj.base.frame import quantity_frame
-    from cycloid_mj.base.result import plain, quantity_table
+    from cycloid_mj.base.result import plain, quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.files import joint_files

@@ -72,7 +72,7 @@ def statics(
 
 
 def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
-    from cycloid_mj.base.frame import quantity_frame
+    from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.statics.sheet import COMPARED, known_difference
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.frame import Frame, quantity_frame
+from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import PIN, SHAFT
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import figure, quantities, quantity, values_json

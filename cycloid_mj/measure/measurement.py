@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
-from cycloid_mj.base.frame import Frame, quantity_frame
+from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Curve, Quantity, Table
+from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame
 from cycloid_mj.design import Design, material_limits
 from cycloid_mj.figures import of_measure, values_json
 

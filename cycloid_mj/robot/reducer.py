@@ -17,9 +17,9 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.frame import Frame, quantity_frame
+from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.result import Quantity, quantity_frame
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.ripple import Ripple

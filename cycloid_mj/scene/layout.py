@@ -18,7 +18,7 @@ def layout(reducer: Reducer) -> dict[str, Any]:
     ``assets/layout.json`` has what all designs share. A crank at 1640 rpm turns once in 4 s at its playback speed.
     """
     design = reducer.design
-    content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text())
+    content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text("utf-8"))
     view, reach = content["configById"]["3D!mechanism"], design.housing.outer_radius
     view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}
     pins = all_numbered(PIN, design.ring.mates) if design.ring.kind == "pin" else ()

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from importlib.util import cache_from_source
 from io import StringIO
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
+from cycloid_mj.cli.process import LOADED, first_start
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -965,3 +967,14 @@ process.run()
 def test_ctrl_c_while_a_module_in_c_is_loaded_is_one_line() -> None:
     done = subprocess.run([sys.executable, "-c", STOPPED_IN_AN_IMPORT], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (1, "error: stopped by Ctrl-C\n")
+
+
+def test_the_first_start_says_what_it_waits_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path))
+    assert first_start(["statics", "pin"])
+    assert not any(map(first_start, ([], ["--help"], ["statics", "--help"], ["statics", "pin", "--quiet"])))
+    compiled = Path(cache_from_source(str(LOADED)))
+    compiled.parent.mkdir(parents=True)
+    compiled.touch()
+    assert not first_start(["statics", "pin"])
