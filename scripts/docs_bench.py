@@ -1,6 +1,7 @@
 """Write the tables of docs/bench.md on the printed drive and its twin, from what is kept of their fits.
 
 python scripts/docs_bench.py           # from tests/data/bench/fitted.json
+python scripts/docs_bench.py --parts   # solves the parts anew first: a minute of CPU
 python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts first: six minutes of CPU
 
 `scripts/docs_figures.py` calls this.
@@ -32,10 +33,11 @@ PARTS = {
     "ring": "ring and housing",
     "output": "output pins and carrier",
     "pin_1": "the ring's pins",
-    "shaft": "shaft, bending",
-    "bearing_seats": "seats of its bearings in the housing",
+    "studs": "output pins in their plates",
+    "far_plate": "second plate, held by these pins alone",
+    "crank": "crank in its seats",
 }
-
+MOUNTS = BENCH / "mounts.toml"
 
 RUBBING = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
 """Values of contacts that rub."""
@@ -54,7 +56,6 @@ def fitted() -> dict[str, Any]:
     """Fit both drives, predict the nonpin one from the pin one's values, and solve what each part gives."""
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
-    from cycloid_mj.stress.figures import wind_up_by_part
 
     content: dict[str, Any] = {}
     pin: Any = None
@@ -73,9 +74,20 @@ def fitted() -> dict[str, Any]:
             "shares_without_offset": [loop["residual_share_without_offset"] for loop in content_of["loops"]],
             "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
             "predicted_shares": list(predicted.shares),
-            "parts": wind_up_by_part(Reducer(drawn)),
+            **given(kind),
         }
     return content | {"rubbing": rubbing(), "preload": preloaded()}
+
+
+def given(kind: str) -> dict[str, Any]:
+    """Compute what each part gives as drawn, with the seats that the drawing tells, and within the modulus's limits."""
+    import cycloid_mj as cm
+    from cycloid_mj.reducer import Reducer
+    from cycloid_mj.stress.mounts import read_mounts
+    from cycloid_mj.stress.springs import part_springs
+
+    springs = part_springs(Reducer(cm.load("printed").but(ring={"kind": kind})), read_mounts(MOUNTS))
+    return {"parts": dict(springs.given), "interval": springs.interval}
 
 
 def rubbing() -> dict[str, Any]:
@@ -191,12 +203,15 @@ def predicted_table(content: Mapping[str, Any]) -> str:
 
 def parts_table(content: Mapping[str, Any]) -> str:
     """Return what each part gives by finite elements, and the stiffness that they make together."""
-    both = [content[kind]["parts"] for kind in LOOPS]
-    rows = [(label, *(_number(1e3 * one[key]) if key in one else "" for one in both)) for key, label in PARTS.items()]
-    rows.append(("together", *(_number(1e3 * sum(one.values())) for one in both)))
-    rows.append(("stiffness, predicted [N m/rad]", *(_number(1.0 / sum(one.values())) for one in both)))
-    slopes = [_interval(content[kind]["measured"]["stiffness_nm_per_rad"]) for kind in LOOPS]
-    return _table(("turn of the output per torque [mrad/(N m)]", "pin", "nonpin"), [*rows, ("measured", *slopes)])
+    told = [content[kind] for kind in LOOPS]
+    rows = [
+        (label, *(_number(1e3 * one["parts"][key]) if key in one["parts"] else "" for one in told))
+        for key, label in PARTS.items()
+    ]
+    rows.append(("together", *(_number(1e3 * sum(one["parts"].values())) for one in told)))
+    stiffness = [{"value": 1.0 / sum(one["parts"].values()), "ci95": one["interval"]} for one in told]
+    rows.append(("stiffness, predicted (by the modulus's limits) [N m/rad]", *map(_interval, stiffness)))
+    return _table(("turn of the output per torque [mrad/(N m)]", "ring of pins", "internal gear"), rows)
 
 
 def rubbing_table(content: Mapping[str, Any]) -> str:
@@ -283,6 +298,10 @@ def main(arguments: Sequence[str]) -> int:
     if "--fit" in arguments:
         KEPT.write_text(json.dumps(fitted(), indent=1) + "\n", encoding="utf-8")
     content = json.loads(KEPT.read_text(encoding="utf-8"))
+    if "--parts" in arguments:
+        for kind in LOOPS:
+            content[kind] |= given(kind)
+        KEPT.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), sections(content)), encoding="utf-8")
     return 0
 

@@ -191,11 +191,13 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
             serves = _flaw(model.reducer, most) is None
         if serves:
             blamed.append(one.key)
+    estimates = calibration.estimates
     values = " or ".join(
-        f"{key} as drawn instead of {calibration.estimates[key].value:.4g} {calibration.estimates[key].unit}"
+        f"{key} as drawn instead of {estimates[key].value:.4g} {estimates[key].unit}".removesuffix(" 1")
         for key in blamed
     )
-    why = f"with {values} it would serve: leave that out of --fit" if blamed else "no value alone is to blame"
+    softer = ", or fit structure_stiffness in its place" if blamed == ["tooth_stiffness"] else ""
+    why = f"with {values} it would serve: leave that out of --fit{softer}" if blamed else "no value alone is to blame"
     return (f"the calibrated design is of no use: {flaw}; {why}",)
 
 

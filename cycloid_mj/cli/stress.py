@@ -37,6 +37,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.base.record import Run
     from cycloid_mj.stress.grid import Grid
+    from cycloid_mj.stress.mounts import Mounts
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 EXAMPLES = """Examples:
@@ -110,6 +111,15 @@ SpringsFlag = Annotated[
         "with that as its springs (DESIGN-springs.toml): for statics, protocol and calibrate of printed parts.",
     ),
 ]
+MountsFlag = Annotated[
+    str | None,
+    Parameter(
+        name="--mounts",
+        metavar="FILE.toml",
+        help="With --springs: how a drawing holds output pins and crank in plates that give, and the limits of their "
+        "modulus (docs/bench.md has one). Default: pins are clamped, and the shaft is as the design has it.",
+    ),
+]
 SolidFlag = Annotated[
     bool,
     Parameter(
@@ -153,6 +163,7 @@ def stress(
     quick: StressQuickFlag = False,
     solid: SolidFlag = False,
     springs: SpringsFlag = False,
+    mounts: MountsFlag = None,
     figure: FiguresFlag = (),
     delivery: Annotated[StressDelivery, FLAT] = DELIVERED,
 ) -> int:
@@ -193,12 +204,17 @@ def stress(
     for name in ("gmsh", "skfem"):
         package(name)
     keep_freed()
+    if mounts is not None and not springs:
+        raise UsageError("--mounts is for the springs of a design: add --springs")
     if springs:
         if log or part or figure or solid or angle_deg is not None:
             raise UsageError(
                 "--springs takes all parts of designs: leave out --log, --part, --figure, --solid, --angle-deg"
             )
-        return _springs([Reducer(designed(name, set_, ())) for name in asked], load_nm, delivery)
+        from cycloid_mj.stress.mounts import read_mounts
+
+        told = None if mounts is None else read_mounts(Path(mounts))
+        return _springs([Reducer(designed(name, set_, ())) for name in asked], load_nm, told, delivery)
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,
@@ -221,7 +237,7 @@ def stress(
     return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
 
 
-def _springs(reducers: Sequence[Reducer], load: float | None, delivery: StressDelivery) -> int:
+def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | None", delivery: StressDelivery) -> int:
     """Write designs with the springs that their parts are, under a load [N m]."""
     from cycloid_mj.design import dump
     from cycloid_mj.stress.springs import part_springs
@@ -235,10 +251,10 @@ def _springs(reducers: Sequence[Reducer], load: float | None, delivery: StressDe
         if not delivery.quiet:
             tell(f"{design.name}: a run without friction, and finite elements of its parts at 12 crank angles")
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
-        sprung.append(part_springs(Reducer(design.but(load={"torque": torque}))))
+        sprung.append(part_springs(Reducer(design.but(load={"torque": torque})), mounts))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={one.design.name: f"{one.stiffness:.4g} N m/rad" for one in sprung[:MOST_FIGURES]},
+        headline={one.design.name: one.text for one in sprung[:MOST_FIGURES]},
         tables=[one.table() for one in sprung],
         files={name: dump(one.design).encode() for name, one in zip(names, sprung, strict=True)},
         result={"designs": [one.as_json() for one in sprung]},

@@ -12,7 +12,8 @@ def _printed() -> Design:
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
-    inner ring 12 x 15 x 22.5 on the shaft. What it does not give is assumed, each value with its `reasons`; its shaft
+    inner ring 12 x 15 x 22.5 on the shaft. What it does not give is assumed, each value with its `reasons`, and one is
+    otherwise: the ring has the double-enveloping internal gear, printed, where this one has pins of steel. Its shaft
     is stepped to a 6803 and a 6806, here its bearings stand on the 12 mm of the inner ring.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
@@ -29,7 +30,7 @@ def _printed() -> Design:
         },
         shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0), "mounting": "straddle"},
         housing={"outer_radius": mm(45.0)},
-        clearance={"pin_gear": um(50.0), "cam": um(10.0), "output": um(50.0)},
+        clearance={"pin_gear": um(50.0), "tooth": um(50.0), "cam": um(10.0), "output": um(50.0)},
         friction={"pin_gear": 0.12},
         material={"name": "Onyx"},
         pin_material={"name": "bearing steel"},
@@ -114,6 +115,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "ring.teeth": _DRAWN,
         "ring.pin_circle_radius": _DRAWN,
         "ring.pin_radius": _DRAWN,
+        "ring.kind": "assumed: the drive that was measured has the internal gear (nonpin), printed in one piece",
         "ring.pins": "steel, held at both ends (assumed)",
         "gear.eccentricity": _DRAWN,
         "gear.face_width": _DRAWN,
@@ -127,6 +129,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "shaft.radius": "bore of the inner ring 12 x 15 x 22.5",
         "shaft.mounting": "section view of its CAD: one bearing in the housing, one in the output's hub",
         "clearance.pin_gear": "parameters.txt: cycloid_clearance",
+        "clearance.tooth": "parameters.txt: cycloid_clearance",
         "clearance.cam": _BEARING,
         "clearance.output": "as the teeth (assumed)",
         "friction.pin_gear": "greased plastic on steel, assumed",

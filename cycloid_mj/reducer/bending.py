@@ -38,8 +38,7 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
     """
     bending = material.youngs_modulus * math.pi * radius**4 / 4.0
-    coefficient = 6.0 * (1.0 + material.poisson) / (7.0 + 6.0 * material.poisson)
-    shearing = coefficient * shear_modulus(material) * math.pi * radius**2
+    shearing = shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2
 
     def free(one: Array, other: Array) -> Array:
         near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
@@ -53,6 +52,11 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     turned = length**2 / (2.0 * bending)
     of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
     return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
+
+
+def shear_coefficient(material: Material) -> float:
+    """Compute Cowper's shear coefficient of a round beam [1]."""
+    return 6.0 * (1.0 + material.poisson) / (7.0 + 6.0 * material.poisson)
 
 
 def shear_modulus(material: Material) -> float:

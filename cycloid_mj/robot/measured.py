@@ -31,6 +31,7 @@ from cycloid_mj.statics.balance import loads, powers
 from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import driven, self_locking
 from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
+from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import STRAIGHT, windups
 
 SMALL = 1e-4
@@ -252,18 +253,19 @@ def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda:
 def _damping(reducer: Reducer) -> float:
     """Compute the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
 
-    Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
-    being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
+    Springs s with dampers in series, slowly: c = k^2 sum (C/K) s, C/K being the time constant of a contact: what a
+    damper takes is that times what its spring does, so each s is told by work (`Windup.gives`). Of pin and seat in
+    series, each has the share of its compliance; bent pins, and what twists, are in series with the output's contacts.
     """
-    laws = contact_laws(reducer)
-    compliances = [
-        windup.series(reducer) for windup in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)
-    ]
-    series = {part: float(np.mean([compliance[part] for compliance in compliances])) for part in compliances[0]}
+    laws, rated = contact_laws(reducer), reducer.design.rated_torque
+    gives = [windup.gives(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
+    springs = {spring: float(np.mean([one[spring] for one in gives])) for spring in gives[0]}
+    springs["twist"] = wind_up(reducer)
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
-    return sum(times[part] * give for part, give in series.items()) / sum(series.values()) ** 2
+    times["bending"] = times["twist"] = times["output"]
+    return sum(times[spring] * give for spring, give in springs.items()) / sum(springs.values()) ** 2
 
 
 def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:

@@ -16,6 +16,7 @@ from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
 from cycloid_mj.stress.given import given
 from cycloid_mj.stress.loads import part_names
+from cycloid_mj.stress.mounts import Mounts
 from cycloid_mj.stress.study import QUICK, part_study
 
 SAMPLES = 720
@@ -62,17 +63,20 @@ KINDS = ("shaft", "gear", "ring", "output", "pin")
 shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_stress, kind=kind) for kind in KINDS)
 
 
-def wind_up_by_part(reducer: Reducer) -> dict[str, float]:
+def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
     """Compute by how much each part turns the output per torque on it [rad/(N m)], under the design's own load.
+
+    Beside the parts stands what mounts tell of a drawing, as in `given.given`.
 
     Raises
     ------
     CycloidError
-        The run cannot be followed, a part cannot be meshed, or a package of the extra ``fem`` is missing.
+        The run cannot be followed, a part cannot be meshed, a package of the extra ``fem`` is missing, or mounts are
+        told of another kind of drive.
     """
     smooth = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
     ran, run = _ran(smooth)
-    return given(run, ran)
+    return given(run, ran, mounts=mounts)
 
 
 def of_study(findings: StressFindings) -> Mapping[str, Quantity]:

@@ -15,6 +15,7 @@ from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names
+from cycloid_mj.stress.mounts import Mounts, crank_give, studs_given
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.study import QUICK, StudySettings
 
@@ -22,10 +23,13 @@ ANGLES = 12
 """Crank angles that the mean is of."""
 
 
-def given(run: Run, reducer: Reducer, settings: StudySettings = QUICK) -> dict[str, float]:
+def given(
+    run: Run, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
+) -> dict[str, float]:
     """Compute by how much each part turns the output per torque on it [rad/(N m)], the mean over a turn of the crank.
 
-    Beside the parts stand the seats of the shaft's bearings in the housing, ``bearing_seats``.
+    Beside the parts stand the seats of the shaft's bearings in the housing, ``bearing_seats``, and what mounts tell:
+    ``studs`` and ``far_plate`` (`mounts.studs_given`), and ``crank`` in place of shaft and seats (`mounts.crank_give`).
 
     Parameters
     ----------
@@ -37,25 +41,36 @@ def given(run: Run, reducer: Reducer, settings: StudySettings = QUICK) -> dict[s
         The reducer of the run.
     settings
         How fine the grids are.
+    mounts
+        What a drawing tells beside the design.
 
     Raises
     ------
     CycloidError
-        A part cannot be meshed or is not held, or a package of the extra ``fem`` is missing.
+        A part cannot be meshed or is not held, a package of the extra ``fem`` is missing, or mounts are told of another
+        kind of drive.
     """
+    mounts = mounts or Mounts()
+    torque = reducer.design.load.torque
     crank = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False)
     shares = {}
     for part in part_names(reducer):
         loads = part_loads(run, reducer, part, crank)
+        if part == "shaft" and mounts.crank:
+            squared = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
+            shares["crank"] = crank_give(reducer, mounts.crank) * float(squared) / torque**2
+            continue
+        if part == "output" and mounts.studs:
+            shares |= studs_given(reducer, mounts.studs, loads)
         answer = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
             np.arange(ANGLES)
         )
         work = np.sum(answer.forces * answer.moved, axis=0)
         # the study has one pin of the ring: the others carry in turn
         alike = reducer.design.ring.teeth if part == "pin_1" else 1
-        shares[part] = alike * float(np.mean(work)) / reducer.design.load.torque**2
+        shares[part] = alike * float(np.mean(work)) / torque**2
         if part == "shaft":
-            shares["bearing_seats"] = float(np.mean(_seats_work(reducer, loads))) / reducer.design.load.torque**2
+            shares["bearing_seats"] = float(np.mean(_seats_work(reducer, loads))) / torque**2
     return shares
 
 

@@ -904,6 +904,23 @@ def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pyte
 
 
 @pytest.mark.slow
+def test_teeth_too_soft_to_run_are_told_with_what_to_fit_in_their_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_balance(reducer: Reducer, torque: float) -> None:
+        if reducer.design.stiffness.tooth != resolve("printed").stiffness.tooth:
+            raise RunError("no static balance")
+
+    monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", no_balance)
+    monkeypatch.setattr("cycloid_mj.robot.reduce", lambda design: None)
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "tooth_stiffness"]
+    assert main([*words, "--out", str(tmp_path), "--json", "--quiet"]) == 1
+    unusable = json.loads(capsys.readouterr().out)["unusable"][0]
+    assert unusable.endswith("it would serve: leave that out of --fit, or fit structure_stiffness in its place")
+    assert " 1 it would serve" not in unusable
+
+
+@pytest.mark.slow
 def test_a_design_of_no_use_is_told_with_the_value_to_blame(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

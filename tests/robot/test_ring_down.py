@@ -55,12 +55,16 @@ def decaying(time: np.ndarray, size: float, pulse: float, decay: float, phase: f
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("member", ["carrier", "ring"])
-def test_a_locked_drive_rings_down_as_its_joint(member: str) -> None:
-    """At one crank angle; the joint is the mean over all, of which the stiffness here is 4 % from the mean."""
-    design = override(PRESETS["nonpin"], {"output.member": member})
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [("nonpin", {"output.member": "carrier"}), ("nonpin", {"output.member": "ring"}), ("printed", {}), ("twodisc", {})],
+)
+def test_a_locked_drive_rings_down_as_its_joint(name: str, changes: dict[str, str]) -> None:
+    """At one crank angle, whose stiffness is not the joint's mean over all; damping goes with it."""
+    design = override(PRESETS[name], changes)
     loaded = override(design, {"load.torque_nm": design.rated_torque})
     joint = reduce(loaded)
-    stiffness, damping = ring_down(Reducer(loaded), joint.stiffness(design.rated_torque))
-    assert stiffness == pytest.approx(joint.stiffness(design.rated_torque), rel=0.06)
-    assert damping == pytest.approx(joint.damping, rel=0.12)
+    of_joint = joint.stiffness(design.rated_torque)
+    stiffness, damping = ring_down(Reducer(loaded), of_joint)
+    assert stiffness == pytest.approx(of_joint, rel=0.25 if name == "twodisc" else 0.07)
+    assert damping / stiffness == pytest.approx(joint.damping / of_joint, rel=0.035)

@@ -73,7 +73,7 @@ def test_preload_takes_up_play_by_the_turn_of_the_gear(kind: str, preload: float
 
 
 def test_preload_beyond_the_play_of_teeth_leaves_that_of_holes_and_costs_friction() -> None:
-    design = override(PRESETS["printed"], ["ring.kind=nonpin"])
+    design = override(PRESETS["printed"], ["ring.kind=nonpin", "clearance.tooth_um=1"])
     plays, lost = zip(
         *(
             (figure("backlash_arcmin").value(one), figure("no_load_torque_nm").value(one))
@@ -163,7 +163,9 @@ def test_a_spring_turns_the_halves_to_the_angle_of_its_torque(kind: str) -> None
 def test_the_torque_of_the_halves_is_what_turning_them_works() -> None:
     """What the springs of all contacts hold, by loads at rest, is the torque's integral over the angle."""
     angles = np.linspace(10.0, 14.0, 5)
-    reducers = [halved(override(PRESETS["printed"], ["ring.kind=nonpin"]), arcmin) for arcmin in angles]
+    reducers = [
+        halved(override(PRESETS["printed"], ["ring.kind=nonpin", "clearance.tooth_um=1"]), arcmin) for arcmin in angles
+    ]
     torques = [halves_torque(one) for one in reducers]
     held = [stored(one) for one in reducers]
     work = float(np.trapezoid(torques, angles * ARCMINUTE))
