@@ -1,8 +1,8 @@
 """Write the tables of docs/bench.md on the printed drive and its twin, from what is kept of their fits.
 
 python scripts/docs_bench.py           # from tests/data/bench/fitted.json
-python scripts/docs_bench.py --parts   # solves the parts anew first: a minute of CPU
-python scripts/docs_bench.py --fit     # fits, predicts, and solves the parts first: six minutes of CPU
+python scripts/docs_bench.py --fit          # fits, predicts, and solves the parts first: a quarter of an hour of CPU
+python scripts/docs_bench.py --fit --quick  # the same but for contacts that rub, which stay as they are: a minute
 
 `scripts/docs_figures.py` calls this.
 """
@@ -53,7 +53,7 @@ SETTLED, TURNS = 0.06, 0.25
 
 
 def fitted() -> dict[str, Any]:
-    """Fit both drives, predict the nonpin one from the pin one's values, and solve what each part gives."""
+    """Fit both drives, predict the nonpin one from the pin one's values, and solve what parts and preload give."""
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
 
@@ -76,7 +76,7 @@ def fitted() -> dict[str, Any]:
             "predicted_shares": list(predicted.shares),
             **given(kind),
         }
-    return content | {"rubbing": rubbing(), "preload": preloaded()}
+    return content | {"preload": preloaded()}
 
 
 def given(kind: str) -> dict[str, Any]:
@@ -296,12 +296,10 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Write the page; give the exit code."""
     if "--fit" in arguments:
-        KEPT.write_text(json.dumps(fitted(), indent=1) + "\n", encoding="utf-8")
+        kept = json.loads(KEPT.read_text(encoding="utf-8"))
+        again = {} if "--quick" in arguments else {"rubbing": rubbing()}
+        KEPT.write_text(json.dumps(kept | fitted() | again, indent=1) + "\n", encoding="utf-8")
     content = json.loads(KEPT.read_text(encoding="utf-8"))
-    if "--parts" in arguments:
-        for kind in LOOPS:
-            content[kind] |= given(kind)
-        KEPT.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), sections(content)), encoding="utf-8")
     return 0
 
