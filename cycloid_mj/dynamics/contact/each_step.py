@@ -23,6 +23,7 @@ import mujoco
 import numpy as np
 from numba import njit, types
 
+from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.dynamics.contact import forces, gap, kept, lift, memory, selftest, teeth
@@ -284,7 +285,7 @@ def _compiled() -> Any:
     return during_step
 
 
-@njit
+@compiling.njit(inner=True)
 def _end_step(model: int, data: int, run: Kept) -> None:
     """Do what is done once the forces of a step are known."""
     _note(run)
@@ -301,7 +302,7 @@ def _end_step(model: int, data: int, run: Kept) -> None:
     _command(run)
 
 
-@njit
+@compiling.njit(inner=True)
 def _strike(run: Kept) -> None:
     """Set the stiffness and damping that IMPACT has at its depth on every contact found.
 
@@ -336,7 +337,7 @@ def _strike(run: Kept) -> None:
         write_float(normal + 16, 1.0)
 
 
-@njit
+@compiling.njit(inner=True)
 def _half_a_step_on(run: Kept) -> None:
     """Keep the joints' speeds, and let them go on by half a step."""
     half = read_float(run.half)
@@ -346,7 +347,7 @@ def _half_a_step_on(run: Kept) -> None:
         write_float(run.moving + 8 * k, speed + half * read_float(run.accelerations + 8 * k))
 
 
-@njit
+@compiling.njit(inner=True)
 def _command(run: Kept) -> None:
     """Set the commands of the next step."""
     if run.command < run.last:
@@ -355,7 +356,7 @@ def _command(run: Kept) -> None:
         run.command += 8 * run.actuators
 
 
-@njit
+@compiling.njit(inner=True)
 def _note(run: Kept) -> None:
     """Note the forces of the contacts of this step."""
     first, force = read_address(run.contacts), read_address(run.forces)
@@ -374,7 +375,7 @@ def _note(run: Kept) -> None:
             write_float(run.sum + 8 * pair, 0.0)
 
 
-@njit
+@compiling.njit(inner=True)
 def _sample(run: Kept) -> None:
     """Write the row of a sample."""
     row = run.rows

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import flank_distance
 from cycloid_mj.dynamics.contact.kept import Kept
@@ -93,7 +94,7 @@ def pair_of(kept: Kept, contact: int) -> int:
     return read_int(kept.pair + 4 * (kept.surfaces * one + two))
 
 
-@njit
+@compiling.njit(inner=True)
 def gather(kept: Kept, summary: int, of_pairs: int) -> None:
     """Gather the contacts of the step just taken.
 
@@ -139,7 +140,7 @@ def _add(place: int, value: float) -> None:
     write_float(place, read_float(place) + value)
 
 
-@njit
+@compiling.njit(inner=True)
 def _overlap(kept: Kept, contact: int) -> float:
     """Compute how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
 

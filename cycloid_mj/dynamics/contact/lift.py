@@ -14,8 +14,9 @@ import math
 from functools import cache
 from typing import Any, NamedTuple
 
-from numba import njit, types
+from numba import types
 
+from cycloid_mj.base import compiling
 from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.dynamics.contact import memory, teeth
 from cycloid_mj.dynamics.contact.layout import discover, discover_steps
@@ -71,7 +72,7 @@ def between_speeds_and_forces(where: Places) -> Any:
     return answer
 
 
-@njit
+@compiling.njit(inner=True)
 def take_off(at: Any, model: int, data: int) -> None:
     """Take the lift off all contacts of a model with exact contact; of any other, nothing.
 

@@ -7,6 +7,7 @@ the margin [m]; it gives the number of contacts.
 
 from numba import njit
 
+from cycloid_mj.base import compiling
 from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
@@ -77,7 +78,7 @@ def _write(out: int, touch: Touch, z: float, sign: float) -> None:
     write_contact(out, gap, touch.x, touch.y, z, sign * touch.nx, sign * touch.ny)
 
 
-@njit
+@compiling.njit(inner=True)
 def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float) -> int:
     """Bring a pin and the gear's teeth in contact."""
     user = _user(model, at, pin)
@@ -98,7 +99,7 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     return 1
 
 
-@njit
+@compiling.njit(inner=True)
 def lobe_on_teeth(
     at: Places, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
@@ -110,7 +111,7 @@ def lobe_on_teeth(
     return count
 
 
-@njit
+@compiling.njit(inner=True)
 def inner_in_outer(
     at: Places, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:

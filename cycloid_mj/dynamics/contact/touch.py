@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from numba import njit
 
+from cycloid_mj.base import compiling
 from cycloid_mj.dynamics.contact.gap import (
     PartialCircle,
     Pose,
@@ -216,7 +217,7 @@ def _write_arc(out: int, has_arc: bool, arc: Line, lobe: Pose, reach: float) -> 
     return 1
 
 
-@njit
+@compiling.njit(inner=True)
 def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
     """Write the touches of the gear's teeth and a lobe of the internal gear, with half a root on either side."""
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
@@ -310,7 +311,7 @@ def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: 
     return count + _write_arc(place, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, arc_radius)
 
 
-@njit
+@compiling.njit(inner=True)
 def inner_touches(
     out: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
 ) -> int:
