@@ -68,15 +68,15 @@ SAMPLES = {
 SHARED = {
     "eight starts": ("compare", "pin", "nonpin", "--load-nm", "0"),
     "a sweep of runs": (
-        *("sweep", "--design", "pin", "--vary", "load.torque_nm=20:36:16", "--measure", "simulate", "--real-pins"),
-        *("--set", "drive.ramp_s=0", "--set", "drive.hold_s=0.2", "--out", "made"),
+        *("sweep", "--design", "pin", "--vary", "load.torque_nm=6:36:2", "--measure", "simulate", "--real-pins"),
+        *("--set", "drive.ramp_s=0", "--set", "drive.hold_s=3", "--out", "made"),
     ),
     "samples that are verified": (
         *("tolerance", "--design", "pin", "--samples", "200", "--verify", "5", "--out", "made"),
         *("--set", "tolerance.cam=normal 0.2"),
     ),
 }
-"""Commands whose work is to be shared by two workers."""
+"""Commands whose work is to be shared by two workers; to start them counts."""
 
 
 @dataclass(frozen=True)
