@@ -128,7 +128,7 @@ def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> bool:
     other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
     if other:
         raise UsageError(
-            f"{into} is of another {study} (another {', another '.join(other)}): choose another folder with --out, or "
+            f"{into} is of another {study} (other {', '.join(other)}): choose another folder with --out, or "
             "replace it with --force"
         )
     return True

@@ -43,6 +43,11 @@ NEAR = 5
 """Keys that an error proposes."""
 
 
+def known(key: str) -> Figure | None:
+    """Look up a figure by its key or one of its aliases; None where it is none of them."""
+    return _BY_ANY_NAME.get(key)
+
+
 def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer | None = None) -> Figure:
     """Look up a figure by its key or one of its aliases.
 

@@ -11,6 +11,7 @@ from matplotlib.tri import Triangulation
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, ranks
+from cycloid_mj.figures import known
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -90,7 +91,17 @@ def _head(figure: Figure, sweep: Sweep) -> None:
 
 def _title(sweep: Sweep, name: str) -> str:
     """Name a column in words, with its unit."""
-    return in_words(name, sweep.frame.units.get(name, ""))
+    unit = sweep.frame.units.get(name, "")
+    return in_words(name, unit) if name in sweep.task.keys else figure_words(name, unit)
+
+
+def figure_words(column: str, unit: str = "") -> str:
+    """Name a column of a measure with its unit: by the words of the figures' catalogue, where it has that figure."""
+    of, _, key = column.rpartition(".")
+    if (figure := known(key)) is None:
+        return in_words(column, unit)
+    words = f"{figure.name} [{figure.unit}]" if figure.unit != "1" else figure.name
+    return f"{of}: {words}" if of else words
 
 
 def _line(axes: Axes, sweep: Sweep, key: str, name: str) -> None:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
-from cycloid_mj.figures import figure as row_of
+from cycloid_mj.plots.explored import figure_words
 from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, styled
 
 MOST_KEYS = 6
@@ -59,8 +59,7 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
 
 def _label(optimum: Optimum, key: str) -> str:
     """Name a key of the design, or a figure, in words with its unit."""
-    unit = optimum.frame.units.get(key, "") if key in optimum.task.keys else row_of(key).unit
-    return in_words(key, unit)
+    return in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:

@@ -356,15 +356,15 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path, monkeypatch: pytes
     sweep(PIN, vary, "mass", out=tmp_path, engine=HERE)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     for design, points, measure, what in (
-        (PRESETS["nonpin"], vary, "mass", "another design"),
-        (PIN, {"clearance.cam_um": "1,3"}, "mass", "another points"),
-        (PIN, {"clearance.output_um": "1,2"}, "mass", "another keys, another points"),
-        (PIN, vary, "checks", "another measures"),
+        (PRESETS["nonpin"], vary, "mass", "other design"),
+        (PIN, {"clearance.cam_um": "1,3"}, "mass", "other points"),
+        (PIN, {"clearance.output_um": "1,2"}, "mass", "other keys, points"),
+        (PIN, vary, "checks", "other measures"),
     ):
         with pytest.raises(UsageError, match=rf"is of another sweep \({what}\): choose another folder"):
             sweep(design, points, measure, out=tmp_path, engine=HERE)
     monkeypatch.setattr(sweeps, "versions", lambda: (("mujoco", "9.9"),))
-    with pytest.raises(UsageError, match="another versions"):
+    with pytest.raises(UsageError, match="other versions"):
         sweep(PIN, vary, "mass", out=tmp_path, engine=HERE)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 

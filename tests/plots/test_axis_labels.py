@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cycloid_mj.plots.explored import figure_words
 from cycloid_mj.plots.style import in_words
 
 ROOT = Path(__file__).parents[2]
@@ -62,3 +63,12 @@ def test_a_column_is_named_in_words_with_its_unit() -> None:
     assert in_words("stiffness_nm_per_arcmin", "N m/arcmin") == "stiffness [N m/arcmin]"
     assert in_words("working_force.cam_n", "N") == "working force: cam [N]"
     assert in_words("loaded_teeth") == "loaded teeth"
+
+
+def test_a_figure_is_named_as_the_catalogue_does() -> None:
+    assert (
+        figure_words("stiffness_ideal_nm_arcmin", "N m/arcmin")
+        == "torsional stiffness, 50 to 100 % of the load [N m/arcmin]"
+    )
+    assert figure_words("statics.cam_peak_force_n", "N") == "statics: cam: largest force [N]"
+    assert figure_words("simulate.gear_speed_rms", "rad/s") == "simulate: gear speed rms [rad/s]"
