@@ -272,7 +272,7 @@ def test_the_command(tmp_path: Path, capsys) -> None:
 def test_a_folder_of_another_optimisation_is_refused(tmp_path: Path) -> None:
     optimize(PIN, SHAPE, **CONVEX, evaluations=6, out=tmp_path)
     assert load(tmp_path / "best.toml").name == "pin-best"
-    with pytest.raises(UsageError, match="another seed"):
+    with pytest.raises(UsageError, match="other seed"):
         optimize(PIN, SHAPE, **CONVEX, evaluations=6, seed=1, out=tmp_path)
 
 
