@@ -229,12 +229,17 @@ class Optimum(Tabular):
         if self.best is None:
             return ()
         values, figures = self.values(self.best), self.best_figures
+        reaches = {one.key: (one.low, one.high) for one in self.task.ranges}
+        for one in self.task.choices:
+            numbers = [value for value in one.values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+            if len(numbers) == len(one.values) > 1:
+                reaches[one.key] = min(numbers), max(numbers)
         ends = []
-        for one in self.task.ranges:
-            share = (float(values[one.key]) - one.low) / (one.high - one.low)
+        for key, (low, high) in reaches.items():
+            share = (float(values[key]) - low) / (high - low)
             if min(share, 1.0 - share) < AT_END:
-                end, bound = ("lower", one.low) if share < 0.5 else ("upper", one.high)
-                ends.append(f"{one.key} ran into the {end} end of its range, {bound:g}: more may lie beyond")
+                end, bound = ("lower", low) if share < 0.5 else ("upper", high)
+                ends.append(f"{key} ran into the {end} end of its range, {bound:g}: more may lie beyond")
         limits = [
             f"{one.key} ran into its limit, {one}: it is {figures[one.key]:.5g}"
             for one in self.task.limits

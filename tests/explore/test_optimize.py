@@ -117,6 +117,9 @@ def test_values_alone_are_all_tried() -> None:
     masses = {row.values["output.pins"]: row.values["mass_kg"] for row in found.rows}
     assert set(masses) == {6, 7, 8, 9}
     assert masses[found.design().output.pins] == min(masses.values())
+    best, end = found.design().output.pins, {6: "lower", 9: "upper"}
+    assert best in end
+    assert found.ran_into == (f"output.pins ran into the {end[best]} end of its range, {best}: more may lie beyond",)
 
 
 def test_a_front_trades_one_objective_for_the_other() -> None:
