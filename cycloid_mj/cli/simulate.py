@@ -13,6 +13,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError, warn
 from cycloid_mj.base.interrupt import cause, unbroken
+from cycloid_mj.base.names import FORCES
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import outcome_of
@@ -312,7 +313,8 @@ def _judgement(log: "LogWriter") -> "Findings | CycloidError":
     from cycloid_mj.log import read
 
     try:
-        return analyze(replace(read(log.path), complete=True, note=""), log=str(log.name))
+        run = read(log.path, without=(FORCES,))
+        return analyze(replace(run, complete=True, note=""), log=str(log.name))
     except CycloidError as problem:
         return problem
 

@@ -1,8 +1,8 @@
 """The reader of logs: from an MCAP file, whole or cut, to a `Run`."""
 
 import os
-from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from mcap.opcode import Opcode
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_input
@@ -63,11 +63,11 @@ class Log:
 class _Samples:
     """The samples of a group as they are read: the times, and each column, in an array that grows where it stands.
 
-    So no more than the numbers are in memory at any time, and these once.
+    So no more than the numbers are in memory at any time, and these once; of those at `rows` alone, if these are given.
     """
 
-    def __init__(self) -> None:
-        self.count = 0
+    def __init__(self, rows: Integers | None = None) -> None:
+        self.count, self._rows, self._kept = 0, rows, 0
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
@@ -79,36 +79,44 @@ class _Samples:
         end = self.count + len(records)
         if (sequence != np.arange(self.count, end).astype(np.uint32)).any():
             raise container.corrupt(path, f"messages of {group.topic} are missing or out of order")
-        names = (TIME, *group.units)
+        if self._rows is not None:
+            records = records[self._rows[(self._rows >= self.count) & (self._rows < end)] - self.count]
+        names, kept = (TIME, *group.units), self._kept + len(records)
         self._columns = self._columns or [np.empty(0) for _ in names]
         for name, column in zip(names, self._columns, strict=True):
-            if column.size < end:
-                column.resize(int(GROWTH * end), refcheck=False)
-            column[self.count : end] = records[name]
-        self.count = end
+            if column.size < kept:
+                column.resize(int(GROWTH * kept), refcheck=False)
+            column[self._kept : kept] = records[name]
+        self.count, self._kept = end, kept
 
     def locked(self, samples: int) -> list[Array]:
         """Return the times and columns, cut to so many samples and locked, so that a `Run` need not copy them."""
+        left = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
-            column.resize(samples, refcheck=False)
+            column.resize(left, refcheck=False)
             column.flags.writeable = False
         return self._columns
 
 
 @dataclass(frozen=True)
 class _Contents:
-    """What a file holds: metadata and attachments by name; the rest by its id in the file."""
+    """What a file holds: metadata and attachments by name; the rest by its id in the file.
 
+    Groups of the topics `without` are passed over, and of the others samples at all but the `rows`, if there are any.
+    """
+
+    without: Collection[str]
+    rows: Integers | None
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
     schemas: dict[int, Any] = field(default_factory=dict)
     channels: dict[int, Any] = field(default_factory=dict)
     groups: dict[int, ColumnGroup] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    samples: "dict[int, _Samples]" = field(default_factory=lambda: defaultdict(_Samples))
+    samples: "dict[int, _Samples]" = field(default_factory=dict)
 
 
-def read(path: str | os.PathLike[str]) -> Run:
+def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Run:
     """Read the run that a log holds.
 
     A log that was cut, by a killed process or a full disk, gives the samples of all its whole chunks, as a run that is
@@ -118,6 +126,10 @@ def read(path: str | os.PathLike[str]) -> Run:
     ----------
     path
         The log, an MCAP file of `write` or of ``cycloid-mj simulate``.
+    without
+        Topics whose columns are not wanted, such as ``/forces``, which are most of a long run.
+    rows
+        Samples that are wanted, by their numbers from 0, increasing; by default all.
 
     Raises
     ------
@@ -125,15 +137,15 @@ def read(path: str | os.PathLike[str]) -> Run:
         There is no such file, it is no log of this package or of another format version, it is corrupt, or it holds
         no samples.
     """
-    return load(path).run
+    return load(path, without, rows).run
 
 
-def load(path: str | os.PathLike[str]) -> Log:
+def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
     """Read the run that a log holds and how the file holds it; see `read`."""
-    path = Path(path)
+    path, contents = Path(path), _Contents(without, rows)
     try:
         with _opened(path) as stream:
-            contents, whole = _scan(stream, path)
+            whole = _scan(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
         raise LogError(f"cannot read log {path}: {problem.strerror or problem}") from problem
@@ -168,9 +180,8 @@ def _alternatives(path: Path) -> str:
     return f"nearest in that folder: {', '.join(nearest)}" if nearest else "there is no .mcap file in that folder"
 
 
-def _scan(stream: BinaryIO, path: Path) -> tuple[_Contents, bool]:
-    """Scan what the file holds, and whether it is whole."""
-    contents = _Contents()
+def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
+    """Scan what the file holds, and tell whether it is whole."""
     whole = False
     for record in container.walk(stream, path):
         if record.opcode == Opcode.METADATA:
@@ -184,7 +195,7 @@ def _scan(stream: BinaryIO, path: Path) -> tuple[_Contents, bool]:
             _take(contents, container.messages(record, path), path)
         whole = record.opcode == Opcode.DATA_END
     _identify(contents, path)
-    return contents, whole
+    return whole
 
 
 def _identify(contents: _Contents, path: Path) -> None:
@@ -204,9 +215,11 @@ def _take(contents: _Contents, messages: container.Messages, path: Path) -> None
     contents.channels.update(messages.channels)
     contents.counts.update(messages.counts)
     for id, channel in messages.channels.items():
-        if "units" in channel.metadata and id not in contents.groups:
+        known = id in contents.groups or channel.topic in contents.without
+        if "units" in channel.metadata and not known:
             with container.reading(path, f"malformed schema of {channel.topic}"):
                 contents.groups[id] = group_of(channel, contents.schemas[channel.schema_id])
+            contents.samples[id] = _Samples(contents.rows)
     for id, group in contents.groups.items():
         if id in messages.ragged:
             raise container.corrupt(path, f"messages of {group.topic} differ in length")
@@ -217,7 +230,7 @@ def _take(contents: _Contents, messages: container.Messages, path: Path) -> None
 def _viewers(contents: _Contents) -> dict[str, Shown]:
     viewers = {}
     for id, channel in contents.channels.items():
-        if id not in contents.groups:
+        if "units" not in channel.metadata:
             schema = contents.schemas.get(channel.schema_id)
             rate = _number(channel.metadata.get(RATE, ""))
             viewers[channel.topic] = Shown(schema.name if schema else "", contents.counts[id], rate)
@@ -254,7 +267,7 @@ def _joined(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
     end = contents.metadata.get(END, {})
     note, complete = end.get("note", ""), end.get("complete") == "true"
     if not whole:
-        cut = f"the log was cut: {time.size} samples, up to {time[-1]:.9g} s, could be read"
+        cut = f"the log was cut: {samples} samples, up to {time[-1]:.9g} s, could be read"
         gone = lost(contents.metadata, contents.attachments)
         note, complete = "; ".join(filter(None, (note, cut, *gone))), False
     try:

@@ -5,17 +5,19 @@ carries (``page.js`` and its neighbours), so that they can be zoomed and share o
 """
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
 import numpy.typing as npt
 
 from cycloid_mj.base.errors import UsageError, warn
+from cycloid_mj.base.names import FORCES
 from cycloid_mj.base.presented import CallableRoom
 from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
-from cycloid_mj.report.reviewed import PALETTE, review
+from cycloid_mj.report.reviewed import PALETTE, Reviewed, frames, review
 
 __all__ = ["MOST_RUNS", "ReportPage", "main", "report", "review_page"]
 
@@ -38,6 +40,8 @@ class ReportPage(str):
 def review_page(log: Path) -> str:
     """Write the review of one logged run, which `report` names by the log's path; for the errors see there.
 
+    Forces, most of a long run, are read of the samples alone that the page shows the mechanism in.
+
     Parameters
     ----------
     log
@@ -45,7 +49,8 @@ def review_page(log: Path) -> str:
     """
     from cycloid_mj.log import read
 
-    return report({str(log): read(log)})
+    (item,) = review({str(log): read(log, without=(FORCES,))})
+    return _page([replace(item, shown=read(log, rows=frames(item.motion)))])
 
 
 def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> ReportPage:
@@ -75,7 +80,11 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
-    reviewed = review(runs, q, settle)
+    return _page(review(runs, q, settle))
+
+
+def _page(reviewed: Sequence[Reviewed]) -> ReportPage:
+    """Write the page of judged runs, and warn of what is wrong with their figures."""
     for item in reviewed:
         warn(item.name, item.findings.warnings)
     return ReportPage(page(reviewed))

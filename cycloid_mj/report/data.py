@@ -84,7 +84,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "curves": {key: encoded(values[:, column]) for column, key in enumerate(drawn)},
         "paths": {path: _path(path, motion) for path in paths},
         "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
-        "mechanism": mechanism(motion),
+        "mechanism": mechanism(motion.reducer, item.shown),
         "spectrum": spectrum_data(item),
     }
 

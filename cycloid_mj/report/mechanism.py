@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.record import Run
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
 from cycloid_mj.reducer import Reducer
@@ -24,27 +23,19 @@ from cycloid_mj.scene import (
 from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.scene.pose import ring_places
 
-FRAMES = 360
 CHORD_ERROR = 1e-5
 MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
-def mechanism(motion: Series) -> dict[str, Any]:
-    """Collect the mechanism's outlines [mm] and its motion over one settled crank turn."""
-    rows = _rows(motion)
-    columns = {name: values[rows] for name, values in motion.run.columns.items()}
-    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
-    widest = widest_gap(reducer, gaps(reducer, seen))
-    return _shape(motion.reducer) | {
-        "usual": fitting_magnification(reducer, widest, MAGNIFICATIONS),
+def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
+    """Collect the mechanism's outlines [mm] and its motion in the samples of a run over one crank turn."""
+    from_ring, seen = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
+    widest = widest_gap(from_ring, gaps(from_ring, seen))
+    return _shape(reducer) | {
+        "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
-        "frames": _frames(reducer, seen, motion.time[rows]),
+        "frames": _frames(from_ring, seen, shown.time),
     }
-
-
-def _rows(motion: Series) -> npt.NDArray[np.intp]:
-    turn = motion.one_turn
-    return np.unique(np.linspace(turn.start, turn.stop - 1, FRAMES).round().astype(np.intp))
 
 
 def _shape(reducer: Reducer) -> dict[str, Any]:

@@ -4,31 +4,46 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
+import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Findings, Series, judge, series
+from cycloid_mj.base.array import Integers
 from cycloid_mj.base.record import Run
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's colours, one for each run."""
 
 
+FRAMES = 360
+"""Most frames in which the mechanism is shown."""
+
+
 @dataclass(frozen=True, eq=False)
 class Reviewed:
-    """A run of a report, with its short name and its colour there."""
+    """A run of a report, with its short name and its colour there; and the run at the `frames` of its mechanism."""
 
     log: str
     motion: Series
     findings: Findings
     name: str
     colour: str
+    shown: Run
+
+
+def frames(motion: Series) -> Integers:
+    """Choose the samples in which the mechanism is shown: even ones over a settled crank turn."""
+    turn = motion.one_turn
+    return np.unique(np.linspace(turn.start, turn.stop - 1, FRAMES).round().astype(np.int64))
 
 
 def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
     """Judge runs, by the names of their logs; `q`, `settle` and errors as of `analysis.series`."""
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
-    return [Reviewed(*each) for each in zip(runs, motions, map(judge, motions, runs), names, PALETTE, strict=False)]
+    shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
+    each = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)
+    return [Reviewed(*one) for one in each]
 
 
 def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:

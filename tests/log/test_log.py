@@ -199,6 +199,18 @@ def test_protobuf_would_write_the_same_bytes():
     assert group.encode(np.array([0.5]), values).tobytes() == theirs
 
 
+def test_a_topic_is_passed_over_and_samples_are_chosen(log, truth):
+    without = read(log, without=("/output_pins",))
+    assert list(without.columns) == [name for name, _ in GROUPS["/reducer"]]
+    assert without["gear_torque"].tobytes() == truth["gear_torque"].tobytes()
+    rows = np.array([0, 9, 10, 57, 94])
+    some = read(log, rows=rows)
+    assert some.time.tobytes() == truth.time[rows].tobytes()
+    for name in truth.columns:
+        assert some[name].tobytes() == truth[name][rows].tobytes(), name
+    assert some.complete
+
+
 @pytest.mark.slow
 def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
     """The number of samples is known from mcap's index of the whole file."""

@@ -17,8 +17,9 @@ from cycloid_mj.analysis import FIGURES, SIGNALS, judge, series, table
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.figures import FIGURES as FIGURES_OF_DESIGNS
+from cycloid_mj.log import read, write
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.report import MOST_RUNS, report
+from cycloid_mj.report import MOST_RUNS, report, review_page
 from cycloid_mj.report.data import MOST_VALUES, curves
 from cycloid_mj.report.encode import decimated
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
@@ -207,6 +208,13 @@ def test_the_widest_gap_decides_how_wide_gaps_are_drawn(both):
         assert factor == 1 or factor * 2e-6 * um <= 0.25 * min(design.ring.pin_radius, design.output.pin_radius)
     text = "".join(both.split())
     assert re.search(r"gapsaredrawn\d+timesaswide,unlessanotherfactorischosenabove,forthewidestis[\d.]+um", text)
+
+
+def test_page_of_a_log_is_that_of_its_run(pin, tmp_path):
+    """Of which it reads forces in the frames of the mechanism alone."""
+    path = tmp_path / "pin.mcap"
+    write(pin, path)
+    assert review_page(path) == report({str(path): read(path)})
 
 
 def test_decimation_keeps_every_extreme_in_its_place():
