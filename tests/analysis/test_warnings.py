@@ -214,6 +214,24 @@ def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
     assert "the efficiency is 0, self-locking" in spoiled("load_torque", -1.0)[-1]
 
 
+def test_an_idling_drive_is_judged_by_what_it_takes() -> None:
+    """A balance open by 0.23 % of what an idling drive took was said to make its figures wrong."""
+    run = simulate(fast(5000.0, "load.torque_nm=0.0", "drive.torque_nm=0.01"))
+    judged = run.select(run.time > 0.006)
+    powers = mean_powers(judged)
+    taken = max(powers.crank, powers.lost)
+
+    def missing(share: float) -> tuple[str, ...]:
+        more = (share * taken - powers.missing) / powers.crank
+        columns = dict(judged.columns) | {"crank_torque": judged["crank_torque"] * (1.0 + more)}
+        return unbalanced(replace(judged, columns=columns), Reducer(design_of(run)))
+
+    assert missing(0.0023) == ()
+    (text,) = missing(0.03)
+    assert text.startswith("the power balance of the idling drive at 5000 rpm is open by")
+    assert "powers and losses are off by about as much" in text
+
+
 @pytest.mark.parametrize("crank", [1e-9, 0.0, -1e-9])
 def test_a_load_that_does_not_bear_has_no_efficiency(crank: float) -> None:
     """Parts that crossed their play were told to have an efficiency of 72839730070.09 %, or of nan %."""
