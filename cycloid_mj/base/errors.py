@@ -1,7 +1,9 @@
 """The errors and warnings a user can meet: each says what is wrong, what was got, what is allowed, what to do next."""
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 
 class CycloidError(Exception):
@@ -39,7 +41,21 @@ class CycloidWarning(UserWarning):
     """A run goes through, but its figures are not, or not all, those of its design."""
 
 
+_told_elsewhere: ContextVar[Collection[str]] = ContextVar("told_elsewhere", default=())
+
+
+@contextmanager
+def told_elsewhere(texts: Collection[str]) -> Iterator[None]:
+    """Issue none of these warnings inside this ``with`` block, in this thread: who wrote it tells of them."""
+    token = _told_elsewhere.set(texts)
+    try:
+        yield
+    finally:
+        _told_elsewhere.reset(token)
+
+
 def warn(design: str, texts: Iterable[str]) -> None:
-    """Issue warnings about a design of some name."""
+    """Issue warnings about a design of some name, but those that are `told_elsewhere`."""
     for text in texts:
-        warnings.warn(f"{design}: {text}", CycloidWarning, stacklevel=3)
+        if text not in _told_elsewhere.get():
+            warnings.warn(f"{design}: {text}", CycloidWarning, stacklevel=3)

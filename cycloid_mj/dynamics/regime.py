@@ -35,6 +35,9 @@ within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too small at 0.
 CREEPING = 1e-3
 """Loss that friction lacks below its creep speed, as a share of the output, from which on a run tells of it."""
 
+_WHOLE = "lower it, or set it to 0, which chooses it by the sliding speed"
+"""What makes friction whole."""
+
 RAISED = 0.01
 """Share of the effective mass by which MuJoCo may raise an added mass without a word."""
 
@@ -83,7 +86,7 @@ def pace(reducer: Reducer, fewest: float = FEWEST_STEPS) -> tuple[str, ...]:
     passing = design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
     if not passing:
         return ()
-    return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *_creeping(reducer))
+    return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *creeping(reducer))
 
 
 def _few_steps(reducer: Reducer, passing: float, fewest: float) -> Iterator[str]:
@@ -110,15 +113,30 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
         )
 
 
-def _creeping(reducer: Reducer) -> Iterator[str]:
+def creeping(reducer: Reducer) -> Iterator[str]:
     """Tell of parts that slide too slowly for the friction that they have."""
     lacking, of_output = lacking_friction(reducer)
     if of_output > CREEPING:
         yield (
             f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for whole "
             f"friction at this crank speed and load; losses of teeth and output read about {lacking:.0%} too low, the "
-            f"efficiency {100.0 * of_output:.2g} points too high; lower it, or set it to 0, which chooses it by the "
-            "sliding speed"
+            f"efficiency {100.0 * of_output:.2g} points too high; {_WHOLE}"
+        )
+
+
+def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
+    """Tell the same of several runs by their names, in one line."""
+    groups: dict[str, list[str]] = {}
+    for name, reducer in runs.items():
+        lacking, of_output = lacking_friction(reducer)
+        if of_output > CREEPING:
+            groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} points", []).append(name)
+    if groups:
+        slow = sum(len(names) for names in groups.values())
+        shares = "; ".join(f"{share} ({', '.join(names)})" for share, names in groups.items())
+        yield (
+            f"contact.creep_speed_mm_s: parts slide too slowly for whole friction in {slow} of {len(runs)} runs; "
+            f"losses of teeth and output read too low, the efficiency too high, by about {shares}; {_WHOLE}"
         )
 
 

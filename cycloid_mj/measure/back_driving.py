@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
@@ -56,6 +57,23 @@ class BreakAway:
     def locked(self) -> bool:
         """Whether the crank stays at rest: the reducer is self-locking."""
         return math.isnan(self.torque)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the torque is more than its own error: pins that cross wide play strike the crank on its way."""
+        return self.torque > self.error
+
+    @property
+    def note(self) -> str:
+        """What the torque says, or why it says nothing."""
+        if self.locked:
+            return f"{SELF_LOCKING} with no torque on the crank, by up to {self.largest:g} N m on the output"
+        if not self.resolved:
+            return (
+                f"below {self.torque + self.error:.2g} N m: less than its own error, as parts cross their play while "
+                "the crank comes up to speed"
+            )
+        return "none to speak of: friction is in proportion to the load, and there is only the parts' weight"
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:

@@ -196,12 +196,10 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
         Quantity(
             "back_driving_torque_static",
             "back-driving torque from rest, crank free",
-            rest.torque,
+            rest.torque if rest.resolved else math.nan,
             "N m",
-            None if rest.locked else rest.error,
-            note=f"{SELF_LOCKING} with no torque on the crank, by up to {rest.largest:g} N m on the output"
-            if rest.locked
-            else "none to speak of: friction is in proportion to the load, and there is only the parts' weight",
+            rest.error if rest.resolved else None,
+            note=rest.note,
         ),
         Quantity(
             "back_driving_torque_rated",

@@ -5,9 +5,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from cycloid_mj.base.engine import Progress, all_in_threads
+from cycloid_mj.base.errors import told_elsewhere, warn
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.units import RPM
+from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
+from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
@@ -15,9 +19,19 @@ from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
-from cycloid_mj.measure.spread import Moved, inputs, moved
+from cycloid_mj.measure.spread import Input, Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, first_half, steady, whole_periods
 from cycloid_mj.reducer import Reducer
+
+_RUNS = {
+    "rated": "rated, {}",
+    "ideal": "the same without play",
+    "unloaded": "no load",
+    "backward": "output drives against {}",
+    "coasting": "output drives a free crank",
+    "halved": "rated with half the step",
+}
+"""Words for runs that are not of the map, with their load and speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +48,8 @@ class Point:
         Mean powers of the run and of its first half.
     run
         The run.
+    reducer
+        What ran, under its load.
     """
 
     torque: float
@@ -41,6 +57,7 @@ class Point:
     powers: Powers
     shorter: Powers
     run: Run
+    reducer: Reducer
 
     @property
     def drag(self) -> float:
@@ -123,6 +140,7 @@ def run_map(
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
     points = all_in_threads(tasks, progress)
+    warn(design.name, creeping_in({_named(key, points[key], assumed): points[key].reducer for key in tasks}))
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),
@@ -141,7 +159,9 @@ def run_map(
 def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
     """Run under an output torque [N m], the crank held at a speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods, torque), solver))
+    with told_elsewhere(tuple(creeping(loaded))):
+        run = steady(loaded, SETTLED, whole_periods(loaded, periods, torque), solver)
+    return _point(torque, speed, run, loaded)
 
 
 def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> Point:
@@ -152,8 +172,9 @@ def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> P
     drive: self-locking.
     """
     if not torque:
-        run = braked_run(reducer, torque, whole_periods(reducer, periods, torque), solver)
-        return _point(torque, reducer.design.drive.speed, run)
+        with told_elsewhere(tuple(creeping(reducer))):
+            run = braked_run(reducer, torque, whole_periods(reducer, periods, torque), solver)
+        return _point(torque, reducer.design.drive.speed, run, reducer)
     speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction
     point = forward(reducer, -driving, speed, SPREAD_PERIODS, solver)
     if point.powers.efficiency > 0.0:
@@ -161,5 +182,17 @@ def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> P
     return replace(point, torque=torque)
 
 
-def _point(torque: float, speed: float, run: Run) -> Point:
-    return Point(torque, speed, mean_powers(run), mean_powers(first_half(run)), run)
+def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
+    return Point(torque, speed, mean_powers(run), mean_powers(first_half(run)), run, reducer)
+
+
+def _named(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
+    """Name a run of the map: by its load and speed, or by what it has else."""
+    ends = {end: (one, value) for one in assumed for end, value in zip(one.ends, (one.low, one.high), strict=True)}
+    if isinstance(key, Design):
+        one, value = ends[key]
+        return f"{one.name} {value:.3g} {one.unit}" if one.unit != "1" else f"{one.name} {value:.3g}"
+    if isinstance(key, float):
+        return f"friction {key:g} of all that slide"
+    at = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"
+    return at if isinstance(key, tuple) else _RUNS[str(key)].format(at)

@@ -9,17 +9,19 @@ import math
 import pytest
 from designs import unlike
 
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.engine import silent
+from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import MEASURES, sensitivity, steady
-from cycloid_mj.measure.back_driving import break_away
+from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, halved
-from cycloid_mj.measure.efficiency_map import backward, forward
+from cycloid_mj.measure.efficiency_map import backward, forward, run_map
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
 from cycloid_mj.reducer import Reducer
@@ -298,3 +300,23 @@ def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest(design) -
         assert math.isnan(found[f"back_driving_torque_{key}"].value)
         assert f"self-locking {crank}" in found[f"back_driving_torque_{key}"].note
     assert f"self-locking {braked}" in found["back_driving_efficiency"].note
+
+
+def test_a_torque_from_rest_below_its_own_error_is_not_told():
+    """Free pins in 15 um of play were told to have 0.003 +- 0.02 N m."""
+    run = simulate(override(FIXED, ["drive.ramp_s=0", "drive.hold_s=0.001"]))
+    told, untold, locked = (BreakAway(*pair, 0.5, run) for pair in ((0.3, 0.1), (0.1, 0.3), (math.nan, math.nan)))
+    assert [one.resolved for one in (told, untold, locked)] == [True, False, False]
+    assert [one.locked for one in (told, untold, locked)] == [False, False, True]
+    assert untold.note.startswith("below 0.4 N m")
+
+
+@pytest.mark.slow
+def test_runs_whose_friction_is_not_whole_are_named_in_one_line():
+    design = override(unlike("nonpin-n69-d1-carrier-2um"), ["contact.creep_speed_mm_s=20"])
+    with pytest.warns(CycloidWarning) as issued:
+        run_map(steady_design(Reducer(design)), [1.0], [design.drive.speed], 1, False, silent, "planar")
+    (text,) = (str(one.message) for one in issued if "creep_speed" in str(one.message))
+    assert " runs; losses of teeth and output read too low" in text
+    assert "1 N m at 1000 rpm" in text
+    assert "no load" in text

@@ -65,6 +65,42 @@ def test_two_hundred_random_drives_balance(seed: int) -> None:
     require_all_balanced(200, seed)
 
 
+MOST_FRICTION = 2.0
+"""Largest coefficient that a design may have."""
+
+
+def borne(reducer: Reducer, crank: float, torque: float) -> float:
+    """Compute which multiple of its friction parts without play carry a torque on the output with, up to 2."""
+    springs = springs_of(reducer, [crank])
+    return friction_borne(reducer, springs, springs.load(reducer.share * torque)[0], 2.0)
+
+
+def scaled(design: Design, scale: float) -> Design:
+    """Return the design with all friction as many times as large."""
+    return design.but(friction={name: scale * value for name, value in dict(design.friction).items()})
+
+
+@pytest.mark.slow
+def test_just_short_of_what_parts_without_play_bear_all_balance() -> None:
+    """Friction of which they bear 1.03 lets every drive turn; beyond, play lets some, whose balances are held too."""
+    draw, tried = np.random.default_rng(31), 0
+    for drive in random_drives(18, 31):
+        crank, torque = float(draw.uniform(0.0, 2.0 * np.pi)), drive.rated_torque
+        most = MOST_FRICTION / max(dict(drive.friction).values())
+        scale = next(
+            (s for s in np.geomspace(1.0, most, 8) if borne(Reducer(scaled(drive, s)), crank, torque) < 1.9), most
+        )
+        limit = scale * borne(Reducer(scaled(drive, scale)), crank, torque)
+        if limit / 0.9 > most:
+            continue
+        tried += 1
+        reducer = Reducer(scaled(drive, limit / 1.03))
+        loads(reducer, springs_of(reducer, [crank]), torque)
+        for multiple in (0.9, 0.97, 1.03, 1.1):
+            require_balance(scaled(drive, limit / multiple), crank, 1.0, 1.0, 1.0)
+    assert tried >= 8
+
+
 @pytest.mark.slow
 def test_a_ring_whose_losses_are_many_times_its_load_balances(monkeypatch: pytest.MonkeyPatch) -> None:
     """A drive near its jam: its carrier bears 0.38 of the torque on the ring, and would jam under all of it."""
