@@ -1,4 +1,4 @@
-"""Whether what the load is on can follow the transmission error at the speed of the crank, as statics has it do."""
+"""Whether load and discs can follow the transmission error at the speed of the crank, as statics has it do."""
 
 from collections.abc import Iterator, Mapping
 
@@ -41,7 +41,8 @@ def unfollowed(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[s
     if share > FOLLOWS:
         missed = next(points for most, points in MISSED if share <= most)
         yield (
-            f"at {abs(design.drive.speed) / RPM:.0f} rpm the load's inertia asks for {share:.3g} times the load (rms) "
-            "to follow the transmission error: contacts open and strike where statics keeps them closed, and the "
-            f"efficiency by runs of such drives was up to {missed:g} points off; take `cycloid-mj measure efficiency`"
+            f"at {abs(design.drive.speed) / RPM:.0f} rpm the load's inertia alone asks for {share:.3g} times the load "
+            "(rms) to follow the transmission error, and the discs' for more: contacts open and strike where statics "
+            f"keeps them closed, and the efficiency by runs of such drives was up to {missed:g} points off; take "
+            "`cycloid-mj measure efficiency`"
         )
