@@ -44,8 +44,7 @@ def _moments(vertices: bytes) -> AreaMoments:
 def signed_area(polygon: Array) -> float:
     """Compute the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
     (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    # of a list, since fsum would make a numpy number of each element
-    return math.fsum((x * v - u * y).tolist()) / 2
+    return float(_sums((x * v - u * y)[np.newaxis])[0]) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
