@@ -2,9 +2,10 @@
 From a measured pin drive to its nonpin twin
 ============================================
 
-Values fitted to the loops of a printed drive with pins predict the loops of its twin with the internal gear, of which
-only the kind of ring is changed: beside them stand those that were measured, before run-in. Nothing is fitted to the
-twin but the zero of its deflection.
+Values fitted to the loops of a printed drive, by a model with pins, predict the loops of its twin by one with the
+internal gear, of which only the kind of ring is changed: beside them stand those that were measured, before run-in.
+Nothing is fitted to the twin but the zero of its deflection. Both measured drives have the internal gear, one in a
+piece, one in two halves (docs/bench.md): what is tried here is how far the kind of ring in the model matters.
 """
 
 from pathlib import Path
