@@ -40,7 +40,7 @@ def budget_figure(tolerances: Tolerances) -> Figure:
     axes.barh(place, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
     reach = np.maximum(np.abs(ends - total[:, np.newaxis]).T, 0.0)
     axes.errorbar(total, place, xerr=reach, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
-    axes.set_yticks(place, [share.source for share in tolerances.budget])
+    axes.set_yticks(place, [share.source.replace("_", " ") for share in tolerances.budget])
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
     axes.grid(visible=False, axis="y")

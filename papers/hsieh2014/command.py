@@ -109,14 +109,18 @@ def reproduce(
     A stage that breaks is told on the page, the others still appear, and the
     exit code is 1. Stress needs the extra `fem`.
     """
+    from cycloid_mj.stress.packages import package
     from hsieh2014.logs import Logs
     from hsieh2014.plan import FULL, QUICK
-    from hsieh2014.run import AUTHORS, STEPS, run_steps
+    from hsieh2014.run import AUTHORS, STEPS, STRESS, run_steps
 
     keys = [step.key for step in (*STEPS, AUTHORS)]
     only = (*only, AUTHORS.key) if as_the_authors else only
     if unknown := next((key for key in only if key not in keys), None):
         raise UsageError(f"no stage {unknown!r}; there are {', '.join(keys)}")
+    if STRESS in only:  # before the runs, of which it is the last to know
+        for name in ("gmsh", "skfem"):
+            package(name)
     place = claimed(delivery, STEM, usual=OUT, paged=True)
     into = place.folder or Path(OUT)
     logs = Logs(folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)

@@ -16,6 +16,9 @@ from hsieh2014.torque import torque
 from hsieh2014.verdicts import as_searched
 from hsieh2014.vibration import vibration
 
+STRESS = "stress"
+"""The stage that needs the extra ``fem``."""
+
 STEPS = (
     Stage("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
     Stage("equal", "What differs between the designs", "section 3.1", equal, 0.1, 0.1),
@@ -25,7 +28,7 @@ STEPS = (
     Stage("q_velocity", "Velocity of q and its error", "Fig. 8", q_velocity, 0.5, 0.5, True),
     Stage("pin_1", "Spin and centre of pin 1", "Fig. 9", pin_1, 2, 4, True),
     Stage("vibration", "Pin against nonpin", "Figs 6-8", vibration, 10, 150, True),
-    Stage("stress", "Grids and stress", "Figs 10-16", stress, 70, 600, True),
+    Stage(STRESS, "Grids and stress", "Figs 10-16", stress, 70, 600, True),
     Stage("torque", "Output torque", "Fig. 19", torque, 8, 120),
 )
 

@@ -29,7 +29,7 @@ from hsieh2014.stage import StageResult, silent
 from hsieh2014.stated import TORQUES
 from ideal import ideal_run
 
-from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.design import PRESETS, dump, override
@@ -217,6 +217,16 @@ def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
 def test_an_unknown_stage_is_a_usage_error(tmp_path):
     with pytest.raises(UsageError, match=r"no stage 'stres'; there are geometry, .*torque"):
         command.reproduce(only=("stres",), delivery=ReproduceDelivery(out=str(tmp_path)))
+
+
+def test_stress_that_is_asked_for_by_name_needs_its_extra_before_any_run(tmp_path, monkeypatch):
+    def absent(name):
+        raise ImportError(f"No module named {name!r}")
+
+    monkeypatch.setattr("cycloid_mj.stress.packages.importlib.import_module", absent)
+    with pytest.raises(CycloidError, match=r"needs the package gmsh .*cycloid-mj\[fem\]"):
+        command.reproduce(only=("geometry", "stress"), delivery=ReproduceDelivery(out=str(tmp_path / "paper")))
+    assert not (tmp_path / "paper").exists()
 
 
 def test_the_time_left_follows_the_pace(monkeypatch):

@@ -3,11 +3,15 @@
 import ast
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
+from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.plots.explored import figure_words
 from cycloid_mj.plots.style import in_words
+from cycloid_mj.plots.tolerance import budget_figure
 
 ROOT = Path(__file__).parents[2]
 DRAW = [
@@ -72,3 +76,10 @@ def test_a_figure_is_named_as_the_catalogue_does() -> None:
     )
     assert figure_words("statics.cam_peak_force_n", "N") == "statics: cam: largest force [N]"
     assert figure_words("simulate.gear_speed_rms", "rad/s") == "simulate: gear speed rms [rad/s]"
+
+
+def test_bars_of_an_error_budget_have_words() -> None:
+    share = SimpleNamespace(source="pin_position", first_order=0.4, total=0.5, ci95=(0.4, 0.6))
+    study = SimpleNamespace(budget=(share,), budget_of="backlash_arcmin", design="pin")
+    (axes,) = budget_figure(cast(Tolerances, study)).axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["pin position"]
