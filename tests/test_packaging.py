@@ -143,8 +143,9 @@ FAULTY = {
     "test_packaging:ROOT": "test_packaging:ROOT is no Paper but of type PosixPath",
     "test_packaging:NOWHERE": "its command 'nobody_2000:run' does not load: No module named 'nobody_2000'",
     "test_packaging:NOTHING": "its command 'test_packaging:nothing' does not load: module 'test_packaging' has no",
-    "test_packaging:NONSENSE": "its command 'non sense' does not load: ",
+    "test_packaging:NONSENSE": "its command 'non sense' is not written as module:function",
     "test_packaging:NO_FUNCTION": "its command 'test_packaging:ROOT' is no function",
+    "test_packaging:NO_FLAGS": "its command 'builtins:dict' takes no flags: no signature found",
     "test_packaging:TAKEN": "its key 'hsieh2014' is taken by another paper",
     "test_packaging:NAMELESS": "its key '--help' is no name of a command",
     "leaves_2000:PAPER": "it ends the program (I leave)",
@@ -153,7 +154,9 @@ NOWHERE, NOTHING, NONSENSE, NO_FUNCTION = (
     Paper("other", "Other 2000", command, "")
     for command in ("nobody_2000:run", "test_packaging:nothing", "non sense", "test_packaging:ROOT")
 )
+NO_FLAGS = Paper("zebra", "Other 2000", "builtins:dict", "")
 TAKEN, NAMELESS = (Paper(key, "Other 2000", "test_packaging:reproduce_second", "") for key in ("hsieh2014", "--help"))
+ODD = Paper("odd", "Odd 2000", "test_packaging:reproduce_second", "", torques=lambda design: 5)
 LEAVING = Paper(
     "leaving", "Leaving 2000", "test_packaging:reproduce_second", "", torques=leave, stress_references=leave
 )
@@ -177,6 +180,20 @@ def test_a_paper_that_fails_when_it_is_asked_is_passed_over(found, capsys):
     for ask, nothing in ((published_torques, []), (stress_references, {})):
         with pytest.warns(CycloidWarning, match="paper leaving: passed over, since it ends the program"):
             assert ask(Reducer(PRESETS["pin"])) == nothing
+
+
+def test_a_paper_that_answers_what_is_no_list_is_passed_over(found):
+    found(odd="test_packaging:ODD")
+    with pytest.warns(CycloidWarning, match="paper odd: passed over, since 'int' object is not iterable"):
+        assert published_torques(Reducer(PRESETS["pin"])) == []
+
+
+def test_what_a_paper_prints_as_it_loads_is_no_result(found, capsys, tmp_path, monkeypatch):
+    (tmp_path / "talks_2000.py").write_text("from test_packaging import SECOND\nprint('I load')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    found(talks="talks_2000:SECOND")
+    assert published_torques(Reducer(PRESETS["pin"])) == []
+    assert capsys.readouterr() == ("", "I load\n")
 
 
 def test_a_second_paper_makes_reproduce_a_group_of_commands(found, capsys):

@@ -13,7 +13,7 @@ from cyclopts import App, CycloptsError, Group, Parameter
 
 from cycloid_mj import __version__
 from cycloid_mj.base.engine import at_most
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, warn
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.replacing import one_command
 from cycloid_mj.cli import page
@@ -122,7 +122,7 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
     if wanted:
         from cycloid_mj.papers import papers
 
-        installed = papers()
+        installed = [paper for paper in papers() if _has_command(paper)]
     if len(installed) == 1:
         command, examples = installed[0].command, installed[0].examples
         app.command(command, name=REPRODUCE, group=group, sort_key=0, help_epilogue=examples)
@@ -133,6 +133,18 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
         app.command(several)
     if wanted:
         page.flowing(app[REPRODUCE])
+
+
+def _has_command(paper: "Paper") -> bool:
+    """Tell whether the function of a paper, whose code is not ours, can be a command; warn where it cannot."""
+    trial = App()
+    try:
+        trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
+        page.flowing(trial[REPRODUCE]).assemble_argument_collection()
+    except Exception as problem:
+        warn(f"paper {paper.key}", [f"left out, since its command {paper.command!r} takes no flags: {problem}"])
+        return False
+    return True
 
 
 def _unfolded(words: list[str]) -> list[str]:

@@ -4,7 +4,9 @@ Nothing in `cycloid_mj` imports a paper by its name: a second one is a second pa
 """
 
 import re
+import sys
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
@@ -94,7 +96,7 @@ def papers() -> tuple[Paper, ...]:
 
 def published_torques(reducer: "Reducer") -> "list[Published]":
     """List the output torques that the papers have for a design."""
-    return [torque for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for torque in torques]
+    return [torque for _, torques in _answers(lambda paper: list(paper.torques(reducer.design))) for torque in torques]
 
 
 def judged_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
@@ -112,7 +114,7 @@ def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
     """Collect what the papers have on the stress of a design's parts, by their names."""
     return {
         part: reference
-        for _, references in _answers(lambda paper: paper.stress_references(reducer.design))
+        for _, references in _answers(lambda paper: dict(paper.stress_references(reducer.design)))
         for part, reference in references.items()
     }
 
@@ -133,7 +135,8 @@ def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
 def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None:
     """Ask a paper, whose code is not ours: whatever is wrong with it, the commands shall run."""
     try:
-        return ask()
+        with redirect_stdout(sys.stderr):  # results alone go to stdout
+            return ask()
     except (Exception, SystemExit) as problem:
         reason = " ".join(f"{problem}".split()) or type(problem).__name__
         reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason
@@ -153,6 +156,8 @@ def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
         raise ValueError(f"its key {paper.key!r} is no name of a command")
     if paper.key in taken:
         raise ValueError(f"its key {paper.key!r} is taken by another paper")
+    if not isinstance(paper.command, str) or not re.fullmatch(r"[\w.]+:[\w.]+", paper.command):
+        raise ValueError(f"its command {paper.command!r} is not written as module:function")
     try:
         command = EntryPoint(paper.key, paper.command, GROUP).load()
     except Exception as problem:
