@@ -19,8 +19,10 @@ from time import perf_counter
 
 ROOT = Path(__file__).resolve().parents[1]
 TESTS = [
-    *(f"tests/dynamics/test_{name}.py" for name in ("contact", "selftest", "near", "ring", "each_step", "simulate")),
-    "tests/statics/test_law.py",
+    *(
+        f"tests/dynamics/test_{name}.py"
+        for name in ("contact", "selftest", "near", "ring", "each_step", "simulate", "law")
+    ),
     "tests/robot/test_robot.py",
 ]
 AHEAD = "mujoco-core"

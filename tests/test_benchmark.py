@@ -229,3 +229,9 @@ def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
     assert took.memory > 10.0
     with pytest.raises(subprocess.CalledProcessError):
         passes.launched("no-such-command")
+
+
+def test_the_tests_of_releases_of_mujoco_are_there() -> None:
+    from test_mujoco_versions import ROOT, TESTS
+
+    assert [test for test in TESTS if not (ROOT / test).is_file()] == []

@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
+from cycloid_mj.base.whole import storable
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
 from cycloid_mj.reducer import Reducer
@@ -242,7 +243,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
     draw = cache(partial(drawn, calibration_figure(calibration)))
     files = {
         f"{name}.toml": dump(calibration.design).encode(),
-        f"{name}-residuals.csv": "\n".join([*rows, ""]).encode(),
+        f"{name}-residuals.csv": storable("\n".join([*rows, ""])).encode(),
     }
     names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(

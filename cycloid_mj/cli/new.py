@@ -151,7 +151,8 @@ def new(
         return _written(files, [copied], _claimed(stem, delivery), delivery)
     if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
         missing = " and ".join(flag for flag, value in asked.items() if value is None)
-        raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
+        verb = "are" if " and " in missing else "is"
+        raise UsageError(f"{missing} {verb} missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
     if source:
         raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
     if ratio is not None and ratio_range:

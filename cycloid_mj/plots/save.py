@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.plots.style import styled
 
 METADATA: dict[str, dict[str, Any]] = {
@@ -74,6 +75,8 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 @styled
 def drawn(figure: Figure, form: str) -> bytes:
     """Encode a figure as the bytes of a file of a format; what is drawn first lays it out for all."""
+    for text in figure.findobj(Text):  # odd bytes of a file's name have no letters
+        text.set_text(storable(text.get_text()))
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     figure.set_layout_engine("none")

@@ -301,9 +301,26 @@ def test_names_that_are_no_utf8_are_names_and_told_as_escapes(tmp_path):
         assert code == 0, (argv, err)
         assert path.stat().st_size
         assert "\udcff" not in out + err
+    te = tmp_path / f"{ODD}-te.csv"
+    te.write_text("crank_deg,te_arcsec\n" + "".join(f"{angle},{angle % 7}\n" for angle in range(0, 400, 10)))
+    code, out, err = told("compare-bench", "pin", "--te", te, "--out", tmp_path / f"{ODD}-bench")
+    assert code == 0, err
+    assert (tmp_path / f"{ODD}-bench" / f"pin-{ODD}-te.png").stat().st_size
     code, _, err = told("report", tmp_path / f"no-{ODD}.mcap")
     assert (code, err.count("\n")) == (1, 1)
     assert "odd\\udcff" in err
+
+
+@pytest.mark.slow
+def test_loops_whose_names_are_no_utf8_are_told_in_the_residuals(tmp_path):
+    loop = Path(__file__).parents[1] / "data" / "bench" / "play_loop.csv"
+    first, *rows = loop.read_text().splitlines()
+    (tmp_path / f"{ODD}.csv").write_text("\n".join([first, *rows[::8]]))
+    argv = ("calibrate", "printed", "--loop", tmp_path / f"{ODD}.csv", "--fit", "drag", "--out", tmp_path / "fit")
+    code, _, err = told(*argv)
+    assert "Traceback" not in err
+    assert code == 0, err
+    assert "odd\\udcff," in (tmp_path / "fit" / "printed-calibrated-residuals.csv").read_text()
 
 
 def test_a_newline_in_a_key_of_a_design_file_leaves_one_line(tmp_path):
