@@ -25,6 +25,7 @@ TESTS = [
     ),
     "tests/robot/test_robot.py",
 ]
+HELPERS = ("-o", "pythonpath=scripts tests")
 AHEAD = "mujoco-core"
 
 
@@ -69,7 +70,7 @@ def install(environment: Path, requirement: str) -> str:
 def tested(environment: Path) -> tuple[bool, str]:
     """Run the tests in an environment; give whether they pass, and pytest's account."""
     pytest = environment / "bin" / "pytest"
-    done = ran(pytest, "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *TESTS, folder=environment)
+    done = ran(pytest, "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *HELPERS, *TESTS, folder=environment)
     lines = done.stdout.strip().splitlines() or done.stderr.strip().splitlines()
     failed = [line.split(" - ")[0].removeprefix("FAILED ") for line in lines if line.startswith(("FAILED", "ERROR"))]
     return done.returncode == 0, "; ".join([lines[-1].strip("= "), *failed])
