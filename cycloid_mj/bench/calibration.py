@@ -15,7 +15,7 @@ from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit
-from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
+from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
 from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
@@ -33,9 +33,9 @@ MOST_KNOWN = 0.5
 SILENT = 1e-6
 """Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
 
-RADIANS, MINUTES, MILLIMETRES, KILO = 8.0, 30.0, 30.0, 1e-3
+RADIANS, MINUTES = 8.0, 30.0
 """How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
-minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm, and in kN m."""
+minutes of arc."""
 
 LOSSES = (
     ("constant", "constant friction alone", (), False),
@@ -541,17 +541,7 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
     """Refuse a loop that is near the design's only if it was meant in N mm, in radians, or in minutes of arc."""
     rated = model.reducer.design.rated_torque
     for loop in loops:
-        if rated and loop.most > MILLIMETRES * rated:
-            raise UsageError(
-                f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's "
-                f"rated {rated:.4g} N m: is {TORQUE} in N mm? then divide it by 1000; if not, give the design its "
-                "drive.torque_nm"
-            )
-        if loop.most < KILO * rated:
-            raise UsageError(
-                f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
-                f"{rated:.4g} N m: is {TORQUE} in kN m? then multiply it by 1000; if not, measure a loop of more torque"
-            )
+        require_torque(loop, rated)
         try:
             turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])
         except RunError:

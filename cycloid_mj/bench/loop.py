@@ -38,6 +38,9 @@ TAKEN_OUT = 0.02
 LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
 """Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
 
+MILLIMETRES, KILO = 30.0, 1e-3
+"""How many times the rated torque a torque goes to that is taken to be in N mm, and in kN m."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredLoop(Presented):
@@ -220,6 +223,21 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
             "one that rises. Are the two columns exchanged, or the rows in the reverse order of time?"
         )
     return loop
+
+
+def require_torque(loop: MeasuredLoop, rated: float) -> None:
+    """Raise UsageError for a loop that is near a drive's rated torque [N m] only if it was meant in N mm or kN m."""
+    if rated and loop.most > MILLIMETRES * rated:
+        raise UsageError(
+            f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's "
+            f"rated {rated:.4g} N m: is {TORQUE} in N mm? then divide it by 1000; if not, give the design its "
+            "drive.torque_nm"
+        )
+    if loop.most < KILO * rated:
+        raise UsageError(
+            f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
+            f"{rated:.4g} N m: is {TORQUE} in kN m? then multiply it by 1000; if not, measure a loop of more torque"
+        )
 
 
 def _require_no_stray(values: Array, column: str, where: str) -> None:

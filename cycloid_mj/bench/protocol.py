@@ -17,7 +17,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, DEGREE, RPM
-from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns
+from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, require_torque
 from cycloid_mj.bench.reading import LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.bench.te import MeasuredError, model_error
 from cycloid_mj.figures import figure
@@ -208,10 +208,12 @@ def protocol(
     Raises
     ------
     UsageError
-        A file is not of its form.
+        A file is not of its form, or the torque of a loop not in N m.
     RunError
         The model has no balance, or a run went wrong.
     """
+    for loop in files.loops:
+        require_torque(loop, rated)
     of_bench = {**_of_loops(files.loops, rated), **_of_files(files)} if files != BenchFiles() else {}
     loaded = reducer.working_at(rated)
     cranks = crank_angles(reducer, angles).tolist()

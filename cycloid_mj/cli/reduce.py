@@ -52,12 +52,14 @@ SpreadFlag = Annotated[
         "them.",
     ),
 ]
-SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="Drives that --spread draws. Default: 100.")]
+SamplesFlag = Annotated[
+    int | None, Parameter(metavar="N", converter=whole, help="Drives that --spread draws. Default: 100.")
+]
 SeedFlag = Annotated[
-    int,
+    int | None,
     Parameter(metavar="N", converter=whole, help="Of the draws: the same seed gives the same drives. Default: 0."),
 ]
-MOST_SAMPLES = 100_000
+USUAL_SAMPLES, MOST_SAMPLES = 100, 100_000
 
 STEM = "reducer"
 SAMPLES = "samples.csv"
@@ -88,8 +90,8 @@ def reduce(
     integrator: IntegratorFlag = None,
     load_inertia_kgm2: InertiaFlag = None,
     spread: SpreadFlag = False,
-    samples: SamplesFlag = 100,
-    seed: SeedFlag = 0,
+    samples: SamplesFlag = None,
+    seed: SeedFlag = None,
     delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Reduce a reducer to one joint for a robot's model.
@@ -121,6 +123,11 @@ def reduce(
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
+    if not spread and (samples, seed) != (None, None):
+        raise UsageError(
+            f"--{'seed' if samples is None else 'samples'} is of the drives that --spread draws: add --spread"
+        )
+    samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
     if not 2 <= samples <= MOST_SAMPLES:
         raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
     if seed < 0:

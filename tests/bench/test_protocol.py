@@ -9,7 +9,7 @@ import pytest
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import ARCMINUTE, DEGREE
-from cycloid_mj.bench import MeasuredLoop, measured_loop
+from cycloid_mj.bench import MeasuredLoop, measured_loop, read_loop
 from cycloid_mj.bench.protocol import (
     CRANK_TORQUE,
     INTERVALS,
@@ -152,3 +152,12 @@ def test_wrong_flags_are_one_line(words: list[str], message: str, capsys: pytest
     error = capsys.readouterr().err.strip().splitlines()
     assert len(error) == 1
     assert message in error[0]
+
+
+def test_a_loop_in_newton_millimetres_is_refused_before_the_work(tmp_path: Path) -> None:
+    loop = Path(__file__).parents[1] / "data" / "bench" / "play_loop.csv"
+    first, *rows = loop.read_text().splitlines()
+    split = [row.split(",") for row in rows]
+    (tmp_path / "loop.csv").write_text("\n".join([first, *(f"{1000.0 * float(t)},{d}" for t, d in split)]))
+    with pytest.raises(UsageError, match="is torque_output_Nm in N mm"):
+        protocol(Reducer(PRESETS["printed"]), BenchFiles((read_loop(tmp_path / "loop.csv"),)), 10.4)

@@ -932,6 +932,8 @@ def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
         (["--load-inertia-kgm2", "-1"], "--load-inertia-kgm2", 2),
         (["--load-inertia-kgm2", "nan"], "--load-inertia-kgm2", 2),
         (["--level", "soft"], "level", 2),
+        (["--samples", "10"], "--samples is of the drives that --spread draws", 2),
+        (["--seed", "0"], "--seed is of the drives that --spread draws", 2),
         (["--set", "drive.speed_rpm=0"], "drive.speed_rpm is 0", 1),
         (["--set", "clearance.output_um=-1"], "clearance.output_um", 2),
     ],
