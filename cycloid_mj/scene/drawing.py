@@ -251,8 +251,10 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
     """Compute the distance of pin centres (n, mates, 2) from the trochoid of teeth in poses (n, 3), positive outside.
 
-    Newton's method for the foot point, from where the ideal mesh has it.
+    Newton's method for the foot point, from where the ideal mesh has it, in steps that keep to its lobe: a pin that has
+    left its socket is far from there.
     """
+    longest = 0.5 / centres.shape[1]
     point = turned(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
     t = np.resize(profile.pin_angles(mesh), centres.shape[1]) + gear[:, 2:]
     for _ in range(ROUNDS):
@@ -260,7 +262,8 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
         speed = np.einsum("nik,nik->ni", tangent, tangent)
         stiffness = speed + np.einsum("nik,nik->ni", away, bend)
         # beyond a centre of curvature the full step would lead away
-        t = t - np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
+        step = np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
+        t = t - np.clip(step, -longest, longest)
     return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
 
 

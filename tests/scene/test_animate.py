@@ -92,6 +92,12 @@ def test_openings_are_the_exact_gaps(design, scale):
     assert np.abs(gaps(Reducer(design), shifted).opening - measured.opening).max() > 0.9e-6
 
 
+def test_a_pin_far_from_its_socket_is_measured_to_its_own_lobe():
+    run = made_run(PIN, 400, 1.0).select(slice(0, 400, 23))
+    away = {f"pin_{number}_x": run[f"pin_{number}_x"] + 4e-4 for number in range(1, 37)}
+    assert np.abs(gaps(Reducer(PIN), dict(run.columns) | away).opening).max() < 4.1e-4
+
+
 @pytest.mark.parametrize("times", MAGNIFICATIONS)
 def test_every_gap_is_drawn_to_one_scale(made, times):
     design, run, place, measured = made
