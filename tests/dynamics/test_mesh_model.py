@@ -4,7 +4,6 @@ import dataclasses
 import importlib.util
 import itertools
 import json
-import time
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -223,20 +222,14 @@ def test_only_mating_surfaces_meet(reducers: dict[str, Any], kind: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def loaded() -> dict[str, tuple[Any, float]]:
-    found = {}
-    for kind in KINDS:
-        start = time.process_time()
-        model = mujoco.MjModel.from_xml_path(str(MODELS / kind / "scene.xml"))
-        found[kind] = model, time.process_time() - start
-    return found
+def loaded() -> dict[str, Any]:
+    return {kind: mujoco.MjModel.from_xml_path(str(MODELS / kind / "scene.xml")) for kind in KINDS}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_scene_loads_quickly_and_has_what_a_user_needs(loaded: dict[str, Any], kind: str) -> None:
-    model, seconds = loaded[kind]
-    assert seconds < 2.0
+def test_a_scene_has_what_a_user_needs(loaded: dict[str, Any], kind: str) -> None:
+    model = loaded[kind]
     assert model.ncam == 3
     assert model.nlight == 2
     assert {model.actuator(i).name for i in range(model.nu)} == {"drive", "load"}
@@ -255,7 +248,7 @@ def test_a_scene_loads_quickly_and_has_what_a_user_needs(loaded: dict[str, Any],
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_file_is_the_model_digit_for_digit(loaded: dict[str, Any], reducers: dict[str, Any], kind: str) -> None:
     """Shortest numbers read back as the doubles they were: each contact parameter of the folder is the spec's."""
-    file, built = loaded[kind][0], reducers[kind].model
+    file, built = loaded[kind], reducers[kind].model
     for i in range(built.ngeom):
         name = built.geom(i).name
         if not name:
@@ -282,7 +275,7 @@ def test_the_file_is_the_model_digit_for_digit(loaded: dict[str, Any], reducers:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_keyframes_are_on_the_closed_form_and_free_of_contact(loaded: dict[str, Any], kind: str) -> None:
-    model, design = loaded[kind][0], changed(kind)
+    model, design = loaded[kind], changed(kind)
     data = mujoco.MjData(model)
     names = [model.key(i).name for i in range(model.nkey)]
     turning = [f"1640rpm_{angle}" for angle in (0, 90, 180, 270)]
@@ -340,9 +333,9 @@ def mesh_means(errors: np.ndarray, model: Any, design: Design) -> np.ndarray:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_model_keeps_its_speed_over_a_turn(loaded: dict[str, Any], kind: str) -> None:
     """Unloaded, the gear rattles in its backlash: each mesh period keeps to 1 %, single steps to 2 %."""
-    errors = keeps_speed(loaded[kind][0], "1640rpm_0", 0.037)
+    errors = keeps_speed(loaded[kind], "1640rpm_0", 0.037)
     assert abs(errors.mean()) < 0.0005
-    assert np.abs(mesh_means(errors, loaded[kind][0], changed(kind))).max() < 0.01
+    assert np.abs(mesh_means(errors, loaded[kind], changed(kind))).max() < 0.01
     assert np.sqrt(np.mean(errors**2)) < 0.006
     assert np.abs(errors).max() < 0.02
 
