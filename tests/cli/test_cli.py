@@ -937,7 +937,7 @@ sys.argv = ["cycloid-mj", "design", "show", "pin"]
 from cycloid_mj.cli.process import run
 run()
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-B", "-c", script], capture_output=True, text=True, check=True)
     assert done.stderr == ""
 
 

@@ -453,7 +453,7 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (["--ratio", "20"], "--diameter-mm and --torque-nm is missing"),
+        (["--ratio", "20"], "--diameter-mm and --torque-nm are missing"),
         (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
         (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--process", "wood"], "steel"),
         (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
