@@ -58,7 +58,7 @@ def _losses(findings: Findings) -> Iterator[str]:
 
 def _contacts(findings: Findings) -> str:
     contact, pin = findings.contact_summary, findings.pin1
-    strays = f"; pin 1 strays {pin.max_radial_um:.2g} um at most, with play and load" if pin else ""
+    strays = f"; pin 1 strays {pin.max_radial_um:.3g} um at most, with play and load" if pin else ""
     return (
         f"contacts: {contact.mean_active:.3g} touch at a time, the hardest with {contact.peak_force_n:.4g} N; parts "
         f"approach by {contact.max_penetration_um:.2g} um at most{strays}"

@@ -111,7 +111,7 @@ def held_figures(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
     if design.settings.timestep:
         return "given: hold its figures against those of half of it"
     if not design.load.torque:
-        return "without a load spreads over independent starts alone: motion in the play is chaotic"
+        return "spreads over independent starts alone: without a load motion in the play is chaotic"
     if design.ring.has_pin_bodies:
         return accuracy.moving
     return accuracy.massless if design.ring.has_massless_pins else accuracy.others

@@ -205,7 +205,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
         "time step 3.44828 us (chosen by the design: stiffness of pin_socket), "
-        "for without a load spreads over independent starts alone: motion in the play is chaotic"
+        "for spreads over independent starts alone: without a load motion in the play is chaotic"
     )
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")
