@@ -68,11 +68,11 @@ SAMPLES = {
 SHARED = {
     "eight starts": ("compare", "pin", "nonpin", "--load-nm", "0"),
     "a sweep of runs": (
-        *("sweep", "--design", "pin", "--vary", "load.torque_nm=6:36:2", "--measure", "simulate", "--real-pins"),
-        *("--set", "drive.ramp_s=0", "--set", "drive.hold_s=3", "--out", "made"),
+        *("sweep", "--design", "pin", "--vary", "load.torque_nm=6:36:32", "--measure", "simulate", "--real-pins"),
+        *("--set", "drive.ramp_s=0", "--set", "drive.hold_s=2", "--out", "made"),
     ),
     "samples that are verified": (
-        *("tolerance", "--design", "pin", "--samples", "200", "--verify", "5", "--out", "made"),
+        *("tolerance", "--design", "pin", "--samples", "6000", "--verify", "5", "--out", "made"),
         *("--set", "tolerance.cam=normal 0.2"),
     ),
 }
