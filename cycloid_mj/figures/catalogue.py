@@ -65,7 +65,7 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     UsageError
         There is no such figure, the reducer has not got it, or it needs more than can be computed here.
     """
-    row = _BY_ANY_NAME.get(key)
+    row = known(key)
     if row is None:
         raise UsageError(f"there is no figure {key!r:.60}{_near(key, needs, reducer)}")
     if row.need not in needs:
@@ -101,7 +101,7 @@ def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
 
 def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
     """Pick the catalogue's figures from the quantities of a measure, by the catalogue's keys."""
-    rows = {key: row for key in measured if (row := _BY_ANY_NAME.get(f"{measure}/{key}"))}
+    rows = {key: row for key in measured if (row := known(f"{measure}/{key}"))}
     return {row.key: replace(measured[key], key=row.key, name=row.name) for key, row in rows.items()}
 
 

@@ -37,8 +37,7 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
 
     With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
     """
-    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
-    shearing = shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2
+    bending, shearing = round_beam(material, radius)
 
     def free(one: Array, other: Array) -> Array:
         near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
@@ -52,6 +51,12 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     turned = length**2 / (2.0 * bending)
     of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
     return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
+
+
+def round_beam(material: Material, radius: float) -> tuple[float, float]:
+    """Compute how stiff a round beam is in bending, E I [N m2], and in shear, kappa G A [N]."""
+    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
+    return bending, shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2
 
 
 def shear_coefficient(material: Material) -> float:

@@ -14,7 +14,7 @@ from cycloid_mj.design.model import Material
 from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bending import shear_modulus
+from cycloid_mj.reducer.bending import round_beam, shear_modulus
 
 HUB = 0.5
 """Assumed: radius at which the output disc hands on its torque, as a share of the circle of its pins."""
@@ -89,7 +89,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
         for force, at in ((np.ones_like(planes), planes), (on_near, near), (-1.0 - on_near, far))
     )
     weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(ends)
-    bending = design.material_of("shaft").youngs_modulus * math.pi * radius**4 / 4.0
+    bending, _ = round_beam(design.material_of("shaft"), radius)
     return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
 
 

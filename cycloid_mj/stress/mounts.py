@@ -20,7 +20,7 @@ from cycloid_mj.base.replacing import as_input
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.design import PARTS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bending import AXIAL_GAP, shear_coefficient, shear_modulus
+from cycloid_mj.reducer.bending import AXIAL_GAP, round_beam
 from cycloid_mj.stress.loads import PartLoads
 
 SLICES = 40
@@ -173,17 +173,16 @@ def crank_give(reducer: Reducer, crank: CrankSeats) -> float:
     on_hub, on_housing = crank.to_housing / span, crank.to_hub / span
     seats = 2.0 * on_hub**2 / crank.hub_seat + 2.0 * on_housing**2 / crank.housing_seat + 1.0 / crank.cam_seat
     near = crank.to_housing - crank.cam_seat / 2.0
-    radius = crank.post_diameter / 2.0
-    bending = (near**3 - (near - crank.post) ** 3) / (3.0 * material.youngs_modulus * math.pi * radius**4 / 4.0)
-    shearing = crank.post / (shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2)
-    return seats / material.youngs_modulus + on_housing**2 * (bending + shearing)
+    bending, shearing = round_beam(material, crank.post_diameter / 2.0)
+    post = (near**3 - (near - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
+    return seats / material.youngs_modulus + on_housing**2 * post
 
 
 def _beam_element(reducer: Reducer, length: float) -> Array:
     """Compute the stiffness of a Timoshenko element of an output pin, (4, 4): displacement and slope of both ends."""
-    material, radius = reducer.design.material_of("output"), reducer.design.output.root_radius
-    bending = material.youngs_modulus * math.pi * radius**4 / 4.0
-    soft = 12.0 * bending / (shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2 * length**2)
+    design = reducer.design
+    bending, shearing = round_beam(design.material_of("output"), design.output.root_radius)
+    soft = 12.0 * bending / (shearing * length**2)
     six, four, two = 6.0 * length, (4.0 + soft) * length**2, (2.0 - soft) * length**2
     rows = [[12.0, six, -12.0, six], [six, four, -six, two], [-12.0, -six, 12.0, -six], [six, two, -six, four]]
     return np.array(rows) * bending / ((1.0 + soft) * length**3)
