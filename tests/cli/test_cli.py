@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import signal
 import subprocess
@@ -21,7 +22,7 @@ from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
-from cycloid_mj.cli.process import LOADED, first_start
+from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -953,6 +954,30 @@ run()
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "0 True"
+
+
+THREADS_OF_BLAS = """
+import os, sys
+from cycloid_mj.cli import process
+def main():
+    print(os.environ.get("OPENBLAS_NUM_THREADS"))
+    return 0
+process.main = main
+process.run()
+"""
+
+
+@pytest.mark.parametrize(
+    ("own", "taken"),
+    [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3"), ({"OMP_NUM_THREADS": "3"}, "None")],
+    ids=["none", "openblas", "omp"],
+)
+def test_matrices_are_multiplied_by_one_thread_unless_others_are_asked_for(own: dict[str, str], taken: str) -> None:
+    there = {name: value for name, value in os.environ.items() if name not in BLAS_THREADS} | own
+    done = subprocess.run(
+        [sys.executable, "-c", THREADS_OF_BLAS], env=there, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"{taken}\n"
 
 
 STOPPED_IN_AN_IMPORT = """
