@@ -29,6 +29,15 @@ class LogError(CycloidError):
     """A log that cannot be written or read."""
 
 
+class NoLogError(LogError, UsageError):
+    """A name where there is no log, or no file: it was given wrong, as with a design."""
+
+
+def reason(problem: Exception) -> str:
+    """Tell why a file could not be read or written, without number and name, which a message has anyway."""
+    return getattr(problem, "strerror", None) or str(problem)
+
+
 class ContactError(CycloidError):
     """Contact parameters that MuJoCo cannot represent, or a MuJoCo build whose structures are not as expected."""
 

@@ -44,9 +44,10 @@ class Rated:
     def torque_at(self, kind: str, pressure: float) -> float:
         """Find the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
         try:
-            return abs(torque_at_pressure(self.reducer, self.springs, kind, pressure, self.torque, self.contact_loads))
+            found, _ = torque_at_pressure(self.reducer, self.springs, {kind: pressure}, self.torque, self.contact_loads)
         except RunError:
             return math.nan
+        return abs(found)
 
     @property
     def concentration(self) -> float:

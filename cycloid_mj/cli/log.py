@@ -125,7 +125,7 @@ def csv(
     """Write the time [s] and columns of a log as CSV, every digit of every number."""
     run = _read(log)
     written = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
-    claim_csv(out, delivery.force)
+    claim_csv(out, delivery.force, "--out")
     page = claimed_page(delivery, f"{Path(log).stem}-columns")
     return deliver_columns(f"columns: {log}", written, out, page, delivery)
 

@@ -32,8 +32,8 @@ CsvFlag = Annotated[
 Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
-def claim_csv(file: str, force: bool) -> None:
-    """Claim the name of a table, before the work; stdout and devices need none.
+def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
+    """Claim the name of a table, which `flag` gave, before the work; stdout and devices need none.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def claim_csv(file: str, force: bool) -> None:
     if file == STDOUT:
         return
     if file.startswith("-") or not file:
-        raise UsageError(f"--csv {file!r}: expected a file name, or - for stdout")
+        raise UsageError(f"{flag} {file!r}: expected a file name, or - for stdout")
     require_ending(Path(file), ".csv")
     claim(Path(file), force=force)
 

@@ -11,7 +11,7 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.design.absent import absent_layout
 from cycloid_mj.design.mistakes import refusal
@@ -57,8 +57,10 @@ def load(path: Path) -> Design:
         text = as_input(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise UsageError(_unknown_design(path)) from error
+    except IsADirectoryError as error:
+        raise UsageError(f"{path} is a folder: give a design, a TOML text file") from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the design file {path}: {_reason(error)}; give a TOML text file") from error
+        raise DesignError(f"cannot read the design file {path}: {reason(error)}; give a TOML text file") from error
     return loads(text, str(path))
 
 
@@ -339,7 +341,3 @@ def _parsed(value: str) -> Any:
         return tomllib.loads(f"value = {value}")["value"]
     except (ValueError, RecursionError):
         return value
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)

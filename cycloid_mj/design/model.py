@@ -761,11 +761,7 @@ class Design(Section, Presented):
     """
 
     name: str = choice(
-        "pin",
-        "name of the design and its runs: letters, digits, space . _ -",
-        source="",
-        pattern=r"^\w[\w .-]*$",
-        max_length=64,
+        "pin", "name of the design and its runs: letters, digits, space . _ -", source="", pattern=r"^\w[\w .-]{0,63}$"
     )
     structure: Literal["rigid", "springs"] = choice(
         "rigid",

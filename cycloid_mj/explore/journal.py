@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.replacing import as_own
 from cycloid_mj.base.whole import write_whole
@@ -124,7 +124,7 @@ def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> bool:
             raise UsageError(f"{into} has {rows.name}, but no {there.name}: choose another folder with --out") from None
         return False
     except (OSError, ValueError) as problem:
-        raise CycloidError(f"cannot read {there}: {problem}; choose another folder with --out") from problem
+        raise CycloidError(f"cannot read {there}: {reason(problem)}; choose another folder with --out") from problem
     other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
     if other:
         raise UsageError(

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.base.units import RPM
 
@@ -71,7 +71,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
             lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _tells(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(
-            f"cannot read the duty cycle {path}: {error}; give a CSV file of {','.join(COLUMNS)}"
+            f"cannot read the duty cycle {path}: {reason(error)}; give a CSV file of {','.join(COLUMNS)}"
         ) from error
     header = lines[0][1] if lines else []
     if any(column not in header for column in COLUMNS):

@@ -1,5 +1,6 @@
 """What a cam carries over the give of its bearing: the softer it is, the more teeth carry, the less it bears."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,7 +43,7 @@ class CamGive:
         """The spread in a sentence."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
-        lasts = f", its life {hours(min(lives))} to {hours(max(lives))}" if lives else ""
+        lasts = f", its life {_between(lives)}" if lives else ""
         return (
             f"the cam's load is {min(loads):.4g} to {max(loads):.4g} N{lasts} over the stiffness that is assumed "
             "for it (stiffness.cam_n_m): where it gives, the gear moves aside and more teeth carry"
@@ -64,3 +65,9 @@ class CamGive:
             for row in self.rows
         )
         return Table("Load of the cam over the give of its bearing", ("cam", "stiffness", "mean load", "life"), rows)
+
+
+def _between(lives: Sequence[float]) -> str:
+    """Tell the least and the largest life, once where both are told alike."""
+    least, most = hours(min(lives)), hours(max(lives))
+    return least if least == most else f"{least} to {most}"

@@ -46,6 +46,8 @@ class Loading:
     ----------
     point
         Torque, speed and share of the time.
+    reducer, springs
+        The reducer at that speed, and its springs at the crank angles.
     crank
         Angles [rad], shape (m,).
     cam
@@ -74,6 +76,8 @@ class Loading:
     """
 
     point: DutyPoint
+    reducer: Reducer
+    springs: Springs
     crank: Array
     cam: Array
     shaft: Array
@@ -124,6 +128,8 @@ def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES) -> Loading:
     places, forces = _shaft_forces(at, shaft, springs.crank, cam)
     return Loading(
         point=point,
+        reducer=at,
+        springs=springs,
         crank=springs.crank,
         cam=magnitudes(cam),
         shaft=forces,

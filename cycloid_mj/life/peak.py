@@ -1,13 +1,15 @@
 """An emergency stop: the torque that is held once, without yield, dents, sheared or bent pins, or a jumped tooth."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import torque_at_pressure
 
 KINDS = {
     "peak_yield": (
@@ -31,16 +33,14 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     design = reducer.design
     torque = abs(worst.point.torque)
     for key, (what, factor, kind_of_strength, source) in KINDS.items():
-        torques = {}
+        borne = {}
         for kind, pressure in worst.pressures.items():
             if pressure > 0.0:
-                borne = min(getattr(part, kind_of_strength) for part in design.partners(kind))
                 most = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
-                torques[kind] = torque * (most * borne / pressure) ** 2
-        if torques:
-            kind = min(torques, key=lambda one: torques[one])
-            note = f"in {kind}; the pressure goes with the root of the torque"
-            yield _torque_item(key, what, peak, torques[kind], source, note)
+                borne[kind] = most * min(getattr(part, kind_of_strength) for part in design.partners(kind))
+        if borne:
+            held, note = _held(worst, borne)
+            yield _torque_item(key, what, peak, held, source, note)
     output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
     planes = 1 if output.support == "cantilever" else 2
@@ -77,6 +77,18 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
         "T = k/z: the top of a sine of one lobe's pitch, z lobes, that starts with the gear's stiffness k",
         "assumed: the ring does not widen; k of all contacts and the cam at the largest load",
     )
+
+
+def _held(worst: Loading, borne: Mapping[str, float]) -> tuple[float, str]:
+    """Find the torque [N m] at which a kind of contact first has the pressure that it bears [Pa], and tell how."""
+    kind = min(borne, key=lambda one: borne[one] / worst.pressures[one])
+    torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
+    guess = torque * (borne[kind] / worst.pressures[kind]) ** 2
+    try:
+        held, kind = torque_at_pressure(worst.reducer, worst.springs, borne, guess)
+    except RunError:
+        return abs(guess), f"in {kind}; no balance was found there: the pressure goes with the root of the torque"
+    return abs(held), f"in {kind}, by its own balance"
 
 
 def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.reducer import Reducer
 
@@ -37,7 +37,7 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
         studies = {str(one["design"]): one for one in content["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(
-            f"cannot read {file}: {error}; give the folder that cycloid-mj stress wrote, which has {RESULT}"
+            f"cannot read {file}: {reason(error)}; give the folder that cycloid-mj stress wrote, which has {RESULT}"
         ) from error
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{file} is no result of cycloid-mj stress: it has no designs") from error

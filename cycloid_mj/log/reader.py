@@ -13,7 +13,7 @@ import numpy.typing as npt
 from mcap.opcode import Opcode
 
 from cycloid_mj.base.array import Array, Integers
-from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.errors import LogError, NoLogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.log import container
@@ -163,10 +163,10 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 def _opened(path: Path) -> BinaryIO:
     if not path.exists():
-        raise LogError(f"no log {path}: {_alternatives(path)}")
+        raise NoLogError(f"no log {path}: {_alternatives(path)}")
     if not path.is_file():
         what = "a folder" if path.is_dir() else "no regular file"
-        raise LogError(f"{path} is {what}: give a log, such as run.mcap")
+        raise NoLogError(f"{path} is {what}: give a log, such as run.mcap")
     if path.stat().st_size == 0:
         raise LogError(f"log {path} is empty: the run was stopped before it wrote anything; run it again")
     return as_input(path).open("rb")

@@ -2,11 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.record import Run
+from cycloid_mj.comparison import StartSpread, all_started
 from cycloid_mj.dynamics.course import Course, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
@@ -33,8 +36,8 @@ FEWEST = 40
 
 
 @dataclass(frozen=True, eq=False)
-class BreakAway:
-    """A free crank under a growing output torque.
+class FromRest:
+    """A free crank under a growing output torque, from one place of rest.
 
     Attributes
     ----------
@@ -55,8 +58,42 @@ class BreakAway:
 
     @property
     def locked(self) -> bool:
-        """Whether the crank stays at rest: the reducer is self-locking."""
+        """Whether the crank stays at rest."""
         return math.isnan(self.torque)
+
+
+@dataclass(frozen=True, eq=False)
+class BreakAway:
+    """The same from several places of rest: `starts`, the first that of the design as it is."""
+
+    starts: tuple[FromRest, ...]
+
+    @property
+    def turning(self) -> tuple[FromRest, ...]:
+        """The starts from which the crank turns."""
+        return tuple(start for start in self.starts if not start.locked)
+
+    @property
+    def locked(self) -> bool:
+        """Whether the crank stays at rest from most starts: self-locking, though weight may turn it from some."""
+        return 2 * len(self.turning) < len(self.starts)
+
+    @property
+    def spread(self) -> StartSpread | None:
+        """The torque [N m] over the starts from which the crank turns; None where it is self-locking."""
+        return None if self.locked else StartSpread.of(start.torque for start in self.turning)
+
+    @property
+    def torque(self) -> float:
+        """Mean of the torque over those starts [N m]; not a number where it is self-locking."""
+        return self.spread.mean if self.spread else math.nan
+
+    @property
+    def error(self) -> float:
+        """Error of that [N m]: half of what the starts spread, or the mean of their own errors if that is more."""
+        if self.spread is None:
+            return math.nan
+        return max(self.spread.half, sum(start.error for start in self.turning) / len(self.turning))
 
     @property
     def resolved(self) -> bool:
@@ -64,25 +101,56 @@ class BreakAway:
         return self.torque > self.error
 
     @property
+    def run(self) -> Run:
+        """The run of the first start."""
+        return self.starts[0].run
+
+    @property
     def note(self) -> str:
         """What the torque says, or why it says nothing."""
-        if self.locked:
-            return f"{SELF_LOCKING} with no torque on the crank, by up to {self.largest:g} N m on the output"
+        if self.spread is None:
+            largest = max(start.largest for start in self.starts)
+            turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
+            return f"{SELF_LOCKING} with no torque on the crank, by up to {largest:g} N m on the output{turns}"
         if not self.resolved:
             return (
-                f"below {self.torque + self.error:.2g} N m: less than its own error, as parts cross their play while "
-                "the crank comes up to speed"
+                f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its own error, as the discs' weight "
+                f"and parts that cross their play move the crank as well; {self._over_starts}"
             )
-        return "none to speak of: friction is in proportion to the load, and there is only the parts' weight"
+        return (
+            f"{self._over_starts}; none to speak of: friction is in proportion to the load, and there is only the "
+            "parts' weight"
+        )
+
+    @property
+    def _over_starts(self) -> str:
+        count, turning = len(self.starts), len(self.turning)
+        if count == 1:
+            return "of one start, as no gravity acts"
+        stuck = f"; from the other {count - turning} the crank stays at rest" if turning < count else ""
+        words = self.spread.words if self.spread else ""
+        return f"{words} N m over {turning} starts round the crank's turn{stuck}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert what the starts spread to JSON values."""
+        return {
+            "from_rest": self.spread.as_json() if self.spread else None,
+            "from_rest_locked": len(self.starts) - len(self.turning),
+        }
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
-    """Let the output torque grow from zero on a reducer at rest, its crank free.
+    """Let the output torque grow from zero on a reducer at rest, its crank free, from several independent starts.
 
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
     that of the parts' own weight and inertia; what is in proportion to the load is in the efficiency of back-driving.
     The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets zero at the torque T0.
     """
+    return BreakAway(tuple(each_in_threads(lambda start: _from_rest(Reducer(start), solver), all_started(reducer))))
+
+
+def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
+    """Let it grow from one start."""
     for growth in GROWTHS:
         found = _under(reducer, growth * reducer.design.rated_torque, solver)
         if found.torque + found.error < found.largest:
@@ -90,7 +158,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     return found
 
 
-def _under(reducer: Reducer, largest: float, solver: Solver) -> BreakAway:
+def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
     """Let the output torque grow to a `largest` one [N m]."""
     forward = -braking(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
@@ -105,11 +173,11 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> BreakAway:
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": grows_for}).design, compiled, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)
     if abs(run["crank_angle"][-1]) < LEAST_TRAVEL * light * grows_for**2 or len(moving) < FEWEST:
-        return BreakAway(math.nan, math.nan, largest, run)
+        return FromRest(math.nan, math.nan, largest, run)
     growth, count = largest / grows_for, len(moving)
     parts = [slice(None), slice(0, count // 4), slice(count // 2, None)]
     torque, *others = (growth * _start(moving.select(part)) for part in parts)
-    return BreakAway(torque, max(abs(other - torque) for other in others), largest, run)
+    return FromRest(torque, max(abs(other - torque) for other in others), largest, run)
 
 
 def _crossing(reducer: Reducer, largest: float) -> float:

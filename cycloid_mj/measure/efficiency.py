@@ -91,6 +91,7 @@ def efficiency(
             "losses_by_pair": [_details(point) for point in efficiency_map.grid],
             **build_up.as_json(efficiency_map.rated.powers, beside),
             **spread.as_json(efficiency_map.rated.powers.efficiency, efficiency_map.by_input),
+            **efficiency_map.rest.as_json(),
         },
         runs={
             "rated": efficiency_map.rated.run,

@@ -188,11 +188,9 @@ def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
 
 def _named(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
     """Name a run of the map: by its load and speed, or by what it has else."""
-    ends = {end: (one, value) for one in assumed for end, value in zip(one.ends, (one.low, one.high), strict=True)}
     if isinstance(key, Design):
-        one, value = ends[key]
-        return f"{one.name} {value:.3g} {one.unit}" if one.unit != "1" else f"{one.name} {value:.3g}"
+        return next(one.names[key] for one in assumed if key in one.ends)
     if isinstance(key, float):
-        return f"friction {key:g} of all that slide"
+        return sensitivity.common_name(key)
     at = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"
     return at if isinstance(key, tuple) else _RUNS[str(key)].format(at)

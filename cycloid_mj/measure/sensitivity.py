@@ -33,6 +33,12 @@ class FrictionVariant:
     friction: float
     design: Design
 
+    @property
+    def name(self) -> str:
+        """What its run is called."""
+        held = "" if self.pins == NONE else f", {self.pins} pins"
+        return f"friction as designed{held}" if self.pair == OWN else f"friction {self.friction:g} of {self.pair}{held}"
+
 
 def variations(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
     """List the rows of a design's table: its own friction first, then one pair at a time, then all together."""
@@ -65,6 +71,11 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
     """Return the design with one coefficient for all pairs that slide."""
     return reducer.but(friction=dict.fromkeys(sliding_pairs(reducer), friction))
+
+
+def common_name(friction: float) -> str:
+    """Return what a run with one coefficient for all pairs that slide is called."""
+    return f"friction {friction:.3g} of all that slide"
 
 
 def friction_for(rates: Mapping[float, float], target: float) -> float:

@@ -53,6 +53,15 @@ class Input:
         """The designs at both ends."""
         return self.low_design, self.high_design
 
+    @property
+    def names(self) -> dict[Design, str]:
+        """What the designs at both ends are called: the input and its value there."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return {
+            self.low_design: f"{self.name} {self.low:.3g}{unit}",
+            self.high_design: f"{self.name} {self.high:.3g}{unit}",
+        }
+
     def between(self, share: float) -> dict[str, float]:
         """Return the values [SI] by their keys, at a share between 0 and 1 of the range of their logarithms."""
         return {key: low ** (1.0 - share) * self.high_values[key] ** share for key, low in self.low_values.items()}

@@ -85,11 +85,11 @@ def te(
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
-        quantities=keyed(te_table.quantities(reducer, traces, finer, statics)),
+        quantities=keyed(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
         runs={case.key: trace.run for case, trace in traces.items()},
-        details={"orders": te_table.details(reducer, traces)},
+        details={"orders": te_table.details(reducer, traces, turns)},
     )
 
 
@@ -144,5 +144,5 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
         "changes, which none of them exceeds",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(reducer)),
-        *([apart] if turns % lobes else []),
+        *([] if te_table.apart(reducer, turns) else [apart]),
     )

@@ -30,8 +30,8 @@ Finer = Mapping[tuple[str, str], Trace]
 Statics = Mapping[TraceCondition, ErrorCurves]
 
 
-def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> list[Quantity]:
-    """List the numbers: levels of each case, shifts between cases, and what each cause gives."""
+def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> list[Quantity]:
+    """List the numbers: levels of each case, shifts between cases, and what each cause gives over so many turns."""
     levels = [
         Quantity(
             key=f"{shaft}_{name}_{case.key}",
@@ -46,7 +46,7 @@ def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) 
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
-    return [*levels, *_shifts(reducer, traces, finer, statics), *_caused(reducer, traces, finer, statics)]
+    return [*levels, *_shifts(reducer, traces, finer, statics), *_caused(reducer, traces, finer, statics, turns)]
 
 
 def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
@@ -80,9 +80,17 @@ def _about_mean(error: Array, whole: bool) -> Array:
     return error if whole else error - error.mean()
 
 
-def details(reducer: Reducer, traces: Found) -> dict[str, Any]:
-    """Give, for each case, the strongest orders with their causes, and the causes themselves."""
+def apart(reducer: Reducer, turns: int) -> bool:
+    """Tell whether so many crank turns part all orders: those of the output are multiples of N/(N-1) of the crank's."""
+    return turns % reducer.design.lobes == 0
+
+
+def details(reducer: Reducer, traces: Found, turns: int) -> dict[str, Any]:
+    """Give the strongest orders of each case with their causes, the causes, and whether the turns part all orders."""
     return {
+        "turns": turns,
+        "turns_that_part_orders": reducer.design.lobes,
+        "apart": apart(reducer, turns),
         "causes": [cause.as_json() for cause in causes(reducer)],
         "cases": {case.key: _strongest(reducer, trace) for case, trace in traces.items()},
     }
@@ -122,8 +130,10 @@ def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
-def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> Iterator[Quantity]:
     """Yield the rms value of each cause's orders, and its strongest order."""
+    count = f"{turns} of {reducer.design.lobes} crank turns"
+    beside = "" if apart(reducer, turns) else f"; over {count}, orders next to it are in it (--turns)"
     for case in chosen(traces):
         for cause in causes(reducer):
             seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (traces, statics))
@@ -136,7 +146,7 @@ def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
                 error=rms_about_mean(np.subtract(*_change(traces, finer, case, cause.place))) if finer else None,
                 reference=cause.rms(solved),
                 source=STATICS,
-                note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
+                note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec{beside}",
             )
 
 

@@ -1,7 +1,7 @@
 """The paper's test (Hsieh 2014, Fig. 19): a given torque on the crank, the output held at its speed by a brake."""
 
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.engine import Progress, all_in_threads, each_in_threads, silent
+from cycloid_mj.base.errors import told_elsewhere, warn
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
@@ -16,6 +17,7 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
+from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
@@ -27,6 +29,9 @@ from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
+
+_RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the step"}
+"""Words for the tests that do not vary the design."""
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""
@@ -70,25 +75,33 @@ def torque(
     main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(reducer, quick)
     assumed = spread.inputs(steady)
-    tasks: dict[Hashable, Callable[[], BrakedRun]] = {"own": partial(rated_test, steady, main, solver)}
+    tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, main)}
     if not quick:
-        tasks["halved"] = partial(rated_test, halved(steady, solver), main, solver)
-    tasks |= {
-        ("row", row.design): partial(
-            rated_test, massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS), solver
-        )
-        for row in rows
+        tested["halved"] = halved(steady, solver), main
+    tested |= {
+        row: (massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)) for row in rows
     }
     periods = whole_periods(steady, spread.PERIODS)
-    tasks |= {end: partial(rated_test, massless(Reducer(end)), periods, solver) for one in assumed for end in one.ends}
+    tested |= {end: (massless(Reducer(end)), periods) for one in assumed for end in one.ends}
+    tasks = {key: partial(_untold_test, one, count, solver) for key, (one, count) in tested.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    by_row = {row: rates["row", row.design] for row in rows}
+    by_row = {row: rates[row] for row in rows}
     by_input = spread.moved(assumed, rates)
-    at_held_crank = held_efficiency(steady, ours.output, main, solver)
+    held = steady.but(load={"torque": ours.output})
+    with told_elsewhere(tuple(creeping(held))):
+        at_held_crank = held_efficiency(steady, ours.output, main, solver)
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
+    called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
+    by_name = {called[key]: _loaded(one) for key, (one, _) in tested.items()} | {"crank held": held}
+    by_name |= {
+        sensitivity.common_name(one.friction): _with_common(steady, one.friction)
+        for one in beside
+        if one.error is not None
+    }
+    warn(design.name, creeping_in(by_name))
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
@@ -107,6 +120,17 @@ def torque(
         details=build_up.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
+
+
+def _loaded(reducer: Reducer) -> Reducer:
+    """Return what runs under the rated torque: its contacts have the stiffness of the output torque without losses."""
+    return reducer.working_at(reducer.design.rated_torque)
+
+
+def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
+    """Run the rated test; of friction that is not whole `torque` tells, for all tests in one line."""
+    with told_elsewhere(tuple(creeping(_loaded(reducer)))):
+        return rated_test(reducer, periods, solver)
 
 
 def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
@@ -154,8 +178,12 @@ def with_friction(
 
 def rate_test(reducer: Reducer, friction: float, periods: int, solver: Solver) -> float:
     """Compute the rate with one friction for all sliding pairs."""
-    varied = massless(sensitivity.with_common_friction(reducer, friction))
-    return rated_test(varied, periods, solver).powers.efficiency
+    return _untold_test(_with_common(reducer, friction), periods, solver).powers.efficiency
+
+
+def _with_common(reducer: Reducer, friction: float) -> Reducer:
+    """Return what runs with one friction for all sliding pairs."""
+    return massless(sensitivity.with_common_friction(reducer, friction))
 
 
 def _quantities(

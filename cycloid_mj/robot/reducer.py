@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity, quantity_frame
@@ -393,7 +393,9 @@ class ReducedJoint(Presented):
         try:
             content = json.loads(Path(path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as problem:
-            raise CycloidError(f"cannot read {path}: {problem}; give the reducer.json of `cycloid-mj reduce`") from None
+            raise CycloidError(
+                f"cannot read {path}: {reason(problem)}; give the reducer.json of `cycloid-mj reduce`"
+            ) from None
         return cls.from_json(content if isinstance(content, dict) else {})
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:

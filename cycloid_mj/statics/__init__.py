@@ -13,7 +13,7 @@ from cycloid_mj.base.presented import CallableRoom
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads, powers, transmission_error
-from cycloid_mj.statics.peaks import peak_force, peak_pressure, torque_at_pressure, yield_torque
+from cycloid_mj.statics.peaks import peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import Springs, body_force, springs_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,6 @@ __all__ = [
     "springs_of",
     "torque_at_pressure",
     "transmission_error",
-    "yield_torque",
 ]
 
 

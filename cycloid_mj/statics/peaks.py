@@ -1,14 +1,23 @@
 """The largest force and pressure on each kind of contact, and the torque at which one first yields."""
 
+import math
+from collections.abc import Mapping
+
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads
 from cycloid_mj.statics.springs import Springs
 
 GUESSES, TOLERANCE = 12, 1e-3
+
+LEAST_POWER, MOST_POWER = 0.2, 1.0
+"""Of the torque with which a pressure may rise from one guess to the next: a half where the same contacts share it,
+less where play closes and more of them do."""
+
+NEAR = 0.01
+"""By how much of itself a last guess may move that is made by how the pressure rose: it misses a tenth of that."""
 
 
 def peak_force(contact_loads: Loads, kind: str) -> float:
@@ -46,15 +55,15 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
 def torque_at_pressure(
     reducer: Reducer,
     springs: Springs,
-    kind: str,
-    pressure: float,
+    pressures: Mapping[str, float],
     torque: float,
     contact_loads: Loads | None = None,
     follow: bool = False,
-) -> float:
-    """Compute the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
+) -> tuple[float, str]:
+    """Compute the torque on the output at which contacts first have a peak pressure, to a thousandth [N m].
 
-    Better guesses follow the first, as if the pressure rose with the square root of the torque.
+    The first guess is bettered as if the pressure rose with the square root of the torque, the others by how it rose
+    between the last two.
 
     Parameters
     ----------
@@ -62,10 +71,8 @@ def torque_at_pressure(
         Whose contacts are pressed.
     springs
         Of the reducer at crank angles, as of `springs_of`.
-    kind
-        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
-    pressure
-        The peak that is asked for [Pa].
+    pressures
+        Kind of contact -> the peak that is asked for [Pa]; kinds: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     torque
         The first guess [N m], not 0.
     contact_loads
@@ -73,35 +80,26 @@ def torque_at_pressure(
     follow
         As of `loads`.
 
+    Returns
+    -------
+        The torque [N m], and the kind of contact that has its pressure there.
+
     Raises
     ------
     RunError
         No balance was found at a guess.
     """
-    for _ in range(GUESSES):
+    before, share = math.nan, math.nan
+    for number in range(GUESSES):
         contact_loads = contact_loads or loads(reducer, springs, torque, follow)
-        factor = (pressure / peak_pressure(reducer, springs, contact_loads, kind)) ** 2
-        torque, contact_loads = factor * torque, None
-        if abs(factor - 1.0) < TOLERANCE:
+        shares = {kind: peak_pressure(reducer, springs, contact_loads, kind) / most for kind, most in pressures.items()}
+        kind = max(shares, key=lambda one: shares[one])
+        power = 0.5 if number == 0 else math.log(shares[kind] / share) / math.log(torque / before)
+        before, share = torque, shares[kind]
+        torque, contact_loads = torque * share ** (-1.0 / min(max(power, LEAST_POWER), MOST_POWER)), None
+        if abs(torque / before - 1.0) < (NEAR if number else TOLERANCE):
             break
-    return torque
-
-
-def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
-    """Compute the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m].
-
-    Parameters
-    ----------
-    reducer
-        Whose contacts are pressed.
-    springs
-        Of the reducer at crank angles, as of `springs_of`.
-    kind
-        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
-    torque
-        The first guess [N m], not 0.
-    """
-    return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * reducer.contacts[kind].strength, torque)
+    return torque, kind
 
 
 def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:

@@ -339,10 +339,9 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
         if not spare:
             yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
             continue
-        weakest = min(spare, key=lambda kind: spare[kind])
-        pressure = allowed * reducer.contacts[weakest].strength
-        reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, contact_loads, follow=True))
-        yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
+        pressures = {kind: allowed * reducer.contacts[kind].strength for kind in spare}
+        reached, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
+        yield Quantity(key, name, abs(reached), "N m", note=f"{weakest} decides")
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:

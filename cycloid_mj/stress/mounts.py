@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.design import PARTS
@@ -99,7 +99,7 @@ def read_mounts(path: Path) -> Mounts:
     except FileNotFoundError as error:
         raise UsageError(f"there is no file of mounts {path}; docs/bench.md shows one") from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the mounts {path}: {error}; give a TOML text file") from error
+        raise DesignError(f"cannot read the mounts {path}: {reason(error)}; give a TOML text file") from error
     kinds: Mapping[str, Any] = {"studs": StudSeats, "crank": CrankSeats}
     for name, table in tables.items():
         if name not in (*kinds, "material") or not isinstance(table, dict):

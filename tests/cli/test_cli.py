@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import re
 import signal
 import subprocess
@@ -22,7 +21,7 @@ from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
-from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
+from cycloid_mj.cli.process import LOADED, first_start
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -170,7 +169,7 @@ def test_json_of_a_run_has_the_fixed_keys(run):
     assert found["design"] == "pin"
     assert found["log"] == str(log)
     assert found["timestep_s"] == timestep(Reducer(PRESETS["pin"]))
-    assert found["timestep"] == "6.66667 us (chosen by the design: stiffness of pin_socket)"
+    assert found["timestep"] == "3.44828 us (chosen by the design: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
     assert found["q_path"]["q_mm"] == [0.0, 26.0]
@@ -205,7 +204,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert (judging, drawing) == ("judging the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
-        "time step 6.66667 us (chosen by the design: stiffness of pin_socket), "
+        "time step 3.44828 us (chosen by the design: stiffness of pin_socket), "
         "for spreads over independent starts alone: without a load motion in the play is chaotic"
     )
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
@@ -885,16 +884,12 @@ def test_flags_keep_the_limits_of_the_design():
     [
         (("simulate", "--design", "broken.toml"), ("broken.toml", "TOML")),
         (("simulate", "--design", "unknown.toml"), ("load.torqe_nm", "load.torque_nm")),
-        (("simulate", "--design", "."), ("directory",)),
         (("design", "check", "broken.toml"), ("broken.toml",)),
         (("design", "show", "empty.toml"), ("empty",)),
         ((*SIMULATE, "--out", "broken.toml"), ("broken.toml", "file", "--out")),
         ((*SIMULATE, "--out", "broken.toml/in"), ("broken.toml/in", "--out")),
-        (("analyze", "none.mcap"), ("none.mcap", "no log")),
         (("analyze", "empty.toml"), ("empty",)),
         (("analyze", "broken.toml"), ("not an MCAP file",)),
-        (("analyze", "."), ("folder",)),
-        (("log", "plot", "none.mcap"), ("none.mcap",)),
         (("design", "profile", "--design", "pin", "--csv", "."), ("cannot write", "no regular file")),
         (("design", "profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no/such/x.csv",)),
         (("design", "profile", "--design", "pin", "--csv", "broken.toml/x.csv"), ("broken.toml/x.csv",)),
@@ -910,6 +905,34 @@ def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words,
     assert code == 1
     assert all(word.lower() in message.lower() for word in words), message
     assert not Path("x.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (("statics", "none.toml"), ("no design 'none.toml'",)),
+        (("statics", "."), (". is a folder: give a design",)),
+        (("design", "check", "."), (". is a folder: give a design",)),
+        (("analyze", "none.mcap"), ("no log none.mcap",)),
+        (("analyze", "."), (". is a folder: give a log",)),
+        (("log", "plot", "none.mcap"), ("no log none.mcap",)),
+        (("rate", "pin", "--stress", "none"), ("cannot read none: No such file",)),
+        (("rate", "pin", "--duty", "none.csv"), ("none.csv: No such file",)),
+    ],
+)
+def test_a_name_where_there_is_no_file_is_a_mistake_in_the_command(argv, words, here):
+    """A folder in a design's place, and any log that was not there, ended with 1 where a missing design was 2."""
+    code, message = rejected(*argv)
+    assert code == 2
+    assert all(word in message for word in words), message
+    assert "Errno" not in message
+
+
+def test_a_table_without_a_name_is_told_by_the_flag_that_it_has(run, here):
+    code, message = rejected("log", "csv", str(run[1]), "")
+    assert code == 2
+    assert "--out ''" in message
+    assert "--csv" not in message
 
 
 def test_plot_into_a_file_is_told(run, tmp_path):
@@ -954,30 +977,6 @@ run()
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "0 True"
-
-
-THREADS_OF_BLAS = """
-import os, sys
-from cycloid_mj.cli import process
-def main():
-    print(os.environ.get("OPENBLAS_NUM_THREADS"))
-    return 0
-process.main = main
-process.run()
-"""
-
-
-@pytest.mark.parametrize(
-    ("own", "taken"),
-    [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3"), ({"OMP_NUM_THREADS": "3"}, "None")],
-    ids=["none", "openblas", "omp"],
-)
-def test_matrices_are_multiplied_by_one_thread_unless_others_are_asked_for(own: dict[str, str], taken: str) -> None:
-    there = {name: value for name, value in os.environ.items() if name not in BLAS_THREADS} | own
-    done = subprocess.run(
-        [sys.executable, "-c", THREADS_OF_BLAS], env=there, capture_output=True, text=True, check=True
-    )
-    assert done.stdout == f"{taken}\n"
 
 
 STOPPED_IN_AN_IMPORT = """

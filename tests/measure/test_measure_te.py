@@ -183,3 +183,18 @@ def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: flo
     near = transmission_error(Reducer(design), np.linspace(0.0, 0.1, 6), way * design.rated_torque)[-1]
     assert found == pytest.approx(near, rel=1e-4)
     assert way * found[1] > way * found[0] > 0.0
+
+
+@pytest.mark.slow
+def test_it_is_told_whether_the_turns_part_all_orders() -> None:
+    """Over one crank turn the orders of output pins are beside whole ones, said of by an assumption alone."""
+    few = override(PRESETS["pin"], ['ring.pins="fixed"', "ring.teeth=6", "gear.eccentricity_mm=3"])
+    lobes = few.lobes
+    for turns in (1, lobes):
+        found = te(few, turns=turns, quick=True)
+        orders = found.details["orders"]
+        assert (orders["turns"], orders["turns_that_part_orders"]) == (turns, lobes)
+        assert orders["apart"] == (turns == lobes)
+        notes = [one.note for key, one in found.quantities.items() if "_orders_rms_" in key]
+        assert notes
+        assert all((f"over 1 of {lobes} crank turns" in note) == (turns == 1) for note in notes)
