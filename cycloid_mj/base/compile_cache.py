@@ -38,10 +38,14 @@ def folder() -> Path | None:
 
 
 class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Numba's cache of one function; a damaged file or a full disk costs the time to compile and no more."""
+    """Numba's cache of one function; a damaged file or a full disk costs the time to compile and no more.
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    A function that `counts` references to arrays needs numba's runtime for it, which takes 20 ms to load.
+    """
+
+    def __init__(self, function: Callable[..., Any], counts: bool = True) -> None:
         super().__init__(function)
+        self._counts = counts
         # under a name of its own: the files that numba itself writes have no seal
         name, stamp = f"{self._impl.filename_base}.sealed", _stamp(Path(function.__code__.co_filename).parent)
         self._cache_file = _SealedFiles(cache_path=self._cache_path, filename_base=name, source_stamp=stamp)
@@ -49,7 +53,8 @@ class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Load the code for a signature, or None where there is none of use."""
         # numba's own would first load all that it compiles with, a third of a second; what compiles, does so itself
-        rtsys.initialize(target)
+        if self._counts:
+            rtsys.initialize(target)
         try:
             with self._guard_against_spurious_io_errors():
                 return self._load_overload(signature, target)

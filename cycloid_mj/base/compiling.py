@@ -33,7 +33,7 @@ def njit(
     def compiled(function: Function) -> Any:
         wrapped = numba.njit(**options, _nrt=allocates)(function)
         if cache:
-            wrapped._cache = SealedCache(function)
+            wrapped._cache = SealedCache(function, counts=allocates)
         return wrapped
 
     return compiled

@@ -10,6 +10,10 @@ _RARELY = 100_000, 20, 100
 Modules and classes are a hundred thousand objects that stay.
 """
 
+_FIRST = 400_000
+"""Objects made until the first look: what a short command loads and makes stays, and to look through it takes 30 ms for
+each hundred thousand."""
+
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 """Numbers of two of glibc's parameters: how much free memory it keeps, and from what size on arrays are no part of it
 (`mallopt`)."""
@@ -20,7 +24,14 @@ _NEVER, _LARGEST_KEPT = 2**31 - 1, 2**25
 
 def look_rarely() -> None:
     """Have this process look for circles of objects rarely: it takes a quarter of a short command, else a twentieth."""
+    gc.set_threshold(_FIRST, *_RARELY[1:])
+    gc.callbacks.append(_after_the_first)
+
+
+def _after_the_first(phase: str, _: object) -> None:
+    """Look as often as is to be, once the first look has begun."""
     gc.set_threshold(*_RARELY)
+    gc.callbacks.remove(_after_the_first)
 
 
 def keep_freed() -> None:

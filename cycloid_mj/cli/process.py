@@ -19,6 +19,9 @@ LOADED = Path(__file__).parents[1] / "design" / "model.py"
 SILENT = {"--quiet", "--help", "-h", "--version"}
 """Words of a command line that asks for no messages, or loads little."""
 
+BLAS_THREADS = {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}
+"""Variables by which a user says how many threads multiply matrices."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command, by default that of ``sys.argv``, and give its exit code; see `cycloid_mj.cli.app`."""
@@ -45,6 +48,9 @@ def run() -> None:
     look_rarely()
     # pydantic looks for plugins in every package that is installed; no command has a use for one
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # matrices are small here, or sparse: threads that share them cost more than they do, an eighth of `stress`
+    if not BLAS_THREADS & os.environ.keys():
+        os.environ["OPENBLAS_NUM_THREADS"] = "1"
     atexit.register(leave_circles)
     try:
         raise_on_signals()

@@ -43,9 +43,10 @@ def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: Q
     design = designed(what, set_, ())
     from cycloid_mj.base.errors import warn
     from cycloid_mj.dynamics.mjcf import build
+    from cycloid_mj.reducer import Reducer
 
     note("building the model")
-    compiled = build(design)
+    compiled = build(Reducer(design).at_rated_load.design)  # the window's sliders may load it
     warn(design.name, compiled.warnings)
     show_model(compiled.model)
     return 0

@@ -761,7 +761,11 @@ class Design(Section, Presented):
     """
 
     name: str = choice(
-        "pin", "name of the design and its runs: letters, digits, space . _ -", source="", pattern=r"^\w[\w .-]{0,63}$"
+        "pin",
+        "name of the design and its runs: letters, digits, space . _ -",
+        source="",
+        pattern=r"^\w[\w .-]*$",
+        max_length=64,
     )
     structure: Literal["rigid", "springs"] = choice(
         "rigid",

@@ -97,9 +97,12 @@ def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, 
     return Field(default=value, description=text, json_schema_extra={"unit": unit.suffix, "source": source}, **in_si)
 
 
-def choice(default: str, text: str, source: str = ASSUMED, pattern: str | None = None) -> Any:
-    """Declare one value of the design that is a word."""
-    return Field(default=default, description=text, pattern=pattern, json_schema_extra={"unit": "", "source": source})
+def choice(default: str, text: str, source: str = ASSUMED, **shape: Any) -> Any:
+    """Declare one value of the design that is a word; its ``pattern`` and ``max_length`` where any may be given.
+
+    A pattern that itself counts up to the length takes as long to compile as the rest of the design.
+    """
+    return Field(default=default, description=text, json_schema_extra={"unit": "", "source": source}, **shape)
 
 
 def switch(default: bool, text: str, source: str = ASSUMED) -> Any:

@@ -7,7 +7,7 @@ K and C come from physics; the added mass is as small as the time step allows.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import ContactError
@@ -105,6 +105,21 @@ def contact_law(
     beta = max(1.0 / 12.0, 0.25 - 0.5 * effective_mass / squared)
     added = beta * squared + 0.5 * damping * timestep
     return ContactParameters(stiffness, damping, added, friction, creep, effective_mass)
+
+
+def settling_law(
+    stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
+) -> ContactParameters:
+    """Compute the law of a contact, given as of `contact_law`, that settles within a step too long to follow its swing.
+
+    Fox and Goodwin's step of it would ring there, which lifts light parts off their seats. This one is implicit Euler's
+    (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3): with gap and speed at the end of the step
+    f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt, and the damping is C + K dt. Its stiffness
+    is the contact's.
+    """
+    law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
+    damping = law.damping + stiffness * timestep
+    return replace(law, damping=damping, added_mass=damping * timestep)
 
 
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:

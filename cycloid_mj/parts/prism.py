@@ -6,7 +6,6 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.parts.polygon import signed_area
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +58,8 @@ def _locked(polygon: Array) -> Array:
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
         raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")
-    area = signed_area(copy)
+    (x, y), (u, v) = copy.T, np.roll(copy, -1, axis=0).T
+    area = float(np.sum(x * v - u * y)) / 2
     if not area > 0.0:
         raise DesignError(f"a polygon of area {area:.6g} m2 does not run counter-clockwise")
     copy.setflags(write=False)

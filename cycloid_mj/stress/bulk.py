@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.case import LoadCase
@@ -25,8 +26,8 @@ FLAT = 0.05
 
 MOST_RUNGS = 16
 
-CANDIDATES = 4000
-"""Nodes of the largest stress among which the largest of the bulk is looked for first."""
+BANDS = np.append(0.7 ** np.arange(1, 14), 0.0)
+"""Shares of a part's largest stress: nodes are looked at from each down to the next until the largest are found."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,9 @@ class Distances:
 
     def at(self, angle: int, nodes: Integers) -> Array:
         """Compute the distance [m] of nodes from narrow patches at an angle, inf without patches; 0 at corners."""
-        squared = np.where(self.at_corner[nodes], 0.0, np.inf)
-        (x, y), across = self.points[nodes, :2].T, self.outside[nodes] ** 2
-        for px, py in self.patches[self.ends[angle] : self.ends[angle + 1]]:
-            np.minimum(squared, (x - px) ** 2 + (y - py) ** 2 + across, out=squared)
-        return np.sqrt(squared)
+        here = self.patches[self.ends[angle] : self.ends[angle + 1]]
+        squared = cdist(here, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
+        return np.where(self.at_corner[nodes], 0.0, np.sqrt(squared + self.outside[nodes] ** 2))
 
     def farthest(self) -> float:
         """Compute the largest distance [m] beyond which one of the part's vertices is left at every angle."""
@@ -96,19 +95,19 @@ def ladder(distances: Distances, start: float) -> Array:
 def largest(around: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
     """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n,). Those of the largest are looked at first, all of them only for distances
-    beyond which none of these lies.
+    `stress` is that of all nodes, (n,). Those of the largest are looked at first, and others only for distances beyond
+    which none of these lies.
     """
-    count = min(CANDIDATES, len(stress))
-    chosen = np.zeros(len(distances), np.int64)
-    missing = np.ones(len(distances), bool)
-    for nodes in (np.sort(np.argpartition(stress, -count)[-count:]), np.arange(len(stress))):
-        here, apart = stress[nodes], around.at(angle, nodes)
-        for rung in np.flatnonzero(missing):
-            beyond = apart >= distances[rung]
-            missing[rung] = not beyond.any()
-            chosen[rung] = nodes[np.where(beyond, here, -1.0).argmax()]
-        if not missing.any():
+    chosen, missing = np.zeros(len(distances), np.int64), np.arange(len(distances))
+    top = np.inf
+    for bottom in BANDS * stress.max():
+        nodes = np.flatnonzero((stress >= bottom) & (stress < top))
+        beyond = around.at(angle, nodes) >= distances[missing, np.newaxis]
+        found = beyond.any(axis=1)
+        if len(nodes):
+            chosen[missing] = nodes[np.where(beyond, stress[nodes], -1.0).argmax(axis=1)]
+        missing, top = missing[~found], bottom
+        if not len(missing):
             break
     return stress[chosen], chosen
 

@@ -73,12 +73,18 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     pressed = put.loads if grid.section is None else _lifted(grid.section, loads)
     part = elastic.body(grid, material_of(reducer, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
+    of_pressed, imbalance = elastic.balancing(part, pressed)
+    of_mass, out = elastic.balancing(part, mass)
+    imbalance += shares.T @ out
+    # both are spread over the mass: one dense product at each angle, and few forces of contacts
+    spread, shares = np.hstack([mass, part.carried]), np.vstack([shares, -of_pressed - of_mass @ shares])
 
     def response(block: Integers) -> Response:
-        applied = pressed[:, block].toarray() + mass @ shares[:, block]
-        forces, imbalance = elastic.balanced(part, applied)
+        forces, contacts = spread @ shares[:, block], pressed[:, block].tocoo()
+        forces[contacts.row, contacts.col] += contacts.data
         moved = elastic.displacements(part, forces)
-        return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
+        reaction = elastic.reactions(part, moved, forces)
+        return Response(forces, moved, imbalance[block], reaction, np.zeros((len(block), 0, 3)))
 
     return LoadCase(part, response, len(loads.angle), put.angle, put.points)
 

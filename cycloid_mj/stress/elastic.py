@@ -26,6 +26,9 @@ INDEPENDENT = 1e-6
 CHUNK = 32
 """Right-hand sides solved at once: with more, the solver's copies need more memory than they save time."""
 
+ORDERING = {2: "amd", 3: "metis"}
+"""How rslab orders the unknowns, by dimension: in a plane nested dissection takes longer than it saves."""
+
 MASS_ORDER = 4
 """Polynomials that the quadrature of the mass integrates exactly: products of two quadratic shape functions."""
 
@@ -98,7 +101,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
         mass=mass,
         loose=loose,
         carried=weighed(mass, motions[:, list(loose)]),
-        factor=_factor(lower, grid.part),
+        factor=_factor(lower, grid.part, grid.dimension),
         springs=springs,
     )
 
@@ -109,14 +112,21 @@ def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     Return the balanced loads and the imbalance (c, r) along all rigid motions: forces [N], moments [N m]; zero along
     the motions that supports hold.
     """
+    accelerations, imbalance = balancing(part, loads)
+    return loads - part.carried @ accelerations, imbalance
+
+
+def balancing(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
+    """Compute the accelerations (l, c) along the loose motions, and the imbalance (c, r), of ``balanced``.
+
+    The loads (n, c) [N] may be sparse.
+    """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
-    if not part.loose:
-        return loads, imbalance
     loose = list(part.loose)
     motions = part.motions[:, loose]
-    resultant = motions.T @ loads
-    imbalance[:, loose] = resultant.T
-    return loads - part.carried @ np.linalg.solve(motions.T @ part.carried, resultant), imbalance
+    resultant = loads.T @ motions
+    imbalance[:, loose] = resultant
+    return np.linalg.solve(motions.T @ part.carried, resultant.T), imbalance
 
 
 def weighed(mass: Any, fields: Array) -> Array:
@@ -281,7 +291,7 @@ def _require_hold(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> 
         )
 
 
-def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
+def _factor(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
     """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
     give_back()  # a factor needs its memory in one piece
     try:
@@ -289,7 +299,7 @@ def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     except (ImportError, OSError, AttributeError):  # it is young: a later release may have other names
         return _superlu(lower, part)
     try:
-        solver = ldlt(lower, threads=1, ordering="metis")
+        solver = ldlt(lower, threads=1, ordering=ORDERING[dimension])
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))

@@ -52,9 +52,8 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     length, gear = design.ring.pin_radius, design.gear
     share = OUTPUT_SECTION if part == "output" else 1.0
     coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
-    section = planar_grid(
-        part_region(reducer, part), replace(settings, **coarse, refinement=share * settings.refinement), length
-    )
+    settled = replace(settings, **coarse, refinement=share * settings.refinement)
+    section = planar_grid(part_region(reducer, part), settled, length, section=True)
     layer = settings.layer_edge * length / settings.refinement
     least = LEAST_LAYERS.get(part, 2)
     planes = (0.0,) if family(part) == GEAR else gear.disc_planes
@@ -121,9 +120,9 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]
     node, height = np.concatenate(nodes), np.concatenate(heights)
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
-    mesh, grid = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
+    mesh, vertices, grid = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
     at = np.full((len(z), len(section.points)), -1, np.int64)
-    at[::2, : section.mesh.nvertices] = corner
+    at[::2, : section.mesh.nvertices][level, vertex] = vertices
     at[height, node] = grid
     held = at[:, section.held]
     pressed = [at[2 * part.start : 2 * part.stop - 1] for part in loaded]

@@ -194,7 +194,7 @@ def _maxima(
     angle = count()
     for answer in answers:
         stress, here = components(answer.moved), []
-        for state, size in zip(np.moveaxis(stress, -1, 0), von_mises(stress).T, strict=True):
+        for state, size in zip(np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True):
             seen(index := next(angle), state)
             here.append(largest(apart, rungs, index, size))
         sizes, nodes = map(np.array, zip(*here, strict=True))

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse import csgraph
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -159,10 +161,13 @@ class SectionGrid:
     lifts: tuple[Any, ...]
 
 
-def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:
+def planar_grid(
+    region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None, section: bool = False
+) -> Grid:
     """Build the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
 
-    Where an outline's curved edges fold elements beside them, they are made shorter.
+    Where an outline's curved edges fold elements beside them, they are made shorter. A section, to be drawn out along
+    z, keeps the mesher's order of vertices, by which its prisms are cut.
 
     Raises
     ------
@@ -173,13 +178,13 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
     places = np.concatenate([places, _clamped(region)])
     for _ in range(MENDED):
         try:
-            return _planar_grid(region, settings, length, places)
+            return _planar_grid(region, settings, length, places, section)
         except FoldedError as folded:
             places = np.concatenate([places, folded.places * (1.0, 1.0, SHORTER)])
-    return _planar_grid(region, settings, length, places)
+    return _planar_grid(region, settings, length, places, section)
 
 
-def _planar_grid(region: Region, settings: GridSettings, length: float, places: Array) -> Grid:
+def _planar_grid(region: Region, settings: GridSettings, length: float, places: Array, section: bool) -> Grid:
     """Build a grid with short edges of outlines at some places, rows (x, y, edge) [m]."""
     unit = length / settings.refinement
     loops = []
@@ -192,8 +197,9 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, places: 
     first = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
     rings = [start + np.arange(len(loop.nodes)) for start, loop in zip(first, loops, strict=False)]
     ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in rings])
-    mesh, middle = quadratic(points, triangles, ends, np.concatenate([loop.middles for loop in loops]), region.part)
-    tables = [np.column_stack([ring, middle[ring], np.roll(ring, -1)]) for ring in rings]
+    middles = np.concatenate([loop.middles for loop in loops])
+    mesh, vertex, middle = quadratic(points, triangles, ends, middles, region.part, section)
+    tables = [np.column_stack([vertex[ring], middle[ring], vertex[np.roll(ring, -1)]]) for ring in rings]
     pairs = list(zip(region.boundaries, tables, strict=True))
     clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.held]
     return Grid(
@@ -214,10 +220,13 @@ def _clamped(region: Region) -> Array:
     return np.array(rows).reshape(-1, 3)
 
 
-def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, part: str) -> tuple[Any, Integers]:
+def quadratic(
+    points: Array, cells: Integers, ends: Integers, middles: Array, part: str, in_order: bool = False
+) -> tuple[Any, Integers, Integers]:
     """Make a quadratic scikit-fem mesh whose edges ``ends`` (e, 2) pass through ``middles`` (e, d) [m].
 
-    Return the mesh and the node in the middle of each of these edges.
+    Return the mesh, the node at each of the points, and that in the middle of each of these edges. Unless the points
+    are to keep their order, they are numbered such that neighbours are near each other.
 
     Raises
     ------
@@ -228,19 +237,33 @@ def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, pa
     """
     skfem = package("skfem")
     planar = points.shape[1] == 2
+    at = np.arange(len(points)) if in_order else _near_together(len(points), cells)
+    cells = at[cells]
+    cells = cells[np.argsort(cells.min(axis=1), kind="stable")]
+    points = points[np.argsort(at)]
     straight = (skfem.MeshTri1 if planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
     mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
-    nodes = middles_of(mesh, ends)
+    nodes = middles_of(mesh, at[ends])
     if nodes.min(initial=0) < 0:
         raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing; change the refinement")
-    doflocs = np.array(mesh.doflocs)
-    doflocs[:, nodes] = middles.T
-    mesh = type(mesh)(doflocs, mesh.t)
+    mesh.doflocs[:, nodes] = middles.T
     shape = mesh.mapping().detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
     folded = np.any(shape * np.sign(shape[:, :1]) <= 0.0, axis=1)
     if folded.any():
         raise FoldedError(part, points[cells[folded]])
-    return mesh, nodes
+    return mesh, at, nodes
+
+
+def _near_together(count: int, cells: Integers) -> Integers:
+    """Compute new numbers of points (count,), such that neighbours are near each other.
+
+    Sparse products with fields of a grid then find what they need in the processor's cache, and take half the time.
+    """
+    rows = np.repeat(np.arange(len(cells)), cells.shape[1])
+    corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
+    at = np.empty(count, np.int64)
+    at[csgraph.reverse_cuthill_mckee((corners.T @ corners).tocsr(), symmetric_mode=True)] = np.arange(count)
+    return at
 
 
 def middles_of(mesh: Any, ends: Integers) -> Integers:

@@ -164,18 +164,20 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     on_cams = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
     shares = np.vstack([*on_cams, loads.torque, mass_coefficients(loads)])
     relief, compliance = _relieved(part, pads)
+    turns = section_turns(grid.points, shaft.stations)
 
     def response(block: Integers) -> Response:
         some = shares[:, block]
         freed = np.column_stack([opened(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T])
-        forces, displaced = units @ some + pads.press @ freed, moved @ some + relief @ freed
-        on_pads = pads.press @ freed - pads.springs @ displaced
+        given, relieved = units @ some, pads.press @ freed
+        displaced = moved @ some + relief @ freed
+        on_pads = relieved - pads.springs @ displaced
         return Response(
-            forces=forces,
+            forces=given + relieved,
             moved=displaced,
             imbalance=some.T @ imbalances,
             reaction=on_pads.T @ part.motions,
-            moments=section_moments(grid.points, units @ some + on_pads, shaft.stations),
+            moments=np.tensordot(given + on_pads, turns, (0, 0)),
         )
 
     return LoadCase(part, response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
@@ -243,21 +245,15 @@ def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     return moved, np.asarray(pads.press.T @ moved)
 
 
-def section_moments(points: Array, forces: Array, places: Array) -> Array:
-    """Compute moments about x, y, z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
+def section_turns(points: Array, places: Array) -> Array:
+    """Return the weights (3 n, s, 3) [m] of forces on nodes (n, 3) [m] in the moments of sections at places z (s,).
 
-    About the axis, in the section at each place; they are in balance with what comes after it.
+    The moments about x, y, z, about the axis in the section at each place, are those that the forces on nodes before it
+    hand on; they are in balance with what comes after it.
     """
-    x, y, z = points.T
-    fx, fy, fz = forces[0::3], forces[1::3], forces[2::3]
-    moments = []
-    for place in places:
-        before = z < place - ROUNDING
-        arm = (z[before] - place)[:, np.newaxis]
-        about_x = y[before] @ fz[before] - np.sum(arm * fy[before], axis=0)
-        about_y = np.sum(arm * fx[before], axis=0) - x[before] @ fz[before]
-        moments.append(np.stack([about_x, about_y, x[before] @ fy[before] - y[before] @ fx[before]], axis=-1))
-    return np.stack(moments, axis=1)
+    before = points[:, 2, np.newaxis] < places - ROUNDING
+    turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in places]
+    return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:

@@ -119,5 +119,5 @@ def _from_gmsh(tags: Any, points: Array, nodes: Any) -> Any:
     cell = index.reshape(-1, 4)
     pairs = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]
     ends = np.concatenate([cell[:, list(pair)] for pair in pairs])
-    mesh, _ = quadratic(points[corners], cell, ends, points[cells[:, 4:].T.ravel()], "shaft")
+    mesh, _, _ = quadratic(points[corners], cell, ends, points[cells[:, 4:].T.ravel()], "shaft")
     return mesh

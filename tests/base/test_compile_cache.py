@@ -6,6 +6,7 @@ import pickle
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from own_process import RUN, ran
 
@@ -24,6 +25,14 @@ def twice(x):
 @cfunc(types.int64(types.int64), cache=True)
 def thrice(x):
     return 3 * x
+"""
+
+COUNTLESS = """
+from cycloid_mj.base.compiling import njit
+
+@njit(cache=True, allocates=False)
+def first(values):
+    return values[0]
 """
 
 
@@ -113,6 +122,21 @@ def test_index_of_types_that_are_gone_is_passed_over_and_replaced(kernels, tmp_p
     hits, said = kernels()
     assert (hits, len(said)) == ((0, 0), 1)
     assert kernels() == ((1, 1), [])
+
+
+def test_code_that_counts_no_references_is_loaded_without_what_counts_them(tmp_path, monkeypatch):
+    (tmp_path / "countless.py").write_text(COUNTLESS)
+
+    def used():
+        spec = importlib.util.spec_from_file_location("countless", tmp_path / "countless.py")
+        module = importlib.util.module_from_spec(spec)
+        monkeypatch.setitem(sys.modules, "countless", module)
+        spec.loader.exec_module(module)
+        return module.first(np.array([2.5, 1.0])), sum(module.first.stats.cache_hits.values())
+
+    assert used() == (2.5, 0)
+    monkeypatch.delattr(compile_cache.rtsys.__class__, "initialize")
+    assert used() == (2.5, 1)
 
 
 def test_code_is_compiled_anew_where_a_file_beside_it_changes(kernels, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import signal
 import subprocess
@@ -21,7 +22,7 @@ from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
-from cycloid_mj.cli.process import LOADED, first_start
+from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
@@ -169,7 +170,7 @@ def test_json_of_a_run_has_the_fixed_keys(run):
     assert found["design"] == "pin"
     assert found["log"] == str(log)
     assert found["timestep_s"] == timestep(Reducer(PRESETS["pin"]))
-    assert found["timestep"] == "3.44828 us (chosen by the design: stiffness of pin_socket)"
+    assert found["timestep"] == "6.66667 us (chosen by the design: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
     assert found["q_path"]["q_mm"] == [0.0, 26.0]
@@ -204,7 +205,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert (judging, drawing) == ("judging the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
-        "time step 3.44828 us (chosen by the design: stiffness of pin_socket), "
+        "time step 6.66667 us (chosen by the design: stiffness of pin_socket), "
         "for spreads over independent starts alone: without a load motion in the play is chaotic"
     )
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
@@ -977,6 +978,30 @@ run()
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "0 True"
+
+
+THREADS_OF_BLAS = """
+import os, sys
+from cycloid_mj.cli import process
+def main():
+    print(os.environ.get("OPENBLAS_NUM_THREADS"))
+    return 0
+process.main = main
+process.run()
+"""
+
+
+@pytest.mark.parametrize(
+    ("own", "taken"),
+    [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3"), ({"OMP_NUM_THREADS": "3"}, "None")],
+    ids=["none", "openblas", "omp"],
+)
+def test_matrices_are_multiplied_by_one_thread_unless_others_are_asked_for(own: dict[str, str], taken: str) -> None:
+    there = {name: value for name, value in os.environ.items() if name not in BLAS_THREADS} | own
+    done = subprocess.run(
+        [sys.executable, "-c", THREADS_OF_BLAS], env=there, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"{taken}\n"
 
 
 STOPPED_IN_AN_IMPORT = """

@@ -304,6 +304,7 @@ def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None
         ('name=""', "'' is not allowed"),
         ('name="a\\nb"', "not allowed"),
         ("name=3", "valid string"),
+        (f"name={'a' * 65}", "at most 64 characters"),
     ],
 )
 def test_a_wrong_value_is_told_in_the_words_of_the_file(change: str, told: str) -> None:

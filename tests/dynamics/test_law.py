@@ -16,6 +16,7 @@ from cycloid_mj.dynamics.law import (
     ContactParameters,
     contact_law,
     leads,
+    settling_law,
     solver_parameters,
     stock_impratio,
 )
@@ -108,14 +109,54 @@ def test_an_impact_returns_as_the_damping_ratio_says(ratio: float) -> None:
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0])
 def test_the_added_mass_keeps_a_body_on_a_contact_stable_at_any_step(ratio: float) -> None:
-    """The step v' = v - dt (K r + C v)/(m + 1/R), r' = r + dt v' has no eigenvalue outside the unit circle."""
+    """Its step has no eigenvalue outside the unit circle."""
     pin = 1.25e-3
     for timestep in (1e-6, 2e-6, 5e-6, 1e-5, 1e-4):
         law = contact_law(STIFFNESS, ratio, pin, 0.05, 1e3, timestep)
-        moved = pin + law.added_mass
-        speed = np.array([-timestep * law.stiffness, moved - timestep * law.damping]) / moved
-        step = np.array([[1.0 + timestep * speed[0], timestep * speed[1]], speed])
-        assert np.abs(np.linalg.eigvals(step)).max() <= 1.0 + 1e-9
+        assert np.abs(swung(law, pin, timestep)).max() <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0])
+@pytest.mark.parametrize("longer", [3.0, 10.0])
+def test_a_contact_that_settles_takes_steps_of_implicit_euler(ratio: float, longer: float) -> None:
+    """Their eigenvalues are 1/(1 - s dt) for those s of the contact itself: what is too fast for the step dies away."""
+    pin = 1.25e-3
+    swing = math.sqrt(STIFFNESS / pin)
+    timestep = longer / swing
+    law = settling_law(STIFFNESS, ratio, pin, 0.05, 1e3, timestep)
+    own = swing * (-ratio + np.array([1.0, -1.0]) * np.emath.sqrt(ratio**2 - 1.0))
+    assert np.sort_complex(swung(law, pin, timestep)) == pytest.approx(np.sort_complex(1.0 / (1.0 - own * timestep)))
+    assert law.stiffness == STIFFNESS
+    followed = contact_law(STIFFNESS, ratio, pin, 0.05, 1e3, timestep)
+    assert np.abs(swung(law, pin, timestep)).max() < np.abs(swung(followed, pin, timestep)).max()
+
+
+def swung(law: ContactParameters, mass: float, timestep: float) -> np.ndarray:
+    """Eigenvalues of the step v' = v - dt (K r + C v)/(m + 1/R), r' = r + dt v' of a body on its contact."""
+    moved = mass + law.added_mass
+    speed = np.array([-timestep * law.stiffness, moved - timestep * law.damping]) / moved
+    return np.linalg.eigvals(np.array([[1.0 + timestep * speed[0], timestep * speed[1]], speed]))
+
+
+def test_only_moving_pins_without_load_settle() -> None:
+    """Under a load, for slices, by the law IMPACT and at given steps their contacts are followed, as all others are."""
+    pin = PRESETS["pin"]
+    step = steps.timestep(Reducer(pin))
+    for kind, law in contact_laws(Reducer(pin)).items():
+        own = 2.0 * pin.contact.damping_ratio * math.sqrt(law.stiffness * law.effective_mass)
+        settling = kind in ("pin_gear", "pin_socket")
+        assert law.damping == pytest.approx(own + settling * law.stiffness * step)
+    for other in (
+        pin.but(load={"torque": 1.0}),
+        Reducer(pin).for_slices.design,
+        pin.but(contact={"working_load": 1.0}),
+        pin.but(contact={"law": "impact"}),
+        pin.but(settings={"timestep": step}),
+        pin.but(ring={"pins": "fixed"}),
+    ):
+        reducer = Reducer(other)
+        assert not any(steps.settles(reducer, kind) for kind in other.pair_kinds)
+        assert steps.limits(reducer) == steps.limits(reducer, followed=True)
 
 
 def test_an_impossible_impedance_is_refused() -> None:

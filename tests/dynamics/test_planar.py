@@ -10,6 +10,7 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.level import rms
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.course import braked_output, locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
@@ -124,6 +125,29 @@ def test_means_agree_with_mujoco(layout: str, share: float) -> None:
         sizes = [np.linalg.norm(run.forces(kind), axis=-1).mean() for run in (ours, theirs)]
         assert sizes[0] == pytest.approx(sizes[1], rel=bound)
     assert ours["penetration"].mean() == pytest.approx(theirs["penetration"].mean(), rel=2.0 * bound)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("layout", ["free", "sleeved"])
+def test_moving_pins_settle_without_load_where_followed_ones_would_ring(
+    layout: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Idle, at the step that MuJoCo takes then, twice that which follows pins; a start among others, as in its play."""
+    preset, *changes = LAYOUTS[layout]
+    design = override(PRESETS[preset], ["drive.ramp_s=0", "drive.hold_s=0.08", *changes])
+    reducer = Reducer(design)
+
+    def hardest(model: Model) -> float:
+        """Compute the largest force of a contact [N], once settled."""
+        run = simulate(design, model)
+        return float(run.select(run.time > 0.02)["peak_force"].max())
+
+    witness = hardest(planar_model(reducer))
+    model = build(design)
+    assert model.timestep > 1.5 * min(steps.limits(reducer, followed=True).values())
+    assert hardest(model) == pytest.approx(witness, rel=0.15)
+    monkeypatch.setattr("cycloid_mj.dynamics.mjcf.laws.settles", lambda *of: False)
+    assert hardest(build(design)) > 2.0 * witness
 
 
 def test_accelerations_of_moving_pins_are_mujocos_where_the_step_follows_them_and_lower_where_it_does_not() -> None:

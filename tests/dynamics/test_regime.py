@@ -23,6 +23,7 @@ from cycloid_mj.dynamics.timestep import (
     ROLLING,
     SEATED,
     SEATED_IDLE,
+    SETTLING,
     chosen,
     held_figures,
     limits,
@@ -174,7 +175,7 @@ def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, caps
 
 def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
-    stiffness = 0.612e-3 * SEATED_IDLE / 1.98e-6**2
+    stiffness = 0.612e-3 * SETTLING / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
     found = warnings(Reducer(design), build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
@@ -208,6 +209,10 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     assert limits(Reducer(idle))["stiffness of pin_socket"] == pytest.approx(
         (SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6
     )
+    for followed, most in ((False, SETTLING), (True, SEATED_IDLE)):
+        free = Reducer(PRESETS["pin"])
+        time = (0.5 * pin / free.contacts["pin_socket"].stiffness) ** 0.5
+        assert limits(free, followed)["stiffness of pin_socket"] == pytest.approx(most**0.5 * time, rel=1e-6)
     cam = Reducer(design).contacts["cam"].stiffness
     gear = float(model.body("gear").mass[0])
     assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)

@@ -23,6 +23,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.windup import windups
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
+from cycloid_mj.stress.bulk import Distances, largest
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.grid import BULK_DISTANCE, FoldedError, Grid, planar_grid
 from cycloid_mj.stress.mounts import read_mounts
@@ -390,7 +391,7 @@ def test_without_the_fast_solver_or_with_one_of_other_names_superlu_solves(monke
     lower, loads = sparse.csc_matrix([[4.0, 0.0], [1.0, 3.0]]), np.array([1.0, 2.0])
     for module in (None, SimpleNamespace()):
         monkeypatch.setitem(sys.modules, "rslab", module)
-        np.testing.assert_allclose(elastic._factor(lower, "shaft")(loads), [1.0 / 11.0, 7.0 / 11.0], rtol=1e-12)
+        np.testing.assert_allclose(elastic._factor(lower, "shaft", 3)(loads), [1.0 / 11.0, 7.0 / 11.0], rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -508,6 +509,16 @@ def test_edges_are_shorter_where_curved_ones_would_fold_their_elements(monkeypat
     assert all(map(made, refinements))
     monkeypatch.setattr("cycloid_mj.stress.grid.MENDED", 0)
     assert not all(map(made, refinements))
+
+
+@pytest.mark.parametrize("part", ["pin_1", "output"])
+def test_neighbours_have_numbers_near_each_other(part: str) -> None:
+    """Fields are read from the processor's cache then; gmsh's own order spreads an element over all of the vertices."""
+    settings = GridSettings(refinement=0.5, solid=part == "output")
+    grid = part_grid(PIN, part, settings)
+    corners = grid.cells[:, : grid.dimension + 1]
+    assert np.median(np.ptp(corners, axis=1)) < 0.15 * corners.max()
+    assert np.all(np.diff(corners.min(axis=1)) >= 0)
 
 
 def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -629,6 +640,25 @@ def plate() -> Grid:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("load", [0.0, 1.0])
+def test_the_largest_stress_beyond_each_distance_is_found(load: float) -> None:
+    """The first of the largest, whatever share of the part's largest stress it is; the first node beyond without load.
+
+    Beyond the last distance nothing is left.
+    """
+    rng = np.random.default_rng(3)
+    points, patch = rng.uniform(-1.0, 1.0, (5000, 2)), np.array([[0.9, 0.9], [-0.5, 0.2]])
+    apart = np.linalg.norm(points[:, np.newaxis] - patch, axis=2).min(axis=1)
+    stress = (load * apart**-4.0 * rng.uniform(0.9, 1.0, 5000)).astype(np.float32)
+    around = Distances(points, np.zeros(5000), patch, np.array([0, 2]), apart < 0.01, 5000)
+    distances = np.array([0.02, 0.1, 0.5, 1.5, 9.0])
+    sizes, nodes = largest(around, distances, 0, stress)
+    beyond = apart >= distances[:4, np.newaxis]
+    assert nodes[:4].tolist() == np.where(beyond, stress, -1.0).argmax(axis=1).tolist()
+    np.testing.assert_array_equal(sizes[:4], stress[nodes[:4]])
+    assert load == 0.0 or sizes[3] < 0.01 * stress.max()
+
+
 def test_stress_falls_with_the_distance_as_flamant_says() -> None:
     """Near a force twice the distance has half the stress, within 10 %; there is no plateau, and that is told."""
     loads = made_loads("ring", [[[0.0, 5e-3]]], [[[0.0, 100.0]]], 1e-6)

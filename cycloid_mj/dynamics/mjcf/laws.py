@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from cycloid_mj.dynamics.law import ContactParameters, contact_law
-from cycloid_mj.dynamics.timestep import effective_masses, timestep
+from cycloid_mj.dynamics.law import ContactParameters, contact_law, settling_law
+from cycloid_mj.dynamics.timestep import SEATED_IDLE, effective_masses, settles, timestep
 from cycloid_mj.reducer import Reducer
 
 Laws = dict[str, ContactParameters]
@@ -26,7 +26,8 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
     as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a
     disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
-    IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`).
+    IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`). Contacts of
+    moving pins that may settle, and which the step does not follow, do.
     """
     design, step = reducer.design, timestep(reducer)
     laws = {}
@@ -36,8 +37,10 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
         friction = design.mesh_friction if through else design.friction_of(kind)
         contact, mass = reducer.contacts[kind], mass / lines
         force, impact = contact.force / lines, contact.impact
-        laws[kind] = contact_law(
-            stiffness=contact.series[disc] / lines,
+        stiffness = contact.series[disc] / lines
+        followed = not settles(reducer, kind) or stiffness * step**2 <= SEATED_IDLE * mass
+        laws[kind] = (contact_law if followed else settling_law)(
+            stiffness=stiffness,
             damping_ratio=impact.damping_ratio(force, mass) if impact else contact.damping_ratio,
             effective_mass=mass,
             friction=friction,

@@ -74,7 +74,7 @@ def follows_pins(reducer: Reducer, step: float) -> bool:
 
 
 def _longest_that_follows_pins(reducer: Reducer) -> float:
-    """Compute it [s]: the longest that MuJoCo may take.
+    """Compute it [s]: the longest that MuJoCo may take to follow them.
 
     The paper's free pins at the rated load, accelerations of gear's centre and output up to 10 kHz, and rms of the
     gear's speed: MuJoCo at 0.25 us 1.584 m/s2, 50.0 rad/s2 and 1.95 mrad/s. By the midpoint rule 1.50 to 1.57, 48 to 49
@@ -82,4 +82,4 @@ def _longest_that_follows_pins(reducer: Reducer) -> float:
     144 pins from 1.5 times this step on. By implicit Euler 1.36, 48.4 and 1.85 at 0.05 us, 1.29, 47 and 1.80 at 0.5 us,
     1.00, 32 and 1.71 at 25 us.
     """
-    return min(limits(reducer).values())
+    return min(limits(reducer, followed=True).values())

@@ -1,0 +1,28 @@
+"""How rarely Python looks for circles of objects."""
+
+import gc
+
+import pytest
+
+from cycloid_mj.base.memory import look_rarely
+
+
+@pytest.fixture
+def as_before():
+    threshold, callbacks = gc.get_threshold(), list(gc.callbacks)
+    yield
+    gc.set_threshold(*threshold)
+    gc.callbacks[:] = callbacks
+
+
+@pytest.mark.usefixtures("as_before")
+def test_first_look_waits_for_more_objects_than_those_after_it():
+    look_rarely()
+    first, *older = gc.get_threshold()
+    gc.collect(0)
+    assert gc.get_threshold() == (first // 4, *older)
+    look_rarely()
+    look_rarely()
+    gc.collect(0)
+    gc.collect(0)
+    assert gc.get_threshold() == (first // 4, *older)
