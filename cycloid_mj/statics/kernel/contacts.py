@@ -32,9 +32,9 @@ _FARTHEST_FOOT, _LONGEST = 1.5, 0.5
 circle's turn N t [rad]: within the half lobe, 1.57, next to which another flank begins, and a third of that."""
 
 
-_ROUNDS, _SETTLED = 60, 1e-12
-"""Most steps to a foot point, as halvings of a lobe down to rounding need them, and the step at which it is found
-[rad]: convergence is quadratic, so that the foot is then known to rounding."""
+_ROUNDS, _LAST, _SETTLED = 60, 1e-7, 1e-12
+"""Most steps to a foot point, as halvings of a lobe down to rounding need them; the step of Newton's method that is the
+last, as convergence is quadratic, so that the foot is then known to rounding; and the last of the others [rad]."""
 
 
 _SURELY = 1e-4
@@ -294,13 +294,16 @@ def _foot(
     rate = math.sqrt(sa * sa + ca * ca)
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
-    t = p / (rate * max(along, 0.5))  # the curve goes on at that rate by t
+    # the curve goes on at that rate by t, and at another one farther on
+    t = p / (rate * max(along, 0.5))
+    t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
     t = min(max(t, -_FARTHEST_FOOT / N), _FARTHEST_FOOT / N)
-    before, beyond = -math.inf, math.inf
+    before, beyond, settled = -math.inf, math.inf, NO
     for _ in range(_ROUNDS):
-        # sine, and cosine less 1, of t and N t
+        # sine, and cosine less 1, of t and N t, whose halves are less than a right angle
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
-        st, ct, sw, cw = 2.0 * half * math.cos(0.5 * t), -2.0 * half * half, math.sin(N * t), -2.0 * wide * wide
+        st, ct = 2.0 * half * math.sqrt(1.0 - half * half), -2.0 * half * half
+        sw, cw = 2.0 * wide * math.sqrt(1.0 - wide * wide), -2.0 * wide * wide
         # how far the curve has come from its point, then its rate and the rate of that, by t; each across and along
         uq, up = E * (ca * ct - sa * st), E * (sa * ct + ca * st)
         wq, wp = c * (cb * cw - sb * sw), c * (sb * cw + cb * sw)
@@ -313,18 +316,25 @@ def _foot(
             before = t
         else:
             beyond = t
-        step = nearer / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
+        bowl = square - (q - xq) * aq - (p - xp) * ap
+        step = nearer / max(bowl, 0.1 * square)
         step = min(max(step, -_LONGEST / N), _LONGEST / N)
+        by_newton = bowl > 0.1 * square and before <= t + step <= beyond
         if not before <= t + step <= beyond:
             step = 0.5 * (before + beyond) - t
-        t += step
-        if abs(step) < _SETTLED:
+        settled = abs(step) < (_LAST if by_newton else _SETTLED)
+        if settled:
             break
+        t += step
+    # the last step is so short that place and rate follow it by what is known where it begins
+    xq, xp = xq + step * (vq + 0.5 * step * aq), xp + step * (vp + 0.5 * step * ap)
+    vq, vp = vq + step * aq, vp + step * ap
+    square = vq * vq + vp * vp
     speed = math.sqrt(square)
     nq, np_ = vp / speed, -vq / speed
     distance, curvature = (q - xq) * nq + (p - xp) * np_, -(aq * nq + ap * np_) / square
     bent = 1.0 + curvature * distance
-    return abs(step) < _SETTLED and bent > 0.0, distance, nq, np_, curvature / bent
+    return settled and bent > 0.0, distance, nq, np_, curvature / bent
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

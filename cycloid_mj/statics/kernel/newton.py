@@ -25,7 +25,7 @@ ROUNDING = 1e-12
 
 
 _STEPS, _STEPS_DOWN, _FARTHEST = 15, 200, 0.3
-"""Most Newton steps with friction, and downhill without; the longest as a share of the eccentricity."""
+"""Most Newton steps for each disc, and downhill in all; the longest as a share of the eccentricity."""
 
 
 _OVERSHOT = 10.0
@@ -75,7 +75,7 @@ def newton(
     led = keep and springs.rubbing.shape[0] == 0
     for i in range(system.kept.size):
         system.kept[i] = keep and system.pressed[i] > 0.0
-    for step_number in range(_STEPS_DOWN if downhill else _STEPS):
+    for step_number in range(_STEPS_DOWN if downhill else springs.cam_place.shape[1] * _STEPS):
         found = assemble(springs, k, load, here, soft, friction, exact, step_number == 0, system)
         left = largest(residual)
         if not left < math.inf:
@@ -194,9 +194,15 @@ def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bo
 def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
     """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge.
 
-    In place; the matrix of its `vectors` is filled in.
+    In place, with room for a matrix of `vectors`. Where the eigenvalues are above what floats, they need not be known.
     """
     number = right.size
+    for i in range(number):
+        copy(matrix[i], vectors[i])
+        vectors[i, i] -= floating
+    if solve_stable(vectors, right, out, 0.0):
+        solve_stable(matrix, right, out, 0.0)
+        return
     _find_eigenvectors(matrix, vectors)
     clear(out)
     for m in range(number):

@@ -323,6 +323,8 @@ def _bend(
                 for b in range(4):
                     system.tangent[row, 3 * d + b if b < 3 else o] += turning * aside[d, a] * aside[d, b]
                 for e in range(discs):
+                    if not carries[e]:
+                        continue
                     for b in range(4):
                         column = 3 * e + b if b < 3 else o
                         system.tangent[row, column] += stiff[d, e] * (ahead[d, a] + rubs) * ahead[e, b]
