@@ -1,6 +1,7 @@
 """Many pieces of work: in threads, processes and on a Dask cluster, with workers that die or are of another kind."""
 
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -131,3 +132,40 @@ def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> No
         Engine(scheduler="somewhere").each(square, [1])
     with pytest.raises(RunError, match="no Dask scheduler answers at 127"):
         Engine(scheduler="127.0.0.1:9").each(square, [1])
+
+
+ORPHAN = """
+import multiprocessing, os, sys, time
+from cycloid_mj.base.engine import housekeeping
+
+
+def serve(as_on_windows):
+    if as_on_windows:
+        os.getppid = lambda own=os.getppid(): own
+    housekeeping.serve_parent()
+    print(os.getpid(), flush=True)
+    time.sleep(600)
+
+
+if __name__ == "__main__":
+    multiprocessing.get_context("spawn").Process(target=serve, args=(sys.argv[1] == "windows",)).start()
+    time.sleep(600)
+"""
+
+
+@pytest.mark.parametrize("system", ["posix", "windows"])
+def test_a_worker_ends_with_a_parent_that_is_killed(system: str, tmp_path: Path) -> None:
+    """On Windows the number of a parent stays as it was: a worker outlived it."""
+    script = tmp_path / "orphan.py"
+    script.write_text(ORPHAN)
+    with subprocess.Popen([sys.executable, str(script), system], stdout=subprocess.PIPE, text=True) as parent:
+        assert parent.stdout
+        worker = int(parent.stdout.readline())
+        parent.kill()
+        parent.wait()
+        # its end of the pipe closes when the worker has gone
+        ready, _, _ = select.select([parent.stdout], [], [], 60.0)
+        ended = bool(ready) and parent.stdout.read() == ""
+        if not ended:
+            os.kill(worker, signal.SIGKILL)
+    assert ended

@@ -1,17 +1,19 @@
 """Housekeeping of workers: ignore Ctrl-C and exit with the parent; close abandoned results quietly."""
 
+import multiprocessing
 import os
 import signal
 import threading
 import time
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from multiprocessing.connection import wait
 from typing import TypeVar
 
 R = TypeVar("R")
 
 SECONDS_BETWEEN_LOOKS = 1.0
-"""Between two looks at whether the parent still lives: joblib's workers have nothing to wait for it by."""
+"""Between two looks at whether the parent still lives: joblib's workers have nothing to wait for it by on POSIX."""
 
 
 def serve_parent() -> None:
@@ -21,8 +23,13 @@ def serve_parent() -> None:
 
 
 def _end_with(parent: int) -> None:
+    """End where the parent does: on Windows its sentinel alone tells, as the number of the parent stays."""
+    sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent:
-        time.sleep(SECONDS_BETWEEN_LOOKS)
+        if sentinel is None:
+            time.sleep(SECONDS_BETWEEN_LOOKS)
+        elif wait([sentinel], SECONDS_BETWEEN_LOOKS):
+            break
     os.kill(os.getpid(), signal.SIGTERM)
 
 
