@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Container, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any, TypeVar, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -18,6 +18,8 @@ from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
+
+S = TypeVar("S", bound=Section)
 
 LARGEST_INTEGER = 2**63 - 1
 """TOML's integers have 64 bits; a larger one counts as infinite."""
@@ -73,6 +75,15 @@ def loads(text: str, where: str = "the design") -> Design:
     if not tables:
         raise DesignError(f"{where} is empty; `cycloid-mj design new my` makes a whole one")
     return _validated(_to_si(Design, tables, where), where)
+
+
+def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
+    """Read the tables of another file than a design's, by the same rules; `kind` has them as its sections."""
+    values = _to_si(kind, tables, where, root=kind)
+    try:
+        return kind.model_validate(values, strict=True)
+    except ValidationError as error:
+        raise refusal(error, kind, where) from error
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
@@ -241,20 +252,22 @@ def _known(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
     return {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
 
 
-def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, Any]:
+def _to_si(
+    section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "", root: type[Section] = Design
+) -> dict[str, Any]:
     """Translate the keys of the file to the names of the model and numbers to SI."""
     known = _known(section)
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:
-            hint = absent_layout(f"{prefix}{key}") or _nearest(key, list(known), prefix)
+            hint = absent_layout(f"{prefix}{key}") or _nearest(key, list(known), prefix, root)
             raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {hint}")
         name, field = known[key]
         inner, table_of = field.annotation, section_of(field)
         if table_of:
             if not isinstance(value, Mapping):
                 raise DesignError(f"{where}: {key} is a table; write [{key}] and its keys below")
-            values[name] = _to_si(table_of, value, where, f"{prefix}{key}.")
+            values[name] = _to_si(table_of, value, where, f"{prefix}{key}.", root)
         elif get_origin(inner) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
         elif get_origin(inner) is tuple and isinstance(value, (list, tuple)):
@@ -312,13 +325,13 @@ def _validated(values: dict[str, Any], where: str) -> Design:
         raise refusal(error, Design, where) from error
 
 
-def _nearest(key: str, known: list[str], prefix: str) -> str:
+def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
     """Name the key meant: with another unit, the same word in another table, else the most alike, here or anywhere."""
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(
         filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
     )
-    everywhere = [f"{table}.{name}" for table, keys in _tables(Design()) if isinstance(keys, dict) for name in keys]
+    everywhere = [f"{table}.{name}" for table, keys in _tables(root()) if isinstance(keys, dict) for name in keys]
     same = [name for name in everywhere if name.endswith(f".{key}")]
     here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
     meant = other_unit or same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)

@@ -38,6 +38,8 @@ def _sentence(details: ErrorDetails, root: type[BaseModel], where: str) -> str:
         return f"{where}: {details.get('ctx', {}).get('error', details['msg'])}"
     if field is None:
         return f"{where}: {'.'.join(keys)}: {details['msg']}"
+    if details["type"] == "missing":
+        return f"{where}: {'.'.join(keys)} is missing ({field.description})"
     unit = unit_of(field)
     shown = unit.from_si(got) if isinstance(got, float) else got
     bounds = {name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))}

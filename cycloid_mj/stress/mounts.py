@@ -5,20 +5,21 @@ plates is a beam on a foundation of E per length (Winkler), and a crank a beam o
 bore and on the shaft. E is that of the housing: plates and shaft are taken to be of its material.
 """
 
-import math
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.replacing import as_input
-from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.design import PARTS
+from cycloid_mj.design import units as u
+from cycloid_mj.design.file import record
+from cycloid_mj.design.model import Section
+from cycloid_mj.design.units import quantity, switch
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP, round_beam
 from cycloid_mj.stress.loads import PartLoads
@@ -27,61 +28,56 @@ SLICES = 40
 """Elements of each stretch of a pin: twice as many change its give by less than 0.1 %."""
 
 
-@dataclass(frozen=True)
-class StudSeats:
-    """Seats of the output pins.
-
-    Attributes
-    ----------
-    near_seat, far_seat
-        Length of a pin in the output's plate, and in the second one beyond the disc [m].
-    far_plate_free
-        Whether nothing but the pins keeps the second plate from turning against the output's.
-    """
-
-    near_seat: float
-    far_seat: float
-    far_plate_free: bool = False
+Limits = tuple[
+    Annotated[float, Field(gt=0.0, allow_inf_nan=False)], Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+]
 
 
-@dataclass(frozen=True)
-class CrankSeats:
-    """Seats of a crank on two bearings, with the ring of a needle bearing on its cam.
-
-    Attributes
-    ----------
-    to_hub, to_housing
-        From the middle of the cam to the middle of the bearing in the output's hub, and of that in the housing [m].
-    hub_seat, housing_seat, cam_seat
-        Widths of the two bearings, and of the ring on the cam [m].
-    post, post_diameter
-        The thin stretch beside that ring, on the housing's side: length and diameter [m].
-    """
-
-    to_hub: float
-    to_housing: float
-    hub_seat: float
-    housing_seat: float
-    cam_seat: float
-    post: float
-    post_diameter: float
+def _length(what: str) -> Any:
+    return quantity(..., what, u.MILLIMETRE, gt=0.0, le=1e4)
 
 
-@dataclass(frozen=True)
-class Mounts:
-    """What a drawing tells beside the design.
+class StudSeats(Section):
+    """Seats of the output pins [m]."""
 
-    Attributes
-    ----------
-    studs, crank
-        Seats of the output pins, and of the crank; None: not told.
-    modulus
-        Least and largest Young's modulus that what is printed may have [Pa]; None: that of the design.
-    """
+    near_seat: float = _length("length of a pin in the output's plate")
+    far_seat: float = _length("length of a pin in the second plate, beyond the disc")
+    far_plate_free: bool = switch(
+        False, "true: nothing but the pins keeps the second plate from turning against the output's"
+    )
 
-    studs: StudSeats | None = None
-    crank: CrankSeats | None = None
-    modulus: tuple[float, float] | None = None
+
+class CrankSeats(Section):
+    """Seats of a crank on two bearings, with the ring of a needle bearing on its cam [m]."""
+
+    to_hub: float = _length("from the middle of the cam to that of the bearing in the output's hub")
+    to_housing: float = _length("from the middle of the cam to that of the bearing in the housing")
+    hub_seat: float = _length("width of the bearing in the output's hub")
+    housing_seat: float = _length("width of the bearing in the housing")
+    cam_seat: float = _length("width of the ring on the cam")
+    post: float = _length("length of the thin stretch beside that ring, on the housing's side")
+    post_diameter: float = _length("its diameter")
+
+
+class Printed(Section):
+    """What is printed: the least and the largest Young's modulus that it may have [Pa]."""
+
+    modulus: Limits = quantity(..., "the least and the largest Young's modulus", u.MEGAPASCAL)
+
+    @model_validator(mode="after")
+    def _least_first(self) -> Self:
+        """Refuse limits the wrong way round."""
+        if self.modulus[0] > self.modulus[1]:
+            raise ValueError("modulus_mpa has the least first, then the largest")
+        return self
+
+
+class Mounts(Section):
+    """What a drawing tells beside the design; a table that is not there is not told."""
+
+    studs: StudSeats | None = Field(default=None, description="seats of the output pins")
+    crank: CrankSeats | None = Field(default=None, description="seats of the crank")
+    material: Printed | None = Field(default=None, description="what is printed; by default that of the design")
 
 
 def read_mounts(path: Path) -> Mounts:
@@ -100,12 +96,7 @@ def read_mounts(path: Path) -> Mounts:
         raise UsageError(f"there is no file of mounts {path}; docs/bench.md shows one") from error
     except (OSError, ValueError) as error:
         raise DesignError(f"cannot read the mounts {path}: {reason(error)}; give a TOML text file") from error
-    kinds: Mapping[str, Any] = {"studs": StudSeats, "crank": CrankSeats}
-    for name, table in tables.items():
-        if name not in (*kinds, "material") or not isinstance(table, dict):
-            raise DesignError(f"{path}: {name!r} is no table of mounts; it has [studs], [crank] and [material]")
-    told = {name: _section(kinds[name], tables[name], f"{path}: {name}") for name in kinds if name in tables}
-    return Mounts(**told, modulus=_modulus(tables["material"], str(path)) if "material" in tables else None)
+    return record(Mounts, tables, str(path))
 
 
 def printed_of(reducer: Reducer, modulus: float) -> Reducer:
@@ -196,35 +187,3 @@ def _to_nodes(of_elements: Array) -> Array:
 def _on_places(of_nodes: Array) -> Array:
     """Put forces on displacements, none on slopes, shape (n,) -> (2 n,)."""
     return np.stack([of_nodes, np.zeros_like(of_nodes)], axis=1).ravel()
-
-
-def _section(kind: type, table: Mapping[str, Any], where: str) -> Any:
-    """Read a table by the names of a record: lengths as ``name_mm``, switches as they are."""
-    switches = {one.name for one in fields(kind) if one.type is bool}
-    keys = {one.name if one.name in switches else f"{one.name}_mm": one.name for one in fields(kind)}
-    needed = {key for key, name in keys.items() if name not in switches}
-    if wrong := sorted(set(table) - set(keys)) or sorted(needed - set(table)):
-        what = "unknown" if wrong[0] not in keys else "missing"
-        raise DesignError(f"{where}: {wrong[0]} is {what}; it has {', '.join(keys)}")
-    values = {}
-    for key, value in table.items():
-        right = isinstance(value, bool) if keys[key] in switches else _positive(value)
-        if not right:
-            asked = "true or false" if keys[key] in switches else "a length above 0 [mm]"
-            raise DesignError(f"{where}: {key} is {value!r}; give {asked}")
-        values[keys[key]] = value if keys[key] in switches else value * MILLIMETRE
-    return kind(**values)
-
-
-def _modulus(table: Mapping[str, Any], where: str) -> tuple[float, float]:
-    """Read the limits of the modulus [Pa]."""
-    limits = table.get("modulus_mpa")
-    if set(table) != {"modulus_mpa"} or not isinstance(limits, list) or len(limits) != 2:
-        raise DesignError(f"{where}: material has one key, modulus_mpa = [least, largest]")
-    if not all(_positive(one) for one in limits) or limits[0] > limits[1]:
-        raise DesignError(f"{where}: material: modulus_mpa is {limits}; give two numbers above 0, the least first")
-    return limits[0] * MEGAPASCAL, limits[1] * MEGAPASCAL
-
-
-def _positive(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 < value < math.inf

@@ -102,7 +102,7 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     crank; the limits of their modulus take a run and a set of finite elements each.
     """
     parts = wind_up_by_part(reducer, mounts)
-    moduli = mounts.modulus if mounts and mounts.modulus else ()
+    moduli = mounts.material.modulus if mounts and mounts.material else ()
     limits = tuple(wind_up_by_part(printed_of(reducer, modulus), mounts) for modulus in moduli)
     still = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
     series = [sum(one.series(still).values()) for one in windups(still, turn_evenly(still), still.design.rated_torque)]
