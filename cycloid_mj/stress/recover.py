@@ -4,7 +4,6 @@ Zienkiewicz and Zhu 1992: the stress of quadratic elements is better at their Ga
 quadratic polynomial fitted to those of the elements round a vertex keeps that.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +22,9 @@ SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 GAUSS = 2
 """Order of the quadrature whose points have the best stress: 3 Gauss points a triangle, 4 a tetrahedron."""
 
+STRETCH = 512
+"""Elements, or vertices, that are worked on at once: so few that all of it stays in the processor's cache."""
+
 RIDGE = 0.03
 """Weight on the quadratic terms, of monomials of size 1: it decides where a patch has few points, as at a surface."""
 
@@ -34,7 +36,8 @@ class Recovery:
     Attributes
     ----------
     slopes
-        Sparse (p, n): from nodal values to derivatives along each axis at the quadrature points, element by element.
+        Each sparse (s d, n): from nodal values to derivatives along each axis at some of the quadrature points, element
+        by element: so few that what is made of them stays in the processor's cache.
     fit
         Sparse (n, p), in single precision: from values at the quadrature points to nodes.
     points
@@ -50,17 +53,17 @@ def recovery(grid: Grid) -> Recovery:
     """Return the recovery operators of a grid."""
     basis = elastic.basis_of(grid, vector=False, order=GAUSS)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
-    # derivatives (a, d, m, q) of shape function a of element m at its point q
-    slopes = np.stack([shape[0].grad for shape in basis.basis])
-    count, nodes = grid.cells.shape
-    starts = nodes * np.arange(len(points) + 1)
-    columns = np.repeat(grid.cells, len(points) // count, axis=0).ravel()
-    shape = (len(points), len(grid.points))
-    operators = tuple(
-        sparse.csr_matrix((slopes[:, axis].transpose(1, 2, 0).ravel(), columns, starts), shape=shape)
-        for axis in range(grid.dimension)
-    )
-    return Recovery(operators, _nodal_fit(grid, points), points)
+    # derivatives of the shape functions a of each element m at its points q
+    slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 1, 0)
+    count = slopes.shape[1] * grid.dimension
+    operators = []
+    for first in range(0, len(slopes), STRETCH):
+        some = slopes[first : first + STRETCH]
+        columns = np.repeat(grid.cells[first : first + STRETCH], count, axis=0)
+        starts = np.arange(0, columns.size + 1, columns.shape[1])
+        shape = (len(columns), len(grid.points))
+        operators.append(sparse.csr_matrix((some.ravel(), columns.ravel(), starts), shape=shape))
+    return Recovery(tuple(operators), _nodal_fit(grid, points), points)
 
 
 def stresses_at_points(operators: Recovery, displacements: Array, material: Material) -> Array:
@@ -68,18 +71,25 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 
     By Hooke's law; in the plane this is plane stress.
     """
-    return np.stack(list(_at_points(operators, displacements, material)))
+    return np.moveaxis(_at_points(operators, displacements, material, np.float64), 1, 0)
 
 
-def _at_points(operators: Recovery, displacements: Array, material: Material) -> Iterator[Array]:
-    """Yield one component (p, c) after the other: of a fine solid all of them take much memory."""
-    dimension = len(operators.slopes)
-    moved = [np.ascontiguousarray(displacements[axis::dimension]) for axis in range(dimension)]
+def _at_points(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
+    """Compute the stress components (p, components, c) at the quadrature points."""
+    dimension, columns = operators.points.shape[1], displacements.shape[1]
+    moved = displacements.reshape(-1, dimension * columns)
     lame, shear = elastic.lame_parameters(material, dimension)
-    slope = [[along @ each for along in operators.slopes] for each in moved]
-    pressure = lame * sum(slope[axis][axis] for axis in range(dimension))
-    for i, j in PLANE if dimension == 2 else SPACE:
-        yield shear * (slope[i][j] + slope[j][i]) + (pressure if i == j else 0.0)
+    pairs = PLANE if dimension == 2 else SPACE
+    stress: Array = np.empty((len(operators.points), len(pairs), columns), precision)
+    first = 0
+    for some in operators.slopes:
+        slope = (some @ moved).reshape(-1, dimension, dimension, columns)
+        here = stress[first : first + len(slope)]
+        pressure = lame * sum(slope[:, axis, axis] for axis in range(dimension))
+        for component, (i, j) in enumerate(pairs):
+            here[:, component] = shear * (slope[:, i, j] + slope[:, j, i]) + (pressure if i == j else 0.0)
+        first += len(slope)
+    return stress
 
 
 def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
@@ -87,9 +97,9 @@ def stresses(operators: Recovery, displacements: Array, material: Material) -> A
 
     In single precision, right to some 1e-6 of the largest nearby, in half of the time.
     """
-    return np.stack(
-        [operators.fit @ each.astype(np.float32) for each in _at_points(operators, displacements, material)]
-    )
+    at_points = _at_points(operators, displacements, material, np.float32)
+    nodal = operators.fit @ at_points.reshape(len(at_points), -1)
+    return np.ascontiguousarray(np.moveaxis(nodal.reshape(len(nodal), *at_points.shape[1:]), 1, 0))
 
 
 def von_mises(stress: Array) -> Array:
@@ -118,18 +128,29 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     A vertex has the value of its own polynomial, the middle of an edge the mean of those of its ends.
     """
     table, used = _points_round(grid, len(points))
-    vertices = grid.mesh.nvertices
-    places = grid.points[:vertices]
-    apart = np.where(used[..., np.newaxis], points[table] - places[:, np.newaxis], 0.0)
+    size = np.zeros(len(table))
+    polynomials = []
+    for first in range(0, len(table), STRETCH):
+        some = slice(first, first + STRETCH)
+        rows, size[some] = _polynomials(points, grid.points[: len(table)][some], table[some], used[some])
+        polynomials.append(rows)
+    return (_evaluated(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
+
+
+def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
+    """Fit a polynomial of t terms round each of some vertices (v, d) [m] to values at the quadrature points.
+
+    Return the operator, sparse (v t, p), to their coefficients, and the lengths [m] (v,) that places are divided by.
+    """
+    apart = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     size = np.linalg.norm(apart, axis=2).max(axis=1)
     terms = _terms(apart / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
-    ridge = np.diag((np.arange(terms.shape[2]) > grid.dimension) * RIDGE)
+    ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * RIDGE)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
     kept = np.broadcast_to(used[:, np.newaxis], fit.shape)
     starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))
     columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[kept]
-    polynomials = sparse.csr_matrix((fit[kept], columns, starts), shape=(len(starts) - 1, len(points)))
-    return (_evaluated(grid, size) @ polynomials).tocsr().astype(np.float32)
+    return sparse.csr_matrix((fit[kept], columns, starts), shape=(len(starts) - 1, len(points))), size
 
 
 def _evaluated(grid: Grid, size: Array) -> Any:
