@@ -4,7 +4,7 @@ Threads are enough: steps let go of Python's lock.
 """
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,9 +21,15 @@ if TYPE_CHECKING:
 
 
 def run_all(
-    jobs: Mapping[Design, Path], force: bool, quiet: bool, solver: "Solver" = "mujoco", shown: bool = True
+    jobs: Mapping[Design, Path],
+    force: bool,
+    quiet: bool,
+    solver: "Solver" = "mujoco",
+    shown: Container[Design] | None = None,
 ) -> None:
-    """Run designs into their logs, as many at a time as there are workers; `shown` is as of `run_into_log`.
+    """Run designs into their logs, as many at a time as there are workers.
+
+    Those that are `shown`, by default all, have in their logs what viewers show, see `run_into_log`.
 
     Raises
     ------
@@ -36,7 +42,9 @@ def run_all(
         progress.tell(f"{len(jobs)} runs, {workers} at a time")
         whole = _Whole(progress)
         runs = [
-            pool.submit(run_into_log, design, [path], force, _Part(whole), solver=solver, shown=shown)
+            pool.submit(
+                run_into_log, design, [path], force, _Part(whole), solver=solver, shown=shown is None or design in shown
+            )
             for design, path in jobs.items()
         ]
         try:

@@ -191,7 +191,8 @@ def compare(
     Every design runs under the settings of the first one (drive, load,
     environment, settings); --set changes every design. Signals are logged at
     20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
-    10 kHz.
+    10 kHz. Logs of further starts and of varied contacts hold samples and
+    design alone, no frames for viewers.
     """
     q = point(options.q)
     designs = (*names, *design)
@@ -306,7 +307,7 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
     cases = list(plan.starts)
     paths = map(Path, place.paths(f"{name}.mcap" for name in plan.names.values()))
     logs = dict(zip(plan.names, paths, strict=True))
-    run_all(logs, wanted.force, wanted.quiet, plan.solver)
+    run_all(logs, wanted.force, wanted.quiet, plan.solver, shown=plan.starts)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measured(log, q)

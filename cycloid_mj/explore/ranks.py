@@ -92,8 +92,8 @@ def tables(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
         low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, middle, high, str(values.size)))
     tables = [Table("quantities", ("quantity", "least", "median", "largest", "points"), tuple(rows))]
-    one = ranks(sweep, quantities)
-    if len(one.inputs) > 1 and quantities:
+    if len(number_inputs(sweep)) > 1 and quantities:
+        one = ranks(sweep, quantities)
         cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in one.rho.tolist())
         lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
         tables.append(Table("rank correlations (Spearman)", ("quantity", *one.inputs), lines))
@@ -108,11 +108,15 @@ def _changes(values: Array) -> bool:
     return values.size > 0 and bool(np.ptp(values) > LEAST_CHANGE * np.abs(values).max())
 
 
-def _rho(one: Array, other: Array) -> float:
-    from scipy.stats import rankdata
+def _ranked(values: Array) -> Array:
+    """Compute the rank of each value [1]: of those that are equal, the mean of theirs."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - 0.5 * (count - 1))[place])
 
+
+def _rho(one: Array, other: Array) -> float:
     both = np.isfinite(one) & np.isfinite(other)
-    x, y = rankdata(one[both]), rankdata(other[both])
+    x, y = _ranked(one[both]), _ranked(other[both])
     if both.sum() < FEWEST or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
     return float(np.corrcoef(x, y)[0, 1])

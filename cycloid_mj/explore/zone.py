@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.special import ndtri
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
@@ -31,7 +30,11 @@ class Zone:
 
     def quantiles(self, share: Array) -> Array:
         """Compute the deviations [m] below which shares of the parts lie, between 0 and 1, of any shape."""
-        return np.asarray(self.middle + self.width * (ndtri(share) if self.kind == "normal" else 2.0 * share - 1.0))
+        if self.kind == "uniform":
+            return self.middle + self.width * (2.0 * share - 1.0)
+        from scipy.special import ndtri  # not loaded where nothing is drawn
+
+        return np.asarray(self.middle + self.width * ndtri(share))
 
     @property
     def deviation(self) -> float:

@@ -89,7 +89,7 @@ class Logs(Runs):
                 as_own(path)
             self._read.cache_clear()
             try:
-                run_all(missing, force=True, quiet=self._quiet, solver=solver, shown=solver == "mujoco")
+                run_all(missing, force=True, quiet=self._quiet, solver=solver, shown=None if solver == "mujoco" else ())
             except RunError as error:
                 if isinstance(error.__cause__, KeyboardInterrupt):
                     raise error.__cause__ from None

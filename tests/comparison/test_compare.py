@@ -76,7 +76,7 @@ def planned(monkeypatch):
     """Let nothing run; give the designs that would have been run."""
     designs = []
 
-    def run_all(jobs, force, quiet, solver, shown=True):
+    def run_all(jobs, force, quiet, solver, shown=None):
         designs.extend(jobs)
         raise RunError("nothing is run here")
 
@@ -153,6 +153,16 @@ def test_files_of_a_comparison(compared):
     assert sorted(path.name for path in folder.iterdir()) == sorted(figures + logs + figured)
     assert [Path(path).name for path in found["figures"]] == figures
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in figures)
+
+
+@pytest.mark.slow
+def test_logs_of_further_starts_have_samples_and_design_alone(compared):
+    """Nobody looks at each of the starts: their frames and models would take a quarter of the time."""
+    _, folder = compared
+    first, second = (read(folder / f"pin-no-load{start}.mcap") for start in ("", "-start-2"))
+    assert {"design.toml", "model.xml", "findings.json"} <= set(first.attachments)
+    assert set(second.attachments) == {"design.toml"}
+    assert first.topics == second.topics
 
 
 @pytest.mark.slow
