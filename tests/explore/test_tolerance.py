@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
-from scipy.stats import qmc, sobol_indices, uniform
+from scipy.stats import binomtest, qmc, sobol_indices, uniform
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError
@@ -469,8 +469,8 @@ def test_yield_counts_what_keeps_the_limits() -> None:
     found = tolerance(design, 300, 1, asked)
     values = found.figures["backlash_arcmin"]
     assert found.good.mean() == np.mean((values <= 0.98) & (values >= 0.9))
-    low, high = found.yield_interval
-    assert 0.0 < low < found.good.mean() < high < 1.0
+    interval = binomtest(int(found.good.sum()), 300).proportion_ci(method="wilson")
+    assert found.yield_interval == pytest.approx((interval.low, interval.high), rel=1e-12)
 
 
 @pytest.mark.parametrize("text", ["play<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
