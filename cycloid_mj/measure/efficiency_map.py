@@ -19,7 +19,7 @@ from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
-from cycloid_mj.measure.spread import Input, Moved, inputs, moved
+from cycloid_mj.measure.spread import Input, Moved, inputs, moved, slow_ends
 from cycloid_mj.measure.steady import SETTLED, first_half, steady, whole_periods
 from cycloid_mj.reducer import Reducer
 
@@ -140,7 +140,8 @@ def run_map(
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
     points = all_in_threads(tasks, progress)
-    warn(design.name, creeping_in({_named(key, points[key], assumed): points[key].reducer for key in tasks}))
+    told = [key for key in tasks if key not in slow_ends(assumed)]
+    warn(design.name, creeping_in({_named(key, points[key], assumed): points[key].reducer for key in told}))
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),

@@ -93,6 +93,11 @@ def inputs(reducer: Reducer) -> list[Input]:
     ]
 
 
+def slow_ends(varied: Sequence[Input]) -> set[Design]:
+    """Collect the ends of the creep speed's own range, which is there to show what friction lacks below it."""
+    return {end for one in varied if "creep_speed" in one.low_values for end in one.ends}
+
+
 def moved(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[Moved, ...]:
     """Put the rates [1] of the designs at both ends of every input's range beside it; `rates` holds them by design."""
     return tuple(Moved(one, *(rates[end] for end in one.ends)) for one in varied)

@@ -95,7 +95,8 @@ def torque(
         at_held_crank = held_efficiency(steady, ours.output, main, solver)
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
-    by_name = {called[key]: _loaded(one) for key, (one, _) in tested.items()} | {"crank held": held}
+    slow = spread.slow_ends(assumed)
+    by_name = {called[key]: _loaded(one) for key, (one, _) in tested.items() if key not in slow} | {"crank held": held}
     by_name |= {
         sensitivity.common_name(one.friction): _with_common(steady, one.friction)
         for one in beside
