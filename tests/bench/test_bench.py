@@ -289,12 +289,13 @@ def test_two_loops_tell_play_and_stiffness_within_their_intervals() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contacts", [1.0, 0.02])
-@pytest.mark.parametrize("off", [0.0, 0.03])
+@pytest.mark.parametrize(
+    ("contacts", "off"), [(1.0, 0.03), (0.02, 0.0)], ids=["hard_contacts_model_off", "soft_contacts"]
+)
 def test_what_is_called_identified_is_within_its_interval(contacts: float, off: float) -> None:
     """Of 20 seeds each value that is called identified is in its interval for 18, by hard contacts and by soft ones.
 
-    With 3 % off, the loops have a wave in them that no model has.
+    With 3 % off, the loops have a wave in them that no model has. Hard contacts without it: one seed, above.
     """
     identified, outside = missed(contacts, off, 20)
     assert all(count <= 2 for count in outside.values()), (identified, outside)

@@ -12,6 +12,7 @@ import gmsh
 import numpy as np
 import pytest
 from designs import cases
+from matplotlib.path import Path as Loop
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import family
@@ -125,19 +126,13 @@ def volume_of(prism: Prism) -> float:
 
 
 def within(points: np.ndarray, prism: Prism) -> np.ndarray:
-    """Tell which points (n, 2) lie within the section of a prism, by the crossings of a ray along x."""
-    crossings = np.zeros(len(points), dtype=int)
+    """Tell which points (n, 2) lie within the section of a prism: in its outline, and in none of its holes."""
     low, high = prism.outline.min(axis=0), prism.outline.max(axis=0)
-    near = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
+    found = ((points > low) & (points < high)).all(axis=1)
     for loop in (prism.outline, *prism.holes):
-        (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
-        for start in range(0, len(near), 500):
-            some = near[start : start + 500]
-            x, y = points[some, :1], points[some, 1:]
-            across = (ay > y) != (by > y)
-            at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
-            crossings[some] += (across & (x < at)).sum(axis=1)
-    return crossings % 2 == 1
+        if found.any():
+            found[found] = Loop(loop).contains_points(points[found]) == (loop is prism.outline)
+    return found
 
 
 def intersect(one: Prism, other: Prism) -> bool:
