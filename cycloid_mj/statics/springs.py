@@ -100,6 +100,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
     radius = reducer.design.output.pin_circle_radius
     drag = math.copysign(reducer.design.friction_of("cam"), speed) * reducer.design.gear.bore_radius / radius
+    bending = _bending(reducer)
     return Springs(
         crank=crank,
         teeth=teeth,
@@ -126,8 +127,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
             cam_stiffness=reducer.contacts["cam"].stiffness,
             rubbing=rubbing(reducer, mesh_gaps, motion) if friction else np.zeros((0, *mesh_gaps.slope.shape[1:])),
             cam_rubbing=drag if friction else 0.0,
-            bending=_bending(reducer),
-            pins=reducer.design.output.pins,
+            bending=bending,
+            pins=0 if bending is None else reducer.design.output.pins,
         ),
         curvature=curvature,
         body_force=own_force,
@@ -147,15 +148,15 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     return np.asarray(whole / reducer.design.ring.halves)
 
 
-def _bending(reducer: Reducer) -> Array:
-    """Find by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
+def _bending(reducer: Reducer) -> Array | None:
+    """Find by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or None.
 
     At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
     push, and what is across it moves the contact along its circle alone.
     """
     at, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)
-    return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else np.zeros((0, 0))
+    return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else None
 
 
 def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:

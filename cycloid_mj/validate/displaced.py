@@ -133,7 +133,7 @@ class DisplacedSprings:
         By which each contact gives way first [m], shape (n,).
     bending
         Of the output pins by a force at each disc, along the pushes there [m/N], (D, D); the diagonal, which is in
-        `stiffness`, is 0; empty where no disc bends the pins for another.
+        `stiffness`, is 0; None where no disc bends the pins for another.
     """
 
     design: Design
@@ -141,7 +141,7 @@ class DisplacedSprings:
     stiffness: Array
     cam_stiffness: float
     play: Array
-    bending: Array
+    bending: Array | None
 
     def contacts(self, z: Array) -> tuple[Array, Array]:
         """Compute the gaps of contacts, then of cams [m], where a contact that gives way has done so; and gradients."""
@@ -164,7 +164,7 @@ class DisplacedSprings:
     def _forces_at(self, gaps: Array) -> Array:
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
-        if self.bending.size:
+        if self.bending is not None:
             pins = self.design.output.pins
             first = self.stiffness.size - discs * pins
             for pin in range(pins):

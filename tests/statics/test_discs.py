@@ -339,3 +339,11 @@ def test_samples_of_two_discs_are_the_statics_of_designs_made_so() -> None:
     assert found.tooth[0] == pytest.approx(alone.teeth.max(), rel=1e-4)
     assert found.cam[0] == pytest.approx(size(alone).max(), rel=1e-4)
     assert found.output_pin[0] == pytest.approx(alone.output.max(), rel=1e-4)
+
+
+def test_pins_are_solved_with_their_discs_only_where_they_bend_for_several() -> None:
+    """Else the type of the springs itself says so: what pins that bend ask for is not compiled."""
+    for design, shape in ((PRESETS["pin"], None), (override(TWODISC, ["structure=rigid"]), None), (TWODISC, (2, 2))):
+        contacts = springs_of(Reducer(design), [0.3], friction=False).contacts
+        assert (None if contacts.bending is None else contacts.bending.shape) == shape
+        assert contacts.pins == (design.output.pins if shape else 0)

@@ -20,7 +20,7 @@ from cycloid_mj.statics.kernel.samples import (
     balance_samples_by_all,
     room_for,
 )
-from cycloid_mj.statics.kernel.search import PATHS, balance, begin
+from cycloid_mj.statics.kernel.search import PATHS, balance
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
@@ -42,7 +42,6 @@ __all__ = [
     "balance_few_samples",
     "balance_samples",
     "balance_samples_by_all",
-    "begin",
     "follow_path",
     "gap",
     "is_open",

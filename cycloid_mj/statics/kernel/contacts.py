@@ -56,8 +56,9 @@ class KernelSprings(NamedTuple):
     the cam on its disc's turn; k is 0 in `rubbing` without friction.
 
     `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
-    for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
-    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc.
+    for the force of each: off the diagonal alone, which is in `stiffness`; the last D `pins` contacts are those of the
+    output pins, disc after disc. Where no disc's force moves another's contact it is None, of which numba leaves out
+    what hangs on it, a fifth of what there is to compile, and `pins` 0.
     """
 
     radius: float
@@ -78,7 +79,7 @@ class KernelSprings(NamedTuple):
     cam_stiffness: float
     rubbing: Array
     cam_rubbing: float
-    bending: Array
+    bending: Array | None
     pins: int
 
 

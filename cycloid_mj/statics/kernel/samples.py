@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import YES, KernelSprings
-from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all, begin
-from cycloid_mj.statics.kernel.system import Linearised, cam_at, system_of
+from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all
+from cycloid_mj.statics.kernel.system import Linearised, pressing, system_of
 
 CARRIES = 0.01
 """A tooth carries where its force is at least this share of the largest over the turn."""
@@ -54,11 +54,15 @@ class SampleDeviations(NamedTuple):
 
 
 class SampleRoom(NamedTuple):
-    """Room for one sample after the other: as in `KernelSprings`, its departures `z`, forces, and a system."""
+    """Room for one sample after the other: as in `KernelSprings`, its departures `z`, forces, and a system.
+
+    Every search has `begun` with the discs where their cams are, in departures (k, u) [m].
+    """
 
     distance: Array
     shift: Array
     cam_place: Array
+    begun: Array
     z: Array
     force: Array
     system: Linearised
@@ -68,9 +72,8 @@ def room_for(ideal: KernelSprings) -> SampleRoom:
     """Make room for samples of ideal parts."""
     shape, number = ideal.distance.shape, ideal.slope.shape[2]
     places = np.empty(ideal.cam_place.shape)
-    return SampleRoom(
-        np.empty(shape), np.empty(shape), places, np.empty((shape[0], number)), np.empty(shape), system_of(ideal)
-    )
+    begun, z = np.zeros((shape[0], number)), np.empty((shape[0], number))
+    return SampleRoom(np.empty(shape), np.empty(shape), places, begun, z, np.empty(shape), system_of(ideal))
 
 
 def balance_few_samples(
@@ -92,7 +95,7 @@ def balance_few_samples(
     """
     z, force, system = room.z, room.force, room.system
     for s in range(first, last):
-        _make(effects, made, s, room.distance, room.shift, room.cam_place)
+        _make(effects, made, s, room.distance, room.shift, room.cam_place, room.begun)
         springs = KernelSprings(
             ideal.radius,
             ideal.disc,
@@ -116,12 +119,14 @@ def balance_few_samples(
             ideal.pins,
         )
         for t in range(len(load)):
-            begin(springs, z)
+            for k in range(z.shape[0]):
+                for j in range(z.shape[1]):
+                    z[k, j] = room.begun[k, j]
             if paths is None:
                 left = balance_briefly(springs, load[t], z, force, YES, None, system)
             else:
                 left = balance_by_all(springs, load[t], z, force, YES, paths, system)
-            _sum_up(springs, z, force, out[t, s])
+            _sum_up(ideal.radius, ideal.turning, room.cam_place, made.cam[s], ideal.cam_stiffness, z, force, out[t, s])
             out[t, s, FIGURES - 1] = left.force
 
 
@@ -133,8 +138,16 @@ balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy"
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def _make(effects: Effects, made: SampleDeviations, s: int, distance: Array, shift: Array, cam_place: Array) -> None:
-    """Write the gaps of a sample (k, n) [m] and the places of its cams (k, D, 2) [m] at all crank angles."""
+def _make(
+    effects: Effects,
+    made: SampleDeviations,
+    s: int,
+    distance: Array,
+    shift: Array,
+    cam_place: Array,
+    begun: Array,
+) -> None:
+    """Write the gaps of a sample (k, n) [m], the places of its cams (k, D, 2) [m] and where searches have `begun`."""
     circle, rotation = made.pin_circle[s], made.rotation[s]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
@@ -151,12 +164,25 @@ def _make(effects: Effects, made: SampleDeviations, s: int, distance: Array, shi
             out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
             cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
             cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
+            begun[k, 3 * disc], begun[k, 3 * disc + 1] = cam_place[k, disc, 0], cam_place[k, disc, 1]
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
-    """Write the figures of one sample, but the last."""
-    count, discs = len(z), springs.cam_place.shape[1]
+def _sum_up(
+    radius: float,
+    turning: Mask,
+    cam_place: Array,
+    cam_clearance: float,
+    cam_stiffness: float,
+    z: Array,
+    force: Array,
+    out: Array,
+) -> None:
+    """Write the figures of one sample, but the last.
+
+    What it needs of the springs stands alone: to take all of them from Python is most of what there is to compile.
+    """
+    count, discs = len(z), cam_place.shape[1]
     for part in range(2):
         total, least, most = 0.0, math.inf, -math.inf
         for k in range(count):
@@ -164,21 +190,22 @@ def _sum_up(springs: KernelSprings, z: Array, force: Array, out: Array) -> None:
             for disc in range(0 if part else discs):
                 turned += z[k, 3 * disc + 2] / discs
             total, least, most = total + turned, min(least, turned), max(most, turned)
-        out[2 * part], out[2 * part + 1] = total / count / springs.radius, (most - least) / springs.radius
+        out[2 * part], out[2 * part + 1] = total / count / radius, (most - least) / radius
     tooth = pin = cam = 0.0
     for k in range(count):
         for i in range(force.shape[1]):
-            if springs.turning[i]:
+            if turning[i]:
                 tooth = max(tooth, force[k, i])
             else:
                 pin = max(pin, force[k, i])
-        for disc in range(springs.cam_place.shape[1]):
-            pressing = cam_at(springs, k, disc, z[k])
+        for disc in range(discs):
+            x, y = z[k, 3 * disc] - cam_place[k, disc, 0], z[k, 3 * disc + 1] - cam_place[k, disc, 1]
+            pressed = pressing(x, y, cam_clearance)
             # where both sides press, what the harder one does: depth is what it has more, both what they have together
-            cam = max(cam, 0.5 * springs.cam_stiffness * (pressing.depth + pressing.both))
+            cam = max(cam, 0.5 * cam_stiffness * (pressed.depth + pressed.both))
     carrying = 0
     for k in range(count):
         for i in range(force.shape[1]):
-            if springs.turning[i] and force[k, i] > CARRIES * tooth:
+            if turning[i] and force[k, i] > CARRIES * tooth:
                 carrying += 1
     out[4], out[5], out[6], out[7] = tooth, pin, cam, carrying / count

@@ -8,7 +8,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, largest_play, opened_by
 from cycloid_mj.statics.kernel.continuation import by_continuation
-from cycloid_mj.statics.kernel.newton import BALANCED, Left, clear, copy, largest, newton
+from cycloid_mj.statics.kernel.newton import BALANCED, Left, copy, largest, newton
 from cycloid_mj.statics.kernel.system import Linearised, system_of
 
 _SHORT, _KEPT = 3, 2
@@ -112,15 +112,6 @@ balance_briefly = njit(cache=cacheable(), allocates=False, nogil=True, error_mod
 
 balance_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balance)
 """`_balance` by all paths."""
-
-
-@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def begin(springs: KernelSprings, z: Array) -> None:
-    """Put every disc to where its cam is at each crank angle, in departures z (k, u) [m]: searches start there."""
-    for k in range(len(z)):
-        clear(z[k])
-        for disc in range(springs.cam_place.shape[1]):
-            z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
 
 
 @njit(nogil=True, error_model="numpy", inline="always")

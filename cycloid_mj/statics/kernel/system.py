@@ -103,7 +103,7 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 
 def system_of(springs: KernelSprings) -> Linearised:
     """Make room for the system of springs at one crank angle; for kernels there is `new_system`."""
-    number, discs = springs.slope.shape[2], springs.bending.shape[0]
+    number, discs = springs.slope.shape[2], springs.cam_place.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
         for j in (3 * springs.disc[i] + 2, number - 1):
@@ -247,9 +247,7 @@ def assemble(
         tangent[o, o] += oo
     if rough:
         _drag(springs, k, friction, system)
-    if springs.bending.size:
-        energy += _bend(springs, k, z, soft, friction, anew, system)
-    return energy
+    return energy + _bend_if(springs.bending, springs, k, z, soft, friction, anew, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -262,12 +260,36 @@ def _moved(z: Array, seen: Array, x: int, arm: float) -> float:
 @njit(nogil=True, error_model="numpy", inline="always")
 def _straight(springs: KernelSprings) -> int:
     """Count the contacts that no other moves: all, or all but those of output pins that bend under several discs."""
-    return springs.disc.size - springs.pins * springs.bending.shape[0]
+    return springs.disc.size - springs.pins * springs.cam_place.shape[1]
+
+
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
+def _bend_if(
+    bending: Array | None,
+    springs: KernelSprings,
+    k: int,
+    z: Array,
+    soft: float,
+    friction: float,
+    anew: bool,
+    system: Linearised,
+) -> float:
+    """Do what `_bend` does where output pins bend under several discs: an argument that is None decides of code."""
+    if bending is None:
+        return 0.0
+    return _bend(bending, springs, k, z, soft, friction, anew, system)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _bend(
-    springs: KernelSprings, k: int, z: Array, soft: float, friction: float, anew: bool, system: Linearised
+    bending: Array,
+    springs: KernelSprings,
+    k: int,
+    z: Array,
+    soft: float,
+    friction: float,
+    anew: bool,
+    system: Linearised,
 ) -> float:
     """Add output pins that bend, at departures z, to a system.
 
@@ -278,7 +300,7 @@ def _bend(
     -------
     The energy of contacts and pins [J].
     """
-    discs, energy = springs.bending.shape[0], 0.0
+    discs, energy = bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
     width, pressed, ahead, aside, rate, carries, held, flexible, stiff = system.pin
@@ -301,7 +323,7 @@ def _bend(
             for j in range(4):
                 ahead[d, j], aside[d, j] = found.ahead[j], found.aside[j]
             for e in range(discs):
-                flexible[d, e] = springs.bending[d, e] / soft
+                flexible[d, e] = bending[d, e] / soft
             flexible[d, d] += 1.0 / (soft * springs.stiffness[k, i])
         _hold(flexible, width, held, carries, pressed, stiff)
         for d in range(discs):
@@ -389,11 +411,20 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
                 stiff[d, e] -= factor * stiff[pivot, e]
 
 
-@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(nogil=True, error_model="numpy", inline="always")
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
-    """Compute how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
+    """Compute how a disc presses on its cam at departures z."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
-    reach, clearance = math.sqrt(x * x + y * y), springs.cam_clearance
+    return pressing(x, y, springs.cam_clearance)
+
+
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+def pressing(x: float, y: float, clearance: float) -> _Cam:
+    """Compute how a disc that is off its cam by x and y [m] presses on it.
+
+    As a circle in a circle, on both sides where it has no clearance.
+    """
+    reach = math.sqrt(x * x + y * y)
     depth, share = reach - clearance, 1.0 / reach if reach > 0.0 else 0.0
     if reach < -clearance:
         within = reach * reach + clearance * clearance
