@@ -188,7 +188,7 @@ def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: flo
 @pytest.mark.slow
 def test_it_is_told_whether_the_turns_part_all_orders() -> None:
     """Over one crank turn the orders of output pins are beside whole ones, said of by an assumption alone."""
-    few = override(PRESETS["pin"], ['ring.pins="fixed"', "ring.teeth=6", "gear.eccentricity_mm=3"])
+    few = fixed("ring.teeth=9")
     lobes = few.lobes
     for turns in (1, lobes):
         found = te(few, turns=turns, quick=True)
