@@ -26,7 +26,7 @@ FLAT = 0.05
 
 MOST_RUNGS = 16
 
-BANDS = np.append(0.7 ** np.arange(1, 14), 0.0)
+BANDS = np.append(0.35 ** np.arange(1, 5), 0.0)
 """Shares of a part's largest stress: nodes are looked at from each down to the next until the largest are found."""
 
 

@@ -226,7 +226,7 @@ def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[
     """Return the rows of the fixed unknowns, and the lower triangle of the free ones; the whole is then let go."""
     if springs is not None:
         matrix = matrix + springs
-    return matrix[fixed], sparse.tril(matrix[free][:, free], format="csc")
+    return matrix[fixed], sparse.triu(matrix, format="csr")[free][:, free].T  # it is symmetric
 
 
 def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:

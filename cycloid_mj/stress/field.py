@@ -19,8 +19,9 @@ from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import material_of
 
-BLOCK = 32
-"""Angles worked on together: as many as are solved at once (16 take 1.2 times as long each in a solid)."""
+BLOCK, KEPT = 32, 2**25
+"""Angles worked on together at most: as many as are solved at once; and bytes of one of their fields at most, since
+larger arrays are taken from the system anew each time (`base.memory`)."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +176,9 @@ def maxima(part: Loaded, distance: float | None = None, seen: Seen = unseen) -> 
 
 def _answers(case: LoadCase) -> Iterator[Response]:
     """Yield what a part answers to its loads, a block of angles at a time."""
-    for start in range(0, case.angles, BLOCK):
-        yield case.response(np.arange(start, min(start + BLOCK, case.angles)))
+    block = min(BLOCK, max(1, KEPT // case.body.motions[:, 0].nbytes - 1))
+    for start in range(0, case.angles, block):
+        yield case.response(np.arange(start, min(start + block, case.angles)))
 
 
 def _maxima(
