@@ -89,8 +89,8 @@ StressQuickFlag = Annotated[
     bool,
     Parameter(
         name="--quick",
-        help="Every tenth degree and coarser grids: the same files for about 25 s of processor time and 0.6 GB of "
-        "memory (the preset pin), not 100 s and 1.4 GB. What a design needs is said before it begins.",
+        help="Every tenth degree and coarser grids: the same files for about 15 s of processor time and 0.8 GB of "
+        "memory (the preset pin), not 60 s and 1.4 GB. What a design needs is said before it begins.",
     ),
 ]
 FiguresFlag = Annotated[

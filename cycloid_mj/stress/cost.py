@@ -13,10 +13,10 @@ from cycloid_mj.stress.study import SUPPORTS, StudySettings
 BASE = 200e6
 """Memory of Python with its packages [B]."""
 
-PLANE, SPACE, SHAFT = (36e-6, 1.0), (3.6e-6, 1.25), (8.8e-6, 1.25)
+PLANE, SPACE, SHAFT = (16e-6, 1.0), (2.6e-6, 1.25), (5.9e-6, 1.25)
 """Time [s] of a grid of n unknowns, to mesh, factorise and recover, as a n^b: (a, b). The shaft has many unit loads."""
 
-PER_ANGLE = {2: 0.22e-6, 3: 0.25e-6}
+PER_ANGLE = {2: 0.12e-6, 3: 0.16e-6}
 """Time [s] of one unknown at one crank angle."""
 
 MEMORY = {2: 2.9e3, 3: 7.0e3}

@@ -200,7 +200,7 @@ export class Tabs {
   }
 
   #stress() {
-    return [el("p", { class: "soft" }, "A run in MuJoCo for one turn at the load, then finite elements part by part, on coarse grids: some 25 s of processor time or more."),
+    return [el("p", { class: "soft" }, "A run in MuJoCo for one turn at the load, then finite elements part by part, on coarse grids: some 15 s of processor time or more."),
       ...this.#study("stress", "Compute stresses", () => ({}), told => bars(told.rows.map(one => ({ name: one.name, share: one.mpa / one.yield_mpa, text: `${one.mpa < one.yield_mpa ? "✓" : "✗"} ${number(one.mpa, 3)} of ${number(one.yield_mpa, 3)} MPa`, look: one.mpa < one.yield_mpa ? "holds" : "fails", title: one.note }))))];
   }
 
