@@ -17,7 +17,7 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.memory import give_back
 from cycloid_mj.design.model import Material
-from cycloid_mj.stress.grid import Grid
+from cycloid_mj.stress.grid import Grid, mapping_of
 from cycloid_mj.stress.packages import package
 
 INDEPENDENT = 1e-6
@@ -188,7 +188,8 @@ def basis_of(grid: Grid, vector: bool, order: int) -> Any:
     """Return the scikit-fem basis of a grid: quadratic, and right for polynomials of an order on straight elements."""
     skfem = package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()
-    return skfem.Basis(grid.mesh, skfem.ElementVector(element) if vector else element, intorder=order)
+    mapping = mapping_of(grid.mesh)
+    return skfem.Basis(grid.mesh, skfem.ElementVector(element) if vector else element, mapping, intorder=order)
 
 
 def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+import tracemalloc
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -385,6 +386,22 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[2] = force[0] + force[1]
     moved = part_case(Reducer(PIN), grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
+
+
+def test_a_grid_keeps_nothing_of_a_basis_that_is_let_go() -> None:
+    """Beside the factor, derivatives of its mapping at all quadrature points would be the peak of memory."""
+    grid = planar_grid(ring_region(1.0, 2.0), GridSettings(), 1.0)
+    elastic.basis_of(grid, vector=False, order=2)
+    tracemalloc.start()
+    try:
+        before, _ = tracemalloc.get_traced_memory()
+        basis = elastic.basis_of(grid, vector=False, order=4)
+        held, _ = tracemalloc.get_traced_memory()
+        del basis
+        left, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert left - before < 0.02 * (held - before)
 
 
 def test_without_the_fast_solver_or_with_one_of_other_names_superlu_solves(monkeypatch: pytest.MonkeyPatch) -> None:
