@@ -204,7 +204,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert "stopped early" in cut.with_suffix(".html").read_text(encoding="utf-8")
     assert rejected("report") == (2, "no log is given: cycloid-mj report RUN.mcap...")
     assert rejected("report", path, path) == (2, "a log is given twice: give each once")
-    assert rejected("report", tmp_path / "no.mcap")[0] == 1
+    assert rejected("report", tmp_path / "no.mcap")[0] == 2
     assert rejected("report", path, "--out", tmp_path / "no" / "x.html")[0] == 1
 
 
