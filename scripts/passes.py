@@ -181,7 +181,7 @@ start = time.perf_counter()
 null = (os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)
 process = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ, file_actions=[null])
 _, status, usage = os.wait4(process, 0)
-print(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, 1e-3 * usage.ru_maxrss)
+print(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, 1.024e-3 * usage.ru_maxrss)
 sys.exit(os.waitstatus_to_exitcode(status))
 """
 """Runs a command and tells its cost. A process counts its parent's memory as its own peak: this parent is small."""
