@@ -25,6 +25,7 @@ from cycloid_mj.statics.kernel import (
     Rubbing,
     State,
     balance,
+    contacts,
     follow_path,
     gap,
     is_open,
@@ -72,6 +73,17 @@ def pose(contacts: KernelSprings, size: float) -> np.ndarray:
     drawn = np.random.default_rng(5).uniform(-size, size, contacts.slope.shape[2])
     drawn[[*range(2, drawn.size, 3), -1]] *= 3.0
     return drawn
+
+
+@pytest.mark.parametrize("phase", [1.0, -1.0])
+def test_a_foot_point_nearby_is_found_in_one_round(monkeypatch: pytest.MonkeyPatch, phase: float) -> None:
+    """Its search starts right to the second order: to the first it would take another round."""
+    monkeypatch.setattr(contacts, "_ROUNDS", 1)
+    foot = getattr(contacts._foot, "py_func", contacts._foot)
+    E, c, N = trochoid = 1.0, 0.1, 6.0
+    rate = np.hypot(c * N * np.sin(phase), E - c * N * np.cos(phase))
+    found, *_ = foot(trochoid, phase, 0.0, 5e-4 * rate, 1.0)
+    assert found
 
 
 @pytest.mark.parametrize("name", ["pin", "twodisc", "light"])
