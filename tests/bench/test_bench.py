@@ -215,14 +215,14 @@ KNOWN = {
 
 @pytest.mark.slow
 def test_known_values_come_back_for_most_seeds() -> None:
-    """All five at once from one loop: what it determines of each is in its interval for 5 seeds of 6 at least.
+    """All five at once from one loop: what it determines of each is in its interval for 3 seeds of 4 at least.
 
-    Intervals of 95 % hold a value for fewer in 3 % of such sixes, those of 60 % in 77 %.
+    Intervals of 95 % hold a value for fewer in 1 % of such fours, those of 60 % in 52 %.
     """
     counts = Counter[str]()
-    for seed in range(6):
+    for seed in range(4):
         counts.update(KNOWN["printed"].hits(FIVE, 100 * seed))
-    assert all(counts[key] >= 5 for key in FIVE), counts
+    assert all(counts[key] >= 3 for key in FIVE), counts
 
 
 LOCKED = {
@@ -293,11 +293,12 @@ def test_two_loops_tell_play_and_stiffness_within_their_intervals() -> None:
     ("contacts", "off"), [(1.0, 0.03), (0.02, 0.0)], ids=["hard_contacts_model_off", "soft_contacts"]
 )
 def test_what_is_called_identified_is_within_its_interval(contacts: float, off: float) -> None:
-    """Of 20 seeds each value that is called identified is in its interval for 18, by hard contacts and by soft ones.
+    """Of 14 seeds each value that is called identified is in its interval for 12, by hard contacts and by soft ones.
 
+    Intervals of 95 % hold a value for fewer in 3 % of such fourteens, those of 60 % in 96 %.
     With 3 % off, the loops have a wave in them that no model has. Hard contacts without it: one seed, above.
     """
-    identified, outside = missed(contacts, off, 20)
+    identified, outside = missed(contacts, off, 14)
     assert all(count <= 2 for count in outside.values()), (identified, outside)
     assert off or identified["drag"] >= 5
 
