@@ -299,7 +299,7 @@ def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turnin
         for load in lag
         for way, sign in (("forward", 1.0), ("reverse", -1.0))
     }
-    found = {one.key: one for one in quantities(Reducer(design), made, {}, made)}
+    found = {one.key: one for one in quantities(Reducer(design), made, {}, made, 1)}
     for shaft in ("gear", "output"):
         assert (found[f"{shaft}_reversal"].value, found[f"{shaft}_reversal"].reference) == pytest.approx((10.0, 10.0))
         assert (found[f"{shaft}_wind_up"].value, found[f"{shaft}_wind_up"].reference) == pytest.approx((30.0, 30.0))
