@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.replacing import LOG, as_own, require_replaceable
 
@@ -64,9 +64,8 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
                 os.replace(hidden, target)
                 as_own(target)
     except OSError as problem:
-        reason = problem.strerror or problem
         raise CycloidError(
-            f"cannot write {at}: {reason}; give a file in a folder that exists, can be written and has room"
+            f"cannot write {at}: {reason(problem)}; give a file in a folder that exists, can be written and has room"
         ) from problem
     finally:
         with unbroken():

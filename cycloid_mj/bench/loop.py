@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.replacing import as_input
@@ -148,7 +148,7 @@ def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Arr
     try:
         lines = as_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}; {form}") from error
+        raise UsageError(f"cannot read {path}: {reason(error)}; {form}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((place for place, (_, line) in enumerate(numbered) if names[0] in line), None)
     columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "nothing: the file is empty"

@@ -13,7 +13,7 @@ from cyclopts import App, CycloptsError, Group, Parameter
 
 from cycloid_mj import __version__
 from cycloid_mj.base.engine import at_most
-from cycloid_mj.base.errors import CycloidError, UsageError, warn
+from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.replacing import one_command
 from cycloid_mj.cli import page
@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return FAILURE
     except OSError as error:
         file = f" {error.filename}" if error.filename else ""
-        return _failed(f"cannot read or write{file}: {error.strerror or error}", FAILURE)
+        return _failed(f"cannot read or write{file}: {reason(error)}", FAILURE)
     except SystemExit as stop:
         # rich ends the program itself when a help page meets a closed pipe
         return stop.code if isinstance(stop.code, int) else FAILURE

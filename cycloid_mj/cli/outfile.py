@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.base.whole import whole_file
 
@@ -100,7 +100,7 @@ def new_folder(name: str, what: str) -> Path | None:
         return None
     except OSError as problem:
         raise CycloidError(
-            f"cannot make the folder {name} for {what}: {problem.strerror or problem}; choose another with --out"
+            f"cannot make the folder {name} for {what}: {reason(problem)}; choose another with --out"
         ) from problem
     return path
 
@@ -131,7 +131,6 @@ def _written(file: str) -> Iterator[TextIO]:
         with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as stream:
             yield stream
     except (OSError, ValueError) as problem:
-        reason = getattr(problem, "strerror", None) or problem
         raise CycloidError(
-            f"cannot write {file}: {reason}; give a file in a folder that exists, can be written and has room"
+            f"cannot write {file}: {reason(problem)}; give a file in a folder that exists, can be written and has room"
         ) from problem

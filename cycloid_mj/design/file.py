@@ -74,16 +74,12 @@ def loads(text: str, where: str = "the design") -> Design:
         raise DesignError(f"{where} is not TOML: {error}; `cycloid-mj design show pin` prints a whole file") from error
     if not tables:
         raise DesignError(f"{where} is empty; `cycloid-mj design new my` makes a whole one")
-    return _validated(_to_si(Design, tables, where), where)
+    return _validated(Design, _filled(_to_si(Design, tables, where), where), where)
 
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
     """Read the tables of another file than a design's, by the same rules; `kind` has them as its sections."""
-    values = _to_si(kind, tables, where, root=kind)
-    try:
-        return kind.model_validate(values, strict=True)
-    except ValidationError as error:
-        raise refusal(error, kind, where) from error
+    return _validated(kind, _to_si(kind, tables, where, root=kind), where)
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
@@ -118,7 +114,10 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).changed(tables.get(name, {}), change)
-    return _validated(_untouched(design, named) | _to_si(Design, tables, where), where) if pairs else design
+    if not pairs:
+        return design
+    values = _untouched(design, named) | _to_si(Design, tables, where)
+    return _validated(Design, _filled(values, where), where)
 
 
 def declared(path: str) -> FieldInfo:
@@ -318,11 +317,11 @@ def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> 
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 
-def _validated(values: dict[str, Any], where: str) -> Design:
+def _validated(kind: type[S], values: dict[str, Any], where: str) -> S:
     try:
-        return Design.model_validate(_filled(values, where), strict=True)
+        return kind.model_validate(values, strict=True)
     except ValidationError as error:
-        raise refusal(error, Design, where) from error
+        raise refusal(error, kind, where) from error
 
 
 def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:

@@ -53,9 +53,7 @@ def forget(into: Path, study: str) -> None:
                 rows.unlink()
         (into / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
-        raise CycloidError(
-            f"cannot replace {rows}: {problem.strerror or problem}; choose another folder with --out"
-        ) from problem
+        raise CycloidError(f"cannot replace {rows}: {reason(problem)}; choose another folder with --out") from problem
 
 
 class Journal:
@@ -81,7 +79,7 @@ class Journal:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as problem:
             raise CycloidError(
-                f"cannot write {self.path}: {problem.strerror or problem}; its {len(self.rows)} rows are kept: make "
+                f"cannot write {self.path}: {reason(problem)}; its {len(self.rows)} rows are kept: make "
                 "room and give the same command again"
             ) from problem
         self.rows[place] = row
@@ -104,9 +102,7 @@ def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator
     try:
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
-        raise CycloidError(
-            f"cannot write {path}: {problem.strerror or problem}; choose another folder with --out"
-        ) from problem
+        raise CycloidError(f"cannot write {path}: {reason(problem)}; choose another folder with --out") from problem
     with stream:
         _lock(stream, into, study)
         if not (into / plan_file(study)).exists():

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
-from cycloid_mj.base.errors import CycloidError, DesignError, RunError
+from cycloid_mj.base.errors import CycloidError, DesignError, RunError, reason
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.whole import write_whole
@@ -278,8 +278,7 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
     try:
         into.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = error.strerror or error
-        raise CycloidError(f"cannot make the folder {into}: {reason}; choose another with --out") from error
+        raise CycloidError(f"cannot make the folder {into}: {reason(error)}; choose another with --out") from error
     with journal(into, plan, STUDY) as kept:
         yield _Rows(kept.rows, kept.add)
 

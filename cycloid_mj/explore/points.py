@@ -14,7 +14,7 @@ import numpy as np
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.array import Array, significant
-from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.design import declared
 
@@ -125,8 +125,7 @@ def read_table(path: Path) -> Points:
         with as_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]
     except (OSError, ValueError, csv.Error) as problem:
-        reason = getattr(problem, "strerror", None) or problem
-        raise UsageError(f"--table {path}: cannot read it: {reason}") from problem
+        raise UsageError(f"--table {path}: cannot read it: {reason(problem)}") from problem
     if twice := next((key for key in header if header.count(key) > 1), None):
         raise UsageError(f"--table {path}: the column {twice!r} is there twice")
     if uneven := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any
 
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
 from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
@@ -275,9 +275,8 @@ def _created(into: Path) -> Path:
     try:
         into.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        reason = problem.strerror or problem
         raise CycloidError(
-            f"cannot make the folder {into} for the sweep: {reason}; choose another with --out"
+            f"cannot make the folder {into} for the sweep: {reason(problem)}; choose another with --out"
         ) from problem
     return into
 

@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.replacing import LOG, claim, require_ending
 from cycloid_mj.base.whole import hidden_beside
 
@@ -170,5 +170,6 @@ def _taken(path: Path) -> LogError:
 
 def unwritable(path: Path, problem: OSError) -> LogError:
     """Return the error for a log that cannot be written."""
-    reason = problem.strerror or problem
-    return LogError(f"cannot write log {path}: {reason}; choose a folder that exists, can be written and has room")
+    return LogError(
+        f"cannot write log {path}: {reason(problem)}; choose a folder that exists, can be written and has room"
+    )

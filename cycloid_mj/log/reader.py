@@ -13,7 +13,7 @@ import numpy.typing as npt
 from mcap.opcode import Opcode
 
 from cycloid_mj.base.array import Array, Integers
-from cycloid_mj.base.errors import LogError, NoLogError
+from cycloid_mj.base.errors import LogError, NoLogError, reason
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.log import container
@@ -148,7 +148,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
             whole = _scan(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
-        raise LogError(f"cannot read log {path}: {problem.strerror or problem}") from problem
+        raise LogError(f"cannot read log {path}: {reason(problem)}") from problem
     sizes = [contents.samples[channel].count for channel in contents.groups]
     samples = min(sizes, default=0)
     if whole:

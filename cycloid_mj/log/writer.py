@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.whole import storable
@@ -255,15 +255,16 @@ class LogWriter:
         self._place.drop()
 
     def _failed(self, problem: OSError) -> LogError:
-        reason = problem.strerror or problem
         if self._place.hidden:
             self._abandon()
-            return LogError(f"cannot write log {self._place.path}: {reason}; make room or choose another folder")
+            return LogError(
+                f"cannot write log {self._place.path}: {reason(problem)}; make room or choose another folder"
+            )
         self._open = False
         self._place.leave()
         return LogError(
-            f"cannot write log {self.path}: {reason}; its first {self._on_disk} samples are on disk and can be read; "
-            "make room or choose another folder, then run again"
+            f"cannot write log {self.path}: {reason(problem)}; its first {self._on_disk} samples are on disk and can "
+            "be read; make room or choose another folder, then run again"
         )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.plots.style import styled
 
@@ -56,8 +56,9 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        reason = problem.strerror or problem
-        raise FigureError(f"cannot write figures to {folder}: {reason}; give a folder that can be written") from problem
+        raise FigureError(
+            f"cannot write figures to {folder}: {reason(problem)}; give a folder that can be written"
+        ) from problem
     files = pictures(figures, folder, formats)
     write_whole(files)
     return list(files)

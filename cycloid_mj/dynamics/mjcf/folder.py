@@ -14,7 +14,7 @@ import numpy as np
 
 from cycloid_mj import __version__
 from cycloid_mj.base import names
-from cycloid_mj.base.errors import CycloidError, warn
+from cycloid_mj.base.errors import CycloidError, reason, warn
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.design import dump
 from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes
@@ -88,7 +88,7 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     try:
         (folder / ASSETS).mkdir(exist_ok=True)
     except OSError as error:
-        raise CycloidError(f"cannot make the folder {folder / ASSETS}: {error.strerror or error}") from error
+        raise CycloidError(f"cannot make the folder {folder / ASSETS}: {reason(error)}") from error
     write_whole({folder / name: content for name, content in files.items()})
 
 
