@@ -247,7 +247,7 @@ def assemble(
         tangent[o, o] += oo
     if rough:
         _drag(springs, k, friction, system)
-    return energy + _bend_if(springs.bending, springs, k, z, soft, friction, anew, system)
+    return energy + _bend(springs.bending, springs, k, z, soft, friction, anew, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -264,25 +264,8 @@ def _straight(springs: KernelSprings) -> int:
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _bend_if(
-    bending: Array | None,
-    springs: KernelSprings,
-    k: int,
-    z: Array,
-    soft: float,
-    friction: float,
-    anew: bool,
-    system: Linearised,
-) -> float:
-    """Do what `_bend` does where output pins bend under several discs: an argument that is None decides of code."""
-    if bending is None:
-        return 0.0
-    return _bend(bending, springs, k, z, soft, friction, anew, system)
-
-
-@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _bend(
-    bending: Array,
+    bending: Array | None,
     springs: KernelSprings,
     k: int,
     z: Array,
@@ -294,12 +277,15 @@ def _bend(
     """Add output pins that bend, at departures z, to a system.
 
     Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
-    are 0 where that is positive, B the `bending`.
+    are 0 where that is positive, B the `bending`. Where it is None, as where no disc bends pins for another, nothing is
+    added, and numba leaves out what follows.
 
     Returns
     -------
     The energy of contacts and pins [J].
     """
+    if bending is None:
+        return 0.0
     discs, energy = bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
