@@ -11,6 +11,8 @@ A name is imported when it is first used: `import cycloid_mj` alone takes no tim
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cycloid_mj.base.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from cycloid_mj import measure, stress
     from cycloid_mj.analysis import Findings, analyze
@@ -73,8 +75,6 @@ __all__ = [
     "tolerance",
     "write_log",
 ]
-
-__version__ = "0.2.0"
 
 _ORIGINS = {
     "Check": "checks",

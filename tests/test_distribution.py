@@ -12,9 +12,11 @@ import hatchling.build
 import pytest
 import yaml
 
+from cycloid_mj.base.version import __version__
+
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-STEM = f"cycloid_mj-{PROJECT['version']}"
+STEM = f"cycloid_mj-{__version__}"
 PACKAGES = {"cycloid_mj": ROOT / "cycloid_mj", "hsieh2014": ROOT / "papers" / "hsieh2014"}
 
 
@@ -94,7 +96,7 @@ print(bool(layout(Reducer(PRESETS["pin"]))["configById"]))
 def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) -> None:
     places, found, templates, layout = told(installed, sys.executable, "-c", LOOK).splitlines()
     assert all(place.startswith(str(installed)) for place in places.split())
-    assert found == f"{PROJECT['version']} ['hsieh2014']"
+    assert found == f"{__version__} ['hsieh2014']"
     assets = ROOT / "cycloid_mj" / "report" / "assets"
     assert templates == str(sorted(path.name for path in assets.iterdir()))
     assert layout == "True"
@@ -102,13 +104,13 @@ def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) ->
 
 @pytest.mark.slow
 def test_the_installed_command_tells_its_version(installed: Path) -> None:
-    assert told(installed, str(installed / "bin" / "cycloid-mj"), "--version") == PROJECT["version"]
+    assert told(installed, str(installed / "bin" / "cycloid-mj"), "--version") == __version__
 
 
 def test_the_citation_is_of_this_version() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["cff-version"] == "1.2.0"
-    assert (citation["title"], citation["version"]) == (PROJECT["name"], PROJECT["version"])
+    assert (citation["title"], citation["version"]) == (PROJECT["name"], __version__)
     assert citation["license"] == PROJECT["license"]
     assert {"message", "authors", "abstract", "keywords"} <= set(citation)
     assert citation["keywords"] == PROJECT["keywords"]

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 from cyclopts import App, CycloptsError, Group, Parameter
 
-from cycloid_mj import __version__
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.replacing import one_command
+from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
 from cycloid_mj.cli.mistakes import sentence

@@ -8,9 +8,9 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Annotated, NamedTuple
 
-from cycloid_mj import __version__
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.version import __version__
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 

@@ -37,6 +37,7 @@ from cycloid_mj.base.names import (
     planar_speeds,
 )
 from cycloid_mj.base.record import Deferred, Run, own
+from cycloid_mj.base.version import __version__
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
@@ -262,8 +263,6 @@ def provenance(
 
     `step` is as in `schedule`.
     """
-    from cycloid_mj import __version__
-
     stiffened = reducer.for_slices if contact == "mesh" else reducer
     steps = STEPS[solver]
     chosen = steps.chosen(stiffened)

@@ -5,6 +5,7 @@ from functools import cache
 from importlib.metadata import version
 
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.version import __version__
 
 PACKAGES = ("mujoco", "numpy", "scipy", "numba")
 """Packages whose code a figure passes through."""
@@ -16,8 +17,6 @@ Versions = tuple[tuple[str, str], ...]
 @cache
 def versions() -> Versions:
     """Return the versions of this process."""
-    from cycloid_mj import __version__
-
     local = (("python", platform.python_version()), ("cycloid_mj", __version__))
     return local + tuple((name, version(name)) for name in PACKAGES)
 

@@ -12,9 +12,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cycloid_mj import __version__
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import CycloidError, reason, warn
+from cycloid_mj.base.version import __version__
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.design import dump
 from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes
