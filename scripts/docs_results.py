@@ -1,4 +1,4 @@
-"""Write the results of docs/paper.md, and their sum in README.md, from the numbers of `cycloid-mj reproduce`.
+"""Write the results of docs/paper.md from the numbers of `cycloid-mj reproduce`.
 
 `python scripts/docs_results.py` writes them from tests/data/reproduce.json and authors.json; with the path of another
 reproduce.json it keeps there first what the pages show: of a run of `--as-the-authors` its tables, else claims and
@@ -17,7 +17,6 @@ from cycloid_mj.base.result import Table
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"
 AUTHORS = KEPT.with_name("authors.json")
-README = ROOT / "README.md"
 MARK = "<!-- {word} of {name}: scripts/docs_results.py writes what stands here -->"
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
@@ -143,8 +142,8 @@ def main(arguments: Sequence[str]) -> int:
         path, chosen = (AUTHORS, kept_authors(given)) if of_authors else (KEPT, kept(given))
         path.write_text(json.dumps(chosen, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     content, with_soft_contact = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
-    for path, texts in ((PAGE, sections(content, with_soft_contact)), (README, {"tally": tally(content)})):
-        path.write_text(written(path.read_text(encoding="utf-8"), texts), encoding="utf-8")
+    page = written(PAGE.read_text(encoding="utf-8"), sections(content, with_soft_contact))
+    PAGE.write_text(page, encoding="utf-8")
     return 0
 
 

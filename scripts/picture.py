@@ -4,6 +4,7 @@ python scripts/picture.py animation                      # models/mechanism.gif:
 python scripts/picture.py report PIN.mcap NONPIN.mcap    # models/report.png, with Chromium
 python scripts/picture.py datasheet PAGE.html            # docs/datasheet.png, with Chromium
 python scripts/picture.py walk FOLDER                    # docs/app, of what scripts/app_walk.py has taken
+python scripts/picture.py doors                          # docs/doors: the README's three, cut out of other pictures
 
 `scripts/docs_figures.py` calls them.
 """
@@ -29,6 +30,13 @@ COLOURS = 256
 
 WALKED = ("1-asked.png", "2-refused.png", "3-drives.png", "4-designed.png")
 """Steps of the walk through the designer's page that are shown."""
+
+DOORS = {
+    "print": (DOCS / "tutorial" / "exploded.png", (978, 48, 1552, 556)),
+    "design": (MODELS / "report.png", (45, 726, 605, 1294)),
+    "robot": (DOCS / "tutorial" / "joint.png", (14, 246, 574, 568)),
+}
+"""The README's pictures: the picture that each is cut out of, and left, top, right, bottom in it [px]."""
 
 
 def animation(path: Path = MODELS / "mechanism.gif") -> int:
@@ -85,11 +93,24 @@ def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
     return 0
 
 
+def doors() -> int:
+    """Cut the README's pictures out of other pictures of the documentation; return the exit code."""
+    from PIL import Image
+
+    (DOCS / "doors").mkdir(exist_ok=True)
+    for name, (source, box) in DOORS.items():
+        with Image.open(source) as picture:
+            cut = picture.convert("RGB").crop(box)
+        cut.quantize(COLOURS).save(DOCS / "doors" / f"{name}.png", optimize=True)
+    return 0
+
+
 if __name__ == "__main__":
     what, *given = sys.argv[1:] or ["animation"]
     made = {
         "report": lambda: report(given),
         "datasheet": lambda: datasheet(given[0]),
         "walk": lambda: walk(Path(given[0])),
+        "doors": doors,
     }
     sys.exit(made[what]() if what in made else animation(*map(Path, given)))
