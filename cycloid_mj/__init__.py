@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from cycloid_mj.base.record import Run
     from cycloid_mj.base.result import Curve, Quantity, Table
     from cycloid_mj.bench import calibrate, predict_loops, read_loop
-    from cycloid_mj.checks import Check, check
+    from cycloid_mj.checks import Check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.explore import optimize, sweep, tolerance
     from cycloid_mj.life import rate
+    from cycloid_mj.life.checks import check_design as check
     from cycloid_mj.life.datasheet import datasheet_of as datasheet
     from cycloid_mj.log import read as read_log
     from cycloid_mj.log import write as write_log
@@ -91,7 +92,7 @@ _ORIGINS = {
     "attach_reducer": "robot",
     "build": "dynamics.mjcf",
     "calibrate": "bench",
-    "check": "checks",
+    "check": "life.checks:check_design",
     "datasheet": "life.datasheet:datasheet_of",
     "export": "parts.export",
     "load": "design:resolve",

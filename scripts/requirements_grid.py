@@ -30,9 +30,9 @@ from cycloid_mj.checks import check
 from cycloid_mj.cli import main as command
 from cycloid_mj.design import load
 from cycloid_mj.figures import figure
+from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.figures import drive_length
-from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.process import PROCESSES, Process
@@ -157,7 +157,7 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
     reducer, figures = Reducer(design), told["figures"]
     wanted = {flag: float(value) for flag, value in asked.items() if flag in NUMBERS}
     yield from (str(item) for item in check(design) if item.severity == "error" and not item.passed)
-    yield from (str(item) for item in lasting_checks(reducer) if not item.passed)
+    yield from (str(item) for item in life_checks(reducer) if not item.passed)
     lasting, _ = rated_torque(reducer, design.drive.speed, design.service.life)
     once, _ = momentary_torque(reducer)
     rated = min(lasting, once)

@@ -210,8 +210,9 @@ def test_a_measured_loop_is_drawn_and_says_what_it_is_in_a_line() -> None:
 def test_a_design_and_its_checks_say_what_they_are_have_a_frame_and_are_drawn() -> None:
     design = cm.load("pin", {"clearance.cam_um": 98.0})
     checks = cm.check(design)
-    failed = [one.name for one in checks if not one.passed]
-    assert repr(checks) == f"<Checks: {len(failed)} of {len(checks)} do not hold: {', '.join(failed)}>"
+    warned = [check.name for check in checks if not check.passed]
+    assert {"life", "strength", "momentary_torque"} <= set(warned), "those of `design check`"
+    assert repr(checks) == f"<Checks: {len(checks)} checks: 0 failed, {len(warned)} warnings ({', '.join(warned)})>"
     assert dict(zip(*(checks.frame.columns[key] for key in ("name", "passed")), strict=True))["play"] is np.False_
     yields = next(one for one in checks if one.name == "tooth_yield")
     assert checks.margins["tooth_yield"] == pytest.approx(yields.bound / yields.value)

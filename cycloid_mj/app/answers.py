@@ -14,15 +14,15 @@ from cycloid_mj.app.knobs import SYMBOLS, label_of, with_symbols
 from cycloid_mj.app.state import at_load
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.checks import Check, check, soundness
+from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import declared, value_of
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
+from cycloid_mj.life.checks import KINDS, check_design, life_remedies
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.lasting import KINDS, decides, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance, load_of
@@ -68,7 +68,7 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 def checks(reducer: Reducer) -> dict[str, Any]:
     """List the checks that do not hold at the load, errors before warnings, and how many there are."""
     loaded = at_load(reducer)
-    every = (*check(loaded.design), *lasting_checks(loaded))
+    every = check_design(loaded.design)
     ordered = sorted(every, key=lambda one: one.severity != "error")
     return {"count": len(every), "failed": _broken(loaded, ordered)}
 
@@ -78,7 +78,7 @@ def ways(reducer: Reducer) -> dict[str, Any]:
     loaded = at_load(reducer)
     return {
         _spoken(name): [_change(loaded, dict([change])) for change in changes]
-        for name, changes in lasting_ways(loaded).items()
+        for name, changes in life_remedies(loaded).items()
     }
 
 
@@ -113,7 +113,7 @@ def life(reducer: Reducer) -> dict[str, Any]:
     design, asked = reducer.design, reducer.design.service.life
     load, _ = load_of(reducer)
     rating = rate(design, steady(load, design.drive.speed), asked)
-    ends = [item.life for item in rating.items.values() if decides(item) and item.life is not None]
+    ends = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(ends, default=math.inf)
     try:
         rated, weakest = rated_torque(reducer, design.drive.speed, asked, poses=POSES, exact=EXACT)
@@ -145,14 +145,14 @@ def cased(reducer: Reducer) -> dict[str, float] | None:
 
 def _item(item: RatedItem, asked: float) -> dict[str, Any]:
     margin = item.margin(asked)
-    counts = decides(item) and (item.safety is not None or item.life is not None)
     return {
         "name": item.name,
         "load": item.load,
         "borne": item.borne,
         "verdict": item.verdict,
         "kind": "" if item.safety is None and item.life is None else "safety" if item.safety is not None else "life",
-        "margin": margin if counts else None,
+        "judgement": item.judgement(asked),
+        "margin": margin if item.decisive else None,
         "source": item.source,
         "note": item.note,
     }

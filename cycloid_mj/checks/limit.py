@@ -4,13 +4,14 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.judgement import Judgement, count_judgements, judge
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, section_of, unit_of
@@ -27,8 +28,21 @@ STRICT_MARGIN = 1e-9
 SMALLEST = 1e-30
 """SI; smaller bounds, and 0, are no remedy."""
 
-COLUMNS = ("name", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit")
-"""Of the frame of some checks."""
+COLUMNS = (
+    "name",
+    "judgement",
+    "passed",
+    "severity",
+    "key",
+    "got",
+    "limit",
+    "why",
+    "remedy",
+    "value",
+    "bound",
+    "unit",
+)
+"""Columns of the frame of some checks."""
 
 Severity = Literal["error", "warning"]
 
@@ -60,8 +74,17 @@ class Check:
     unit: str = ""
     changes: tuple[Change, ...] = ()
 
+    @property
+    def judgement(self) -> Judgement:
+        """Passed; else failed if the design cannot be built, or a warning."""
+        return judge(math.inf if self.passed else 0.0, decisive=self.severity == "error")
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the check to JSON values, without its `changes`."""
+        return {name: getattr(self, name) for name in COLUMNS}
+
     def __str__(self) -> str:
-        """Tell the check in one line."""
+        """Format the check in one line."""
         text = f"{self.name}: {self.key} is {self.got}, must be {self.limit}: {self.why}"
         return f"{text}; {self.remedy}" if self.remedy else text
 
@@ -72,14 +95,38 @@ class Checks(Presented, tuple[Check, ...]):
     @property
     def frame(self) -> Frame:
         """The checks, a row each."""
-        rows = [{name: value for name in COLUMNS if (value := getattr(one, name)) is not None} for one in self]
+        rows = [{name: value for name, value in check.as_json().items() if value is not None} for check in self]
         return framed(rows, COLUMNS, {})
 
     @property
     def line(self) -> str:
-        """How many do not hold, and which."""
-        failed = [one.name for one in self if not one.passed]
-        return f"{len(failed)} of {len(self)} do not hold: {', '.join(failed)}" if failed else f"all {len(self)} hold"
+        """The number of checks, of failures and of warnings, and the names of both."""
+        names = [check.name for check in (*self.failures, *self.warnings)]
+        summary = f"{len(self)} checks: {self.counts}"
+        return f"{summary} ({', '.join(names)})" if names else summary
+
+    @property
+    def counts(self) -> str:
+        """The number of failures and of warnings, in words."""
+        return count_judgements(check.judgement for check in self)
+
+    @property
+    def failures(self) -> tuple[Check, ...]:
+        """The checks without which the design cannot be built."""
+        return self._judged(Judgement.FAILED)
+
+    @property
+    def warnings(self) -> tuple[Check, ...]:
+        """The checks that the design does not pass, but can be built without."""
+        return self._judged(Judgement.WARNING)
+
+    @property
+    def passes(self) -> tuple[Check, ...]:
+        """The checks that the design passes."""
+        return self._judged(Judgement.PASSED)
+
+    def _judged(self, judgement: Judgement) -> tuple[Check, ...]:
+        return tuple(check for check in self if check.judgement is judgement)
 
     @property
     def margins(self) -> dict[str, float]:

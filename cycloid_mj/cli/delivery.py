@@ -198,7 +198,8 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
 
 
 def show_outcome(outcome: Outcome, everything: bool) -> None:
-    """Print headline, failures and warnings first; the tables and notes where all is asked for, or all fits."""
+    """Print headline, failures and warnings first; with ``--all`` the passes, and with it or if they fit all tables."""
+    passes = outcome.passes if everything else ()
     everything = everything or _lines(outcome) <= MOST_LINES
     title = ", ".join(filter(None, (outcome.title, outcome.condition)))
     for line in [title] if outcome.text is None else outcome.text:
@@ -211,14 +212,20 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
     shown = outcome.warnings if everything else outcome.warnings[: max(FEWEST_WARNINGS, MOST_LINES - taken)]
     for line in shown:
         say(f"warn  {line}")
+    for line in passes:
+        say(f"ok    {line}")
     if everything:
-        for line in outcome.passes:
-            say(f"ok    {line}")
         for table in outcome.tables:
             show(table)
         for note in outcome.notes:
             say(note)
-    elif left := _left_out(outcome, len(outcome.warnings) - len(shown)):
+    hidden = {
+        "more warnings": len(outcome.warnings) - len(shown),
+        "that pass": len(outcome.passes) - len(passes),
+        "rows of tables": 0 if everything else sum(len(table.rows) for table in outcome.tables),
+        "notes": 0 if everything else len(outcome.notes),
+    }
+    if left := ", ".join(f"{count} {what}" for what, count in hidden.items() if count):
         say(f"with --all: {left}")
     for line in outcome.summary:
         say(line)
@@ -227,16 +234,5 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
 def _lines(outcome: Outcome) -> int:
     """Count the lines that all of an outcome takes, if none is broken."""
     tables = [len(outcome.headline), *(len(table.rows) for table in outcome.tables)]
-    lines = (outcome.failures, outcome.warnings, outcome.passes, outcome.notes, outcome.summary)
+    lines = (outcome.failures, outcome.warnings, outcome.notes, outcome.summary)
     return 1 + sum(map(len, lines)) + sum(rows + FRAME_LINES for rows in tables if rows)
-
-
-def _left_out(outcome: Outcome, warnings: int) -> str:
-    """Count what only ``--all`` shows, in words."""
-    counts = {
-        "more warnings": warnings,
-        "that hold": len(outcome.passes),
-        "rows of tables": sum(len(table.rows) for table in outcome.tables),
-        "notes": len(outcome.notes),
-    }
-    return ", ".join(f"{count} {what}" for what, count in counts.items() if count)

@@ -1,8 +1,7 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
 import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from collections.abc import Callable
 from math import degrees
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,7 +20,7 @@ from cycloid_mj.design import Design, dump, reasons
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.checks import Check, Summary
+    from cycloid_mj.checks import Checks, Summary
     from cycloid_mj.life import Rating
 
 EXAMPLES = """Examples:
@@ -80,40 +79,35 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     of `cycloid-mj rate`, for service.life_h. The exit code is 1 if the design cannot be
     built, else 0: warnings do not count.
     """
-    from cycloid_mj.checks import check as checks
+    from cycloid_mj.life.checks import check_design
 
     design = chosen.resolved()
     place = claimed(delivery, f"{design.name}-check")
-    results: Sequence[Check] = checks(design)
-    sound = not any(_word(item) == "FAIL" for item in results)
-    summed = _summed(design) if sound else None
+    checks = check_design(design)
+    summed = None if checks.failures else _summed(design)
     rating = _rated(design) if summed else None
-    if rating:
-        from cycloid_mj.life.lasting import checks_of
-
-        results = (*results, *checks_of(rating))
-    return deliver(_outcome(design.name, results, summed, rating), place, delivery)
+    return deliver(_outcome(design.name, checks, summed, rating), place, delivery)
 
 
-def _outcome(design: str, results: "Sequence[Check]", summed: "Summary | None", rating: "Rating | None") -> Outcome:
-    from cycloid_mj.base.frame import framed
-
-    failed, warned, passed = ([item for item in results if _word(item) == word] for word in ("FAIL", "warn", "ok"))
+def _outcome(design: str, checks: "Checks", summed: "Summary | None", rating: "Rating | None") -> Outcome:
     numbers = _in_file_units(summed, rating) if summed else None
-    rows = [{key: value for key, value in asdict(item).items() if key != "changes"} for item in results]
-    count = f"{len(warned)} {'warning' if len(warned) == 1 else 'warnings'}"
     return Outcome(
         title=f"checks: {design}",
-        failures=list(map(str, failed)),
-        warnings=list(map(str, warned)),
-        passes=list(map(str, passed)),
+        failures=list(map(str, checks.failures)),
+        warnings=list(map(str, checks.warnings)),
+        passes=list(map(str, checks.passes)),
         summary=[
             *(f"      {line}" for line in (_lines(summed, rating) if summed else [])),
-            f"{len(results)} checks: {len(failed)} failed, {count}",
+            f"{len(checks)} checks: {checks.counts}",
         ],
-        frame=framed(rows, rows[0], {}),
-        result={"design": design, "sound": not failed, "checks": rows, "summary": numbers},
-        code=1 if failed else 0,
+        frame=checks.frame,
+        result={
+            "design": design,
+            "sound": not checks.failures,
+            "checks": [check.as_json() for check in checks],
+            "summary": numbers,
+        },
+        code=1 if checks.failures else 0,
     )
 
 
@@ -129,10 +123,10 @@ def _summed(design: Design) -> "Summary | None":
 
 def _rated(design: Design) -> "Rating | None":
     """Rate a design at its rated torque and speed; nothing where its crank stands still."""
-    from cycloid_mj.life.items import rate
+    from cycloid_mj.life.items import rate_at_rated_load
 
     try:
-        return rate(design)
+        return rate_at_rated_load(Reducer(design))
     except CycloidError:
         return None
 
@@ -167,9 +161,3 @@ def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
         *([f"weakest: {rating.weakest_line()}"] if rating else []),
         *summed.material_limits,
     ]
-
-
-def _word(item: "Check") -> str:
-    if item.passed:
-        return "ok"
-    return "FAIL" if item.severity == "error" else "warn"

@@ -86,24 +86,23 @@ def rate(
 
 
 def _outcome(rating: "Rating", place: Destination) -> Outcome:
-    from cycloid_mj.base.frame import framed
     from cycloid_mj.report.rating import rating_page
 
     weakest, failing = rating.weakest, rating.failing
-    rows = [{"key": key, **item.as_json()} for key, item in rating.items.items()]
     return Outcome(
         title=f"rating: {rating.design}",
         condition=f"{rating.duty}, for {rating.life:g} h",
         headline={
             "weakest item": weakest.name,
             "its life" if weakest.safety is None else "its safety": weakest.verdict,
-            "items below what is asked": f"{len(failing)} of {len(rating.items)}",
+            "items that do not meet the requirement": f"{len(failing)} of {len(rating.items)}",
         },
         failures=[rating.line_of(item) for item in failing],
+        warnings=[rating.line_of(item) for item in rating.warnings],
         summary=[f"weakest: {rating.weakest_line()}", *([str(place.page)] if place.page else [])],
         tables=[rating.table(), *([rating.cam_give.table()] if rating.cam_give else [])],
         notes=[f"assumed: {sentence}" for sentence in rating.assumptions],
-        frame=framed(rows, rows[0], {}),
+        frame=rating.frame,
         result=rating.as_json(),
         page=lambda: rating_page(rating),
     )

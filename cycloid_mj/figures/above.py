@@ -162,7 +162,7 @@ OF_ROOMS_ABOVE = (
         key="life_h",
         name="life",
         unit="h",
-        definition=f"Hours until the first part reaches the end of its life by `cycloid-mj rate`, {_RATED}.",
+        definition=f"Hours until the first part but for wear ends its life by `cycloid-mj rate`, {_RATED}.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:life",
     ),

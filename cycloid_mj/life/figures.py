@@ -5,8 +5,7 @@ import math
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.life import datasheet
-from cycloid_mj.life.item import Rating
-from cycloid_mj.life.items import rate
+from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.life.rated import is_bearing_life, rated_torque
 from cycloid_mj.parts.export import cam_bearing, drive
@@ -21,12 +20,6 @@ SPEED_FACTOR = 300.0
 
 INTERMITTENT = 0.25
 """Share of the time of an intermittent duty (S3 25 %)."""
-
-
-@once
-def rating(reducer: Reducer) -> Rating:
-    """Rate a design at its rated torque and speed, once for all its figures; errors as `rate`."""
-    return rate(reducer.design)
 
 
 def input_inertia(reducer: Reducer) -> float:
@@ -87,29 +80,30 @@ def intermittent_speed(reducer: Reducer) -> float:
 
 
 def _speed_by_heat(reducer: Reducer, duty: float) -> float:
-    safety = rating(reducer).items["temperature"].safety or math.inf
+    safety = rate_at_rated_load(reducer).items["temperature"].safety or math.inf
     return min(abs(reducer.design.drive.speed) / RPM * safety / duty, largest_speed(reducer))
 
 
 def life(reducer: Reducer) -> float:
-    """Compute the shortest life of all parts [h]; infinite where none ends."""
-    return min((item.life for item in rating(reducer).items.values() if item.life is not None), default=math.inf)
+    """Compute the shortest life of all parts [h], wear left out; infinite where none ends."""
+    items = rate_at_rated_load(reducer).items.values()
+    return min((item.life for item in items if item.decisive and item.life is not None), default=math.inf)
 
 
 def bearing_life(reducer: Reducer) -> float:
     """Compute the shortest life of the bearings [h]."""
-    items = rating(reducer).items.items()
+    items = rate_at_rated_load(reducer).items.items()
     return min((item.life for key, item in items if is_bearing_life(key) and item.life is not None), default=math.inf)
 
 
 def least_safety(reducer: Reducer) -> float:
     """Compute the least of all safeties [1]."""
-    return min(item.safety for item in rating(reducer).items.values() if item.safety is not None)
+    return min(item.safety for item in rate_at_rated_load(reducer).items.values() if item.safety is not None)
 
 
 def temperature_rise(reducer: Reducer) -> float:
     """Compute how much warmer than the surroundings the housing gets [K]."""
-    return rating(reducer).items["temperature"].value - reducer.design.service.ambient_temperature
+    return rate_at_rated_load(reducer).items["temperature"].value - reducer.design.service.ambient_temperature
 
 
 @once

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Table, plain
 from cycloid_mj.life.give import CamGive
 from cycloid_mj.life.hours import LONGEST, hours, plain_life, written
+
+INDICATIVE = ("_wear",)
+"""How the keys of items end that only warn: the coefficient of wear is known to within a factor of ten."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,16 @@ class RatedItem:
             "source": self.source,
             "note": self.note,
         }
+
+    @property
+    def decisive(self) -> bool:
+        """Whether the item decides what a drive is rated for: neither a mere figure nor wear."""
+        return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
+
+    def judgement(self, life: float) -> Judgement:
+        """Judge the item for a required life [h]; wear only warns, and a mere figure has no judgement."""
+        figure = self.safety is None and self.life is None
+        return judge(None if figure else self.margin(life), self.decisive)
 
     @property
     def load(self) -> str:
@@ -124,19 +138,30 @@ class Rating(Presented):
 
     @property
     def weakest(self) -> RatedItem:
-        """The item nearest to failing."""
-        return next(iter(self.items.values()))
+        """The decisive item nearest to failing."""
+        return next(item for item in self.items.values() if item.decisive)
 
     @property
     def failing(self) -> list[RatedItem]:
-        """The items whose safety is below 1, or whose life is below that asked for; the weakest first."""
-        return [item for item in self.items.values() if item.margin(self.life) < 1.0]
+        """The items whose safety is below 1, or whose life is below the required one; the weakest first."""
+        return self._judged(Judgement.FAILED)
+
+    @property
+    def warnings(self) -> list[RatedItem]:
+        """The same of the items that only warn: wear."""
+        return self._judged(Judgement.WARNING)
+
+    def _judged(self, judgement: Judgement) -> list[RatedItem]:
+        return [item for item in self.items.values() if item.judgement(self.life) is judgement]
 
     @property
     def frame(self) -> Frame:
         """The items, a row each."""
-        rows = [{"key": item.key, **item.as_json()} for item in self.items.values()]
+        rows = [{"key": key, **item} for key, item in self._items_json().items()]
         return framed(rows, rows[0], {})
+
+    def _items_json(self) -> dict[str, dict[str, Any]]:
+        return {key: {**item.as_json(), "judgement": item.judgement(self.life)} for key, item in self.items.items()}
 
     @property
     def line(self) -> str:
@@ -167,7 +192,7 @@ class Rating(Presented):
             "condition": self.duty,
             "required_life_h": self.life,
             "weakest": self.weakest.key,
-            "items": self.items,
+            "items": self._items_json(),
             "assumptions": list(self.assumptions),
             **({"cam_give": self.cam_give} if self.cam_give else {}),
         }

@@ -15,7 +15,7 @@ from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.strength import strength
 from cycloid_mj.life.surfaces import surfaces
 from cycloid_mj.life.wear import wear
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 
 
 def rate(
@@ -72,6 +72,12 @@ def rate(
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
     by_key, work = {item.key: item for item in ordered}, max(one.work for one in loadings)
     return Rating(reducer.design.name, duty.words, life, by_key, assumptions, spread, work)
+
+
+@once
+def rate_at_rated_load(reducer: Reducer) -> Rating:
+    """Rate a design at its rated torque and speed for its own life, once for all who ask; errors as `rate`."""
+    return rate(reducer.design)
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:

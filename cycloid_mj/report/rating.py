@@ -1,22 +1,23 @@
 """The page of a rating: what the template ``assets/rating.html`` is filled with."""
 
-from cycloid_mj.life import RatedItem, Rating
+from cycloid_mj.base.judgement import Judgement
+from cycloid_mj.life import Rating
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 
-NEAR = 1.5
-"""Margin below which an item that holds is shown as near its limit."""
+STYLES = {
+    Judgement.PASSED: "holds",
+    Judgement.WARNING: "near",
+    Judgement.FAILED: "fails",
+    Judgement.NOT_APPLICABLE: "figure",
+}
+"""Style of a row, by the judgement of its item."""
 
 
 def rating_page(rating: Rating) -> str:
     """Write a rating as one page that needs no other file."""
-
-    def state(item: RatedItem) -> str:
-        margin = item.margin(rating.life)
-        return "figure" if item.verdict == "" else "fails" if margin < 1.0 else "near" if margin < NEAR else "holds"
-
+    states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
     table, give = rating.table(), rating.cam_give.table() if rating.cam_give else None
-    failing = sum(state(item) == "fails" for item in rating.items.values())
     return (
         environment()
         .get_template("rating.html")
@@ -24,8 +25,8 @@ def rating_page(rating: Rating) -> str:
             title=f"cycloid_mj: rating of {rating.design}",
             rating=rating,
             header=table.header,
-            rows=list(zip(map(state, rating.items.values()), table.cells, strict=True)),
-            failing=failing,
+            rows=list(zip(states, table.cells, strict=True)),
+            failing=len(rating.failing),
             give=None if give is None else TextTable([give.header], give.cells),
             give_title=give.title if give else "",
         )

@@ -7,7 +7,6 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
-from cycloid_mj.life.lasting import decides
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.reducer import Reducer
@@ -49,7 +48,7 @@ class TorqueTrial:
     @property
     def life(self) -> float:
         """Hours that the first part lasts of those that wear out [h]."""
-        lives = [item.life for item in self.rating.items.values() if decides(item)] if self.rating else []
+        lives = [item.life for item in self.rating.items.values() if item.decisive] if self.rating else []
         return min((life for life in lives if life is not None), default=math.inf)
 
 
@@ -66,7 +65,7 @@ def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
     work = rating.work * at.design.ring.teeth
     if work > MOST_WORK:
         return TorqueTrial(at, torque, None, NOT_HELD * torque, None, work)
-    bears, weakest = weakest_torque(filter(decides, rating.items.values()), torque, life)
+    bears, weakest = weakest_torque((item for item in rating.items.values() if item.decisive), torque, life)
     return TorqueTrial(at, torque, rating, bears, weakest, work)
 
 

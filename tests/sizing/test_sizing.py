@@ -16,9 +16,9 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, load, loads, stock
 from cycloid_mj.design.file import dump
 from cycloid_mj.design.fits import clearances
+from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.datasheet import datasheet, momentary_torque
 from cycloid_mj.life.figures import drive_length
-from cycloid_mj.life.lasting import lasting_checks
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
@@ -44,7 +44,7 @@ def require_held(drive: SizedDrive, asked: Requirement, told: float = 0.02) -> N
     assert 2.0 * design.housing.outer_radius == pytest.approx(asked.diameter)
     assert design.service.life == asked.life
     assert all(item.passed for item in check(design) if item.severity == "error")
-    assert all(item.passed for item in lasting_checks(Reducer(design)))
+    assert all(item.passed for item in life_checks(Reducer(design)))
     rated, _ = rated_torque(Reducer(design), asked.speed, asked.life)
     momentary, _ = momentary_torque(Reducer(design))
     assert rated >= asked.torque

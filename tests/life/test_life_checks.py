@@ -1,13 +1,17 @@
 """Hard surfaces, plastics that take a set, and the checks that sum a rating up."""
 
-import pytest
+import math
 
+import pytest
+from commands import told
+
+from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life import rate
+from cycloid_mj.life.checks import check_design, checks_of_rating, life_checks, life_remedies
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.give import CamGive, Give
-from cycloid_mj.life.lasting import checks_of, lasting_checks, lasting_ways
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
@@ -58,7 +62,7 @@ def test_an_emergency_stop_is_the_same_whatever_the_load(name: str) -> None:
 
 
 def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
-    found = {item.name: item for item in lasting_checks(Reducer(PIN))}
+    found = {item.name: item for item in life_checks(Reducer(PIN))}
     assert list(found) == ["momentary_torque", "heat", "life", "strength"]
     assert {item.name for item in found.values() if not item.passed} == {"momentary_torque", "life", "strength"}
     assert all(item.severity == "warning" and item.passed != bool(item.remedy) for item in found.values())
@@ -72,28 +76,26 @@ def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
 @pytest.mark.parametrize("name", ["pin", "printed", pytest.param("twodisc", marks=pytest.mark.slow)])
 def test_every_check_that_fails_is_mended_by_each_of_its_ways(name: str) -> None:
     reducer = Reducer(PRESETS[name])
-    ways = lasting_ways(reducer)
-    assert ways.keys() == {item.name for item in lasting_checks(reducer) if not item.passed}
+    ways = life_remedies(reducer)
+    assert ways.keys() == {item.name for item in life_checks(reducer) if not item.passed}
     for check, changes in ways.items():
         assert "drive.torque_nm" in dict(changes)
         for key, value in changes:
-            mended = {
-                item.name: item.passed for item in lasting_checks(Reducer(override(reducer.design, {key: value})))
-            }
+            mended = {item.name: item.passed for item in life_checks(Reducer(override(reducer.design, {key: value})))}
             assert mended[check], key
 
 
 def test_a_drive_at_the_torque_of_its_data_sheet_lasts() -> None:
     torque, _ = rated_torque(Reducer(PIN), PIN.drive.speed, PIN.service.life)
     lasting = PIN.but(drive={"torque": 0.99 * torque / PIN.lobes})
-    passed = {item.name: item.passed for item in checks_of(rate(lasting))}
+    passed = {item.name: item.passed for item in checks_of_rating(rate(lasting))}
     assert passed["life"]
     assert passed["strength"]
     assert passed["heat"]
 
 
 def test_a_crank_that_stands_still_has_no_such_checks() -> None:
-    assert lasting_checks(Reducer(PIN.but(drive={"speed": 0.0}))) == ()
+    assert life_checks(Reducer(PIN.but(drive={"speed": 0.0}))) == ()
 
 
 def test_a_longer_life_is_asked_for_by_the_design() -> None:
@@ -108,3 +110,37 @@ def test_a_life_that_no_give_of_the_cam_ends_is_told_once() -> None:
     assert "its life unlimited over the stiffness" in CamGive(rows).words
     shorter = (*rows, Give("stiffer", 1e10, 50.0, 500.0))
     assert "its life 500 h to unlimited over" in CamGive(shorter).words
+
+
+def test_python_and_terminal_judge_alike() -> None:
+    """At 36.68 N m the teeth of `pin` pit after 0.0017 h: `cm.check` said that all checks hold where they warned."""
+    checks = check_design(PIN)
+    assert {"life", "strength", "momentary_torque"} <= {check.name for check in checks.warnings}
+    assert not checks.failures
+    printed = told("design", "check", "pin")[1].splitlines()
+    warned = [line.split()[1] for line in printed if line.startswith("warn")]
+    assert warned == [f"{check.name}:" for check in checks.warnings]
+    assert not [line for line in printed if line.startswith(("FAIL", "ok"))]
+    assert printed[-1] == f"{len(checks)} checks: {checks.counts}"
+
+
+def test_passes_are_listed_with_all_alone() -> None:
+    """One failed check brought all "ok" rows with it, which hid it."""
+    arguments = ("design", "check", "pin", "--set", "ring.pin_radius_mm=2.7")
+    short, full = (told(*arguments, *more)[1].splitlines() for more in ((), ("--all",)))
+    assert [line.split()[0] for line in short[1:-2]] == ["FAIL"]
+    assert sum(line.startswith("ok") for line in full) == 27
+
+
+def test_items_that_outlast_everything_pass_and_wear_only_warns() -> None:
+    rating = rate(PIN)
+    judgements = {key: item.judgement(rating.life) for key, item in rating.items.items()}
+    unlimited = [key for key, item in rating.items.items() if item.margin(rating.life) == math.inf and item.decisive]
+    assert unlimited
+    assert {judgements[key] for key in unlimited} == {Judgement.PASSED}
+    assert judgements["power_lost"] is Judgement.NOT_APPLICABLE
+    assert judgements["pin_gear_pitting"] is Judgement.FAILED
+    worn = rate(PIN.but(service={"wear_coefficient": 1e-14}))
+    assert worn.items["pin_gear_wear"].judgement(worn.life) is Judgement.WARNING
+    assert worn.items["pin_gear_wear"] not in worn.failing
+    assert rating.as_json()["items"]["pin_gear_pitting"]["judgement"] == "failed"

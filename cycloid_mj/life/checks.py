@@ -1,19 +1,16 @@
-"""Whether a drive lasts at its rated torque: the checks of life, fatigue, heat and what is held once."""
+"""Checks of life, fatigue, heat and emergency stops at the rated torque, and all checks of a design together."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import MILLIMETRES, RPM
-from cycloid_mj.checks.limit import Check
-from cycloid_mj.design import override
+from cycloid_mj.checks import Check, Checks, check
+from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.item import RatedItem, Rating
-from cycloid_mj.life.items import rate
+from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.rated import is_held_once, rated_torque
 from cycloid_mj.reducer import Reducer
-
-UNDECIDED = ("_wear", "_way", "_pv", "power_lost")
-"""Items that decide nothing: figures, and wear, whose coefficient is known to a decade."""
 
 REMEDY = (
     "lower drive.torque_nm to what `cycloid-mj datasheet` rates it for, or see `cycloid-mj rate` for what to change"
@@ -39,33 +36,42 @@ KINDS = {
 """Name of a check -> what it is about, and why."""
 
 
-def decides(item: RatedItem) -> bool:
-    """Tell whether an item of a rating decides what a drive bears."""
-    return not item.key.endswith(UNDECIDED)
+def check_design(design: Named) -> Checks:
+    """Return every check of a design: whether it can be built, how well it works, and whether it lasts.
+
+    The last two need a design that can be built, and are warnings. From Python as ``cm.check(design)``.
+
+    Parameters
+    ----------
+    design
+        A design, or the name of a preset or a file.
+    """
+    design = resolve(design)
+    checks = check(design)
+    return checks if checks.failures else Checks((*checks, *life_checks(Reducer(design))))
 
 
-def lasting_checks(reducer: Reducer) -> tuple[Check, ...]:
-    """Check whether a sound design bears its rated torque and speed for the life that it asks for; all are warnings.
+def life_checks(reducer: Reducer) -> tuple[Check, ...]:
+    """Check whether a sound design withstands its rated torque and speed for its required life; all are warnings.
 
-    None where its crank stands still, or statics find no balance, which another check tells.
+    Empty where the crank stands still, or where there is no static balance, which `rated_load` reports.
     """
     try:
-        rating = rate(reducer.design)
+        return checks_of_rating(rate_at_rated_load(reducer))
     except CycloidError:
         return ()
-    return checks_of(rating)
 
 
-def lasting_ways(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
-    """Find single changes that mend the failed ones of `lasting_checks`, each as a key of the file and its value.
+def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
+    """Return the single changes that mend each failed check of `life_checks`, as keys of the design file and values.
 
     They are less torque or, by what fails, a wider gear, a shorter life or a slower crank; each was tried.
     """
     try:
-        rating = rate(reducer.design)
+        rating = rate_at_rated_load(reducer)
     except CycloidError:
         return {}
-    failed = [one for one in checks_of(rating) if not one.passed]
+    failed = [one for one in checks_of_rating(rating) if not one.passed]
     return {
         one.name: tuple(change for change in _candidates(reducer, rating, one) if _mends(reducer, change, one.name))
         for one in failed
@@ -75,7 +81,7 @@ def lasting_ways(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
 def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tuple[str, float]]:
     """Yield changes that may mend a failed check, by the laws of what fails."""
     design = reducer.design
-    keys = {item.key for item in rating.items.values() if decides(item) and _kind(item) == failed.name}
+    keys = {item.key for item in rating.items.values() if item.decisive and _kind(item) == failed.name}
     with suppress(DesignError):  # no torque is borne at all
         torque, _ = rated_torque(reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW, exact=NEAR)
         yield "drive.torque_nm", _safely(torque, BELOW) / design.reduction
@@ -90,7 +96,7 @@ def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tup
 def _mends(reducer: Reducer, change: tuple[str, float], name: str) -> bool:
     """Tell whether a check of `KINDS` holds after a change."""
     try:
-        mended = checks_of(rate(override(reducer.design, dict([change]))))
+        mended = checks_of_rating(rate(override(reducer.design, dict([change]))))
     except CycloidError:
         return False
     return all(one.passed for one in mended if one.name == name)
@@ -101,9 +107,9 @@ def _safely(value: float, side: int) -> float:
     return float(f"{(1.0 + 2.0 * side * NEAR) * value:.3g}")
 
 
-def checks_of(rating: Rating) -> tuple[Check, ...]:
+def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
     """Sum a rating up as checks: of each kind the weakest item."""
-    items = [item for item in rating.items.values() if decides(item)]
+    items = [item for item in rating.items.values() if item.decisive]
     return tuple(_checks(rating, items))
 
 

@@ -1,0 +1,48 @@
+"""The judgement of a requirement, the same on the terminal, in Python, on the page and in reports."""
+
+from collections.abc import Iterable
+from enum import StrEnum
+
+
+class Judgement(StrEnum):
+    """What a requirement amounts to; the value is the word for people and programs."""
+
+    PASSED = "passed"
+    WARNING = "warning"
+    """The requirement is not met, but what was judged works without it."""
+    FAILED = "failed"
+    NOT_APPLICABLE = "not applicable"
+    """There is no limit to judge by: a mere figure, or a life or safety that its law does not define."""
+
+
+_GRAVITY = (Judgement.FAILED, Judgement.WARNING, Judgement.PASSED, Judgement.NOT_APPLICABLE)
+
+
+def judge(margin: float | None, decisive: bool = True) -> Judgement:
+    """Judge a requirement by its margin.
+
+    Parameters
+    ----------
+    margin
+        Limit over load, or life over the required life: 1 is just enough. Infinite where nothing wears out, which is
+        passed; None or NaN where there is no limit.
+    decisive
+        Whether a requirement that is not met is a failure; else it is a warning.
+    """
+    if margin is None or margin != margin:
+        return Judgement.NOT_APPLICABLE
+    if margin >= 1.0:
+        return Judgement.PASSED
+    return Judgement.FAILED if decisive else Judgement.WARNING
+
+
+def gravest(judgements: Iterable[Judgement]) -> Judgement:
+    """Return the gravest of some judgements: failed, warning, passed; not applicable if there is no other."""
+    return min(judgements, key=_GRAVITY.index, default=Judgement.NOT_APPLICABLE)
+
+
+def count_judgements(judgements: Iterable[Judgement]) -> str:
+    """Summarize judgements in words: ``52 checks: 0 failed, 1 warning`` without the first two words."""
+    listed = list(judgements)
+    warnings = listed.count(Judgement.WARNING)
+    return f"{listed.count(Judgement.FAILED)} failed, {warnings} {'warning' if warnings == 1 else 'warnings'}"
