@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import DesignError, UsageError, warn
+from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
@@ -82,8 +82,9 @@ OffsetFlag = Annotated[
 MotorFlag = Annotated[
     Literal["auto", "nema17", "nema23", "circle"],
     Parameter(
-        help="Flange of the motor on the drive's cover, with --plate or --assembly: of NEMA 17 or 23 (a journal that "
-        "is thick enough has a bore for its shaft), or a circle of bolts. Default: auto, the largest that fits."
+        help="Motor: nema17, nema23, or circle (a bolt circle, no motor shaft). The shaft is bored for the motor's "
+        "shaft if it is thick enough; --plate and --assembly add the motor's flange. Default: auto, the largest that "
+        "fits."
     ),
 ]
 CamFlag = Annotated[
@@ -159,7 +160,7 @@ def export(
     in_stock = cam_bearing(reducer)
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)
-    files_and_clearances = exported(design, format_, chord_error, offset)
+    files_and_clearances = exported(design, format_, chord_error, offset, motor)
     sizes = _casing(reducer, motor) if plate or assembly else None
     printed = laid_out(widened(reducer, offset), chord_error, seat, sizes) if plate else None
     items = bill(reducer, seat, sizes) if plate else ()
@@ -221,16 +222,13 @@ def export(
 
 
 def _casing(reducer: Reducer, motor: "Motor") -> "Casing | None":
-    """Choose the sizes of covers and flanges; where they have no room, warn, unless a motor is asked for."""
-    from cycloid_mj.parts.export import casing
+    """Return the sizes of covers and flanges; warn if they have no room."""
+    from cycloid_mj.parts.export import casing_or_none
 
-    try:
-        return casing(reducer, motor)
-    except DesignError as error:
-        if motor != "auto":
-            raise
-        warn(reducer.design.name, (f"without covers: {error}",))
-        return None
+    sizes, reason = casing_or_none(reducer, motor)
+    if not sizes:
+        warn(reducer.design.name, (f"without covers: {reason}",))
+    return sizes
 
 
 def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:

@@ -1,11 +1,19 @@
 """Closed contours, each told once: as exact curves for CAD, and as a polygon for meshes, masses and pictures."""
 
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise, repeat
 from typing import Protocol
+
+import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts.curve import Circle, Curve, turned_curve
 from cycloid_mj.parts.polygon import circle, turned
+
+SAME_RADIUS = 1e-9
+"""Radii that differ by less are the same [m]: rounding makes 1e-17, and nothing is manufactured to a nanometre."""
 
 
 class Contour(Protocol):
@@ -22,18 +30,25 @@ class Contour(Protocol):
 
 @dataclass(frozen=True)
 class CircleContour:
-    """A whole circle [m]."""
+    """A full circle [m].
+
+    Its polygon has the angles of a circle of `polygon_radius` [m], if that is given: circles about one centre with the
+    same angles do not cross, however little their radii differ.
+    """
 
     radius: float
     centre: tuple[float, float] = (0.0, 0.0)
+    polygon_radius: float = 0.0
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return the circle."""
         return (Circle(self.centre, self.radius),)
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw it with its vertices on the circle, the first of them towards +x."""
-        return circle(self.radius, chord_error, self.centre)
+        """Return its polygon, the vertices on the circle, the first of them towards +x."""
+        if not self.polygon_radius:
+            return circle(self.radius, chord_error, self.centre)
+        return np.array(self.centre) + self.radius / self.polygon_radius * circle(self.polygon_radius, chord_error)
 
 
 @dataclass(frozen=True)
@@ -50,6 +65,35 @@ class TurnedContour:
     def polygon(self, chord_error: float) -> Array:
         """Draw the polygon, turned."""
         return turned(self.contour.polygon(chord_error), self.angle)
+
+
+def with_matching_circles(contours: Sequence[Contour], chord_error: float) -> Sequence[Contour]:
+    """Return contours of one part whose polygons of a chord error [m] do not cross where their circles do not.
+
+    Circles about one centre whose radii differ by rounding alone get the first of these radii: faces that coincide
+    must coincide exactly. Circles that are closer to each other than chords may leave them get the same angles.
+    """
+    centres: dict[tuple[float, float], set[float]] = defaultdict(set)
+    for contour in contours:
+        if type(contour) is CircleContour:
+            centres[contour.centre].add(contour.radius)
+    matched = {
+        (centre, radius): CircleContour(same, centre, 0.0 if same == group[-1] else group[-1])
+        for centre, radii in centres.items()
+        for group in _groups(sorted(radii), 2.0 * chord_error)
+        if len(group) > 1
+        for same_group in _groups(group, SAME_RADIUS)
+        for radius, same in zip(same_group, repeat(same_group[0]))
+    }
+    if not matched:
+        return contours
+    return [matched.get((one.centre, one.radius), one) if type(one) is CircleContour else one for one in contours]
+
+
+def _groups(values: Sequence[float], apart: float) -> list[list[float]]:
+    """Split rising values where neighbours differ by more than `apart`."""
+    ends = [0, *(np.flatnonzero(np.diff(values) > apart) + 1).tolist(), len(values)]
+    return [list(values[low:high]) for low, high in pairwise(ends)]
 
 
 def circles_at(radius: float, centres: Array) -> tuple[CircleContour, ...]:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.parts.polygon import crossing
 from cycloid_mj.parts.prism import Prism, Solid
@@ -70,10 +71,11 @@ def _prism_mesh(prism: Prism, name: str) -> Mesh:
 
 
 def crossed(name: str, place: Array) -> DesignError:
-    """Return the error of a part whose outlines cross or touch at a place (2,) [m]."""
+    """Return the error of a part whose outlines cross or touch at a point (2,) [m]."""
+    x, y = place * MILLIMETRES
     return DesignError(
-        f"{name}: its outline or its holes cross near x = {place[0]:.6g} m, y = {place[1]:.6g} m; "
-        "change the radii or the eccentricity there so that the part is one piece"
+        f"{name}: two of its outlines touch or cross near x = {x:.6g} mm, y = {y:.6g} mm, so the part is not one "
+        "piece; change the dimensions of the features that meet there"
     )
 
 

@@ -19,9 +19,10 @@ import trimesh
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.names import gears
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import envelope, profile
-from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts import Part, Stretch, fused, mass_properties, mesh, parts
+from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.curve import (
     SPLINE_ERROR,
     Arc,
@@ -36,16 +37,19 @@ from cycloid_mj.parts.export import (
     Format,
     Spline,
     casing,
+    casing_or_none,
     drive_files,
     export,
     part_sections,
+    plate,
     read_stl,
     read_volume,
     step_part,
     stl_bytes,
 )
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.printing import made_parts
+from cycloid_mj.parts.export.casing import bored_shaft, casing_parts, motor_bore
+from cycloid_mj.parts.export.printing import made_parts, separate_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import triangulated
 from cycloid_mj.parts.polygon import arc, area_moments, circle
@@ -69,7 +73,9 @@ def design(request: pytest.FixtureRequest) -> Design:
 def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
     """One watertight body each, in millimetres, and of the volume that the solid has at this chord error."""
     found = export(design, file_format, CHORD_ERROR)  # type: ignore[arg-type]
-    solids = parts(Reducer(design), CHORD_ERROR)
+    reducer = Reducer(design)
+    bored = bored_shaft(reducer, casing_or_none(reducer)[0], CHORD_ERROR).solid(CHORD_ERROR)
+    solids = parts(reducer, CHORD_ERROR) | {"shaft": bored}
     assert {name.partition(".")[0] for name in found.files} == set(solids)
     for name, content in found.files.items():
         part = trimesh.load(io.BytesIO(content), file_type=file_format, process=file_format == "stl")
@@ -263,7 +269,7 @@ def test_an_outline_that_crosses_itself_is_an_error(monkeypatch: pytest.MonkeyPa
         return outline
 
     monkeypatch.setattr("cycloid_mj.parts.gear.gear_outline", crossed)
-    with pytest.raises(DesignError, match="gear: its outline or its holes cross near"):
+    with pytest.raises(DesignError, match="gear: two of its outlines touch or cross near"):
         export(PIN, "stl", 2.3e-5)  # a chord error that no other test has: solids of a shape are kept
 
 
@@ -442,6 +448,60 @@ def test_step_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(CycloidError, match=r"cycloid-mj\[cad\]"):
         export(PIN, "step")
+
+
+@pytest.mark.parametrize("file_format", ["stl", "dxf", "step"])
+@pytest.mark.parametrize("name", ["twodisc", "pin"])
+def test_the_shaft_is_bored_for_the_motor_in_every_format(name: str, file_format: Format) -> None:
+    """The bore is that of the assembly: a plain shaft of two discs, and the crank of a single disc."""
+    reducer = Reducer(PRESETS[name])
+    sizes = casing(reducer)
+    bore = motor_bore(reducer, sizes)
+    assert bore is not None
+    radius, start, end = bore
+    content = export(PRESETS[name], file_format, CHORD_ERROR).files[f"shaft.{file_format}"]
+    bored, solid = separate_parts(reducer, sizes=sizes)["shaft"], parts(reducer)["shaft"]
+    volume = mass_properties(bored.solid(FINE)).volume
+    assert volume == pytest.approx(mass_properties(solid).volume - math.pi * radius**2 * (end - start), rel=1e-5)
+    if file_format == "dxf":
+        circles = ezdxf.read(io.StringIO(content.decode())).modelspace().query("CIRCLE")
+        assert 1e3 * radius in [pytest.approx(one.dxf.radius) for one in circles]
+    elif file_format == "step":
+        assert read_volume(content) == pytest.approx(volume, rel=1e-3)
+    else:
+        mesh_of_file = trimesh.load(io.BytesIO(content), file_type="stl")
+        assert mesh_of_file.volume * 1e-9 == pytest.approx(volume, rel=1e-3)
+
+
+def test_the_shaft_is_not_bored_for_a_motor_without_a_shaft() -> None:
+    files = export(PRESETS["twodisc"], "stl", CHORD_ERROR, motor="circle").files
+    assert files["shaft.stl"] == stl_bytes(fused(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
+
+
+MILLED = Path(__file__).parents[1] / "data" / "rim_equals_shoulder.toml"
+
+
+@pytest.mark.parametrize("chord_error", [1e-6, 1e-5, 1e-4])
+def test_faces_whose_radii_differ_by_rounding_alone_make_one_mesh(chord_error: float) -> None:
+    """In this drive, rim and shoulder of the output are both 27.25 mm, the second one unit in the last place more."""
+    reducer = Reducer(resolve(str(MILLED)))
+    sizes = casing(reducer)
+    _, shoulder, _ = casing_parts(reducer, sizes)["output"].rounds
+    assert sizes.rim != shoulder[0]
+    assert sizes.rim == pytest.approx(shoulder[0], abs=1e-15)
+    printed = plate(reducer, chord_error, 0.0, sizes)
+    assert printed.counts["output"] == 1
+
+
+def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
+    """A step of 1 um in the radius, drawn with chords that leave the circle by 100 um."""
+    radii = (27.25e-3, 27.251e-3, 27.4e-3)
+    stretches = tuple(
+        Stretch("step", CircleContour(radius), (), float(number), number + 1.0) for number, radius in enumerate(radii)
+    )
+    shape = fused(Part("stepped", stretches, 1.0).solid(1e-4))
+    volume = math.pi * sum(radius**2 for radius in radii)
+    assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 
 
 @pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "step"])

@@ -13,11 +13,12 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import PartSection, Solid, fused, mass_properties, part_sections, parts
+from cycloid_mj.parts import Part, PartSection, Solid, fused, mass_properties, part_sections, parts
+from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing, shaft_bearing
-from cycloid_mj.parts.export.casing import Casing, Motor, casing
+from cycloid_mj.parts.export.casing import Casing, Motor, bored_shaft, casing, casing_or_none
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order
@@ -52,6 +53,7 @@ __all__ = [
     "bill_csv",
     "cam_bearing",
     "casing",
+    "casing_or_none",
     "drive_files",
     "dxf_bytes",
     "export",
@@ -102,7 +104,13 @@ class Export(Presented):
         return f"{', '.join(self.files)}; {sum(map(len, self.files.values())) / 1000.0:.4g} kB"
 
 
-def export(design: Named, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
+def export(
+    design: Named,
+    file_format: Format,
+    chord_error: float = CHORD_ERROR,
+    offset: float = 0.0,
+    motor: Motor = "auto",
+) -> Export:
     """Export every part of a design in a format, one file a part.
 
     Parameters
@@ -116,12 +124,14 @@ def export(design: Named, file_format: Format, chord_error: float = CHORD_ERROR,
         Largest distance of a mesh's chords from the curve [m]; splines have their own error, 0.01 um.
     offset
         What every clearance of the outlines is wider than the design asks for [m], for a printer; see `widened`.
+    motor
+        Motor whose shaft the crank is bored for; ``auto``: the largest that fits, or none.
 
     Raises
     ------
     DesignError
-        A part cannot be made, is not watertight, or has not the volume or the clearance that it should have; or the
-        sockets are closed, or the ring of several discs is in two halves.
+        A part cannot be manufactured, is not watertight, or has not the volume or the clearance that it should have;
+        the motor does not fit; or the sockets are closed, or the ring of several discs is in two halves.
     CycloidError
         The extra for STEP is not installed.
     """
@@ -130,7 +140,8 @@ def export(design: Named, file_format: Format, chord_error: float = CHORD_ERROR,
     require_drawn(reducer.design, "files of its parts")
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
-    exported = _with_halves(widened(reducer, offset), file_format, chord_error)
+    sizes = casing_or_none(reducer, motor)[0]
+    exported = _with_halves(widened(reducer, offset), file_format, chord_error, sizes)
     return Export(
         exported.files,
         tuple(
@@ -166,15 +177,15 @@ def drive_files(
     return {f"{name}.step": step_part(name, sections[name]) for name in made}
 
 
-def _with_halves(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+def _with_halves(reducer: Reducer, file_format: Format, chord_error: float, sizes: Casing | None) -> Export:
     """Export every part; of a ring in two halves each by itself, as it is made, and the pins as long as one."""
     ring = reducer.design.ring
     if ring.halves == 1:
-        return _exported(reducer, file_format, chord_error)
+        return _exported(reducer, file_format, chord_error, sizes)
     one = reducer.but(ring={"halves": 1, "preload": 0.0})
-    whole = _exported(one, file_format, chord_error)
+    whole = _exported(one, file_format, chord_error, sizes)
     width = 0.5 * (1.0 - SLIT) * reducer.design.gear.face_width
-    half = _exported(one.but(gear={"face_width": width}), file_format, chord_error).files
+    half = _exported(one.but(gear={"face_width": width}), file_format, chord_error, None).files
     housing = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
     for name, content in whole.files.items():
@@ -185,19 +196,22 @@ def _with_halves(reducer: Reducer, file_format: Format, chord_error: float) -> E
     return Export(files, whole.clearances)
 
 
-def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+def _exported(reducer: Reducer, file_format: Format, chord_error: float, sizes: Casing | None) -> Export:
+    shaft = bored_shaft(reducer, sizes, chord_error if file_format in ("stl", "obj") else None)
     if file_format in ("stl", "obj"):
-        return _meshes(reducer, file_format, chord_error)
-    sections = part_sections(reducer, SPLINES if file_format == "step" else 1)
+        return _meshes(reducer, file_format, chord_error, shaft)
+    splines = SPLINES if file_format == "step" else 1
+    sections = part_sections(reducer, splines) | {names.SHAFT: shaft.sections(splines)}
     discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in reducer.gears]
     clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
-    return Export({f"{name}.step": _step(reducer, name, stretches) for name, stretches in sections.items()}, clearances)
+    solids = parts(reducer) | {names.SHAFT: shaft.solid(mass_chord_error(reducer))}
+    return Export({f"{name}.step": _step(reducer, solids[name], sections[name]) for name in sections}, clearances)
 
 
-def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
-    solids = parts(reducer, chord_error)
+def _meshes(reducer: Reducer, file_format: Format, chord_error: float, shaft: Part) -> Export:
+    solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}
     discs = [solids[gear].prisms[0] for gear in reducer.gears]
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
@@ -218,14 +232,14 @@ def _apart(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
     return {**solids, names.HOUSING: wheel, PRESSED_PIN: replace(core, name=PRESSED_PIN)}
 
 
-def _step(reducer: Reducer, name: str, stretches: tuple[PartSection, ...]) -> bytes:
-    """Encode a part as STEP if the solid read back from it has the part's volume."""
-    apart = reducer.design.ring.teeth if name == "housing" and reducer.design.ring.has_sleeves else 0
-    content = step_part(name, stretches, 1 + apart)
-    volume, true = read_volume(content), mass_properties(parts(reducer)[name]).volume
+def _step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:
+    """Encode a part as STEP and check the volume of the solid that is read back against that of the part."""
+    apart = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
+    content = step_part(solid.name, stretches, 1 + apart)
+    volume, true = read_volume(content), mass_properties(solid).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
-            f"the STEP solid of the {name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "
+            f"the STEP solid of the {solid.name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "
             "export stl instead, and please report this design"
         )
     return content

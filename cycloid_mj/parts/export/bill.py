@@ -30,6 +30,7 @@ from cycloid_mj.parts.export.casing import (
     casing_places,
     flange_screw_length,
     insert_in,
+    motor_bore,
     motor_screw,
 )
 from cycloid_mj.parts.export.printing import (
@@ -99,11 +100,13 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
 def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     for name, part in made_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
-        yield BillLine(item, part.count, _extent(part), _material(reducer, material_part(reducer, name)), "made")
+        bored = _bored(reducer, sizes) if name == names.SHAFT else ""
+        material = _material(reducer, material_part(reducer, name))
+        yield BillLine(item, part.count, _extent(part) + bored, material, "made")
 
 
 def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    yield from _pins(reducer)
+    yield from _pins(reducer, sizes)
     yield from _rollers(reducer)
     yield from _bearings(reducer, cam_seat)
     if sizes:
@@ -138,7 +141,7 @@ def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         yield BillLine(DOWEL, places.count(DOWEL), size, "steel", "bought", dowel.designation, PRESSED)
 
 
-def _pins(reducer: Reducer) -> Iterator[BillLine]:
+def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
     """List ring pins, output pins and the shaft of several discs, which are round bars."""
     design = reducer.design
     ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
@@ -157,9 +160,18 @@ def _pins(reducer: Reducer) -> Iterator[BillLine]:
         yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESSED)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (drawn,) = parts(reducer)[names.SHAFT].prisms
-        size = _round(("diameter", shaft.radius), length=drawn.height)
+        size = _round(("diameter", shaft.radius), length=drawn.height) + _bored(reducer, sizes)
         bar = f"ground bar {_mm(2.0 * shaft.radius)} h6" if 2.0 * shaft.radius in stock.bar_diameters() else ""
         yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar)
+
+
+def _bored(reducer: Reducer, sizes: Casing | None) -> str:
+    """Format diameter and depth of the shaft's bore for the motor's shaft; empty if there is none."""
+    bore = motor_bore(reducer, sizes) if sizes else None
+    if not bore:
+        return ""
+    radius, start, end = bore
+    return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
 
 
 def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:

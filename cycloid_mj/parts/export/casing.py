@@ -19,7 +19,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import Stretch, crank_stretches
+from cycloid_mj.parts import Part, Stretch, crank_stretches, laid_out
 from cycloid_mj.parts.contour import CircleContour, circles_at
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
@@ -242,6 +242,22 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         flange_bolt=bolt,
         flange_thickness=_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
     )
+
+
+def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | None, str]:
+    """Return the casing, or None and the reason why covers, bearings or screws have no room.
+
+    Raises
+    ------
+    DesignError
+        There is no casing with the motor that was chosen.
+    """
+    try:
+        return casing(reducer, motor), ""
+    except DesignError as error:
+        if motor != "auto":
+            raise
+        return None, str(error)
 
 
 def least_wall(reducer: Reducer) -> float:
@@ -513,8 +529,8 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
         OUTPUT_BEARING: tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
         SHAFT_BEARING: tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
     }
-    if bore := _motor_bore(reducer, sizes):
-        parts[names.SHAFT] = bore
+    if bore := motor_bore(reducer, sizes):
+        parts[names.SHAFT] = _bored(bore)
     threads = {SCREW_INSERT: bolt.thread, FLANGE_INSERT: sizes.flange_bolt.thread}
     threads |= {LOAD_INSERT: sizes.flange_bolt.thread}
     if sizes.motor.tapped:
@@ -590,7 +606,7 @@ def flange_screw_length(sizes: Casing) -> float:
 
 
 def with_holes(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Lay out a part of the casing, or cut its holes into the stretches of a part of the mechanism.
+    """Return the stretches of a part of the casing, or those of a part of the mechanism with the casing's holes.
 
     The stretches end at all faces of the part and of its holes.
     """
@@ -609,16 +625,29 @@ def with_holes(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tup
                 if start < 0.5 * (low + high) < end
                 for hole in circles_at(radius, centres)
             ]
-            laid.append(Stretch(name, shell.outline, (*shell.holes, *through), low, high))
+            laid.append(Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high))
     return tuple(laid)
 
 
-def _motor_bore(reducer: Reducer, sizes: Casing) -> CasingPart | None:
-    """Build the bore of the crank for the motor's shaft; none where no motor is chosen."""
+def motor_bore(reducer: Reducer, sizes: Casing) -> Round | None:
+    """Return radius, start and end [m] of the shaft's bore for the motor's shaft; None if the motor states no shaft."""
     motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
-    if not motor.shaft:
-        return None
-    return CasingPart(names.SHAFT, holes=((AXIS, motor.shaft, start, sizes.face + motor.shaft_length),))
+    return (motor.shaft, start, sizes.face + motor.shaft_length) if motor.shaft else None
+
+
+def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
+    """Return the shaft, bored where the motor's shaft enters if `sizes` state one.
+
+    `chord_error` [m] is that of the outlines that balance, see `laid_out`.
+    """
+    shaft = laid_out(reducer, chord_error)[names.SHAFT]
+    bore = motor_bore(reducer, sizes) if sizes else None
+    return shaft.of(with_holes(names.SHAFT, _bored(bore), shaft.stretches)) if bore else shaft
+
+
+def _bored(bore: Round) -> CasingPart:
+    radius, start, end = bore
+    return CasingPart(names.SHAFT, holes=((AXIS, radius, start, end),))
 
 
 def _ring(reducer: Reducer, sizes: Casing) -> CasingPart:
