@@ -30,11 +30,20 @@ PLATE, NAMED_PLATE, BILL = "plate.stl", "plate.3mf", "bom.csv"
 ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded"
 
 FormatFlag = Annotated[
-    Literal["stl", "obj", "dxf", "step"],
+    Literal["stl", "obj", "dxf", "svg", "step"],
     Parameter(
         name="--format",
-        help="stl, obj: meshes; dxf: outlines with one spline a lobe (extra dxf); step: solids (extra "
-        "cad: pip install 'cycloid-mj[cad]'). All in mm. Default: stl.",
+        help="stl, obj: meshes; dxf: exact outlines with one spline per lobe (extra dxf; some programs ignore splines: "
+        "add --polylines, or use svg); svg: outlines as closed paths; step: solids (extra cad: "
+        "pip install 'cycloid-mj[cad]'). All in mm. Default: stl.",
+    ),
+]
+PolylinesFlag = Annotated[
+    bool,
+    Parameter(
+        negative=(),
+        help="With --format dxf: closed polylines (LWPOLYLINE) within --chord-error-um, and circles, instead of "
+        "splines, for programs that ignore splines.",
     ),
 ]
 OutFlag = Annotated[
@@ -49,7 +58,8 @@ ChordFlag = Annotated[
     Parameter(
         metavar="X",
         validator=within(SMALLEST_UM, LARGEST_UM),
-        help="Largest distance of a mesh's edges from the true outline [um], for stl and obj. Default: 1.",
+        help="Largest distance of straight edges from the true outline [um], for stl, obj, svg and --polylines. "
+        "Default: 1.",
     ),
 ]
 PlateFlag = Annotated[
@@ -104,6 +114,7 @@ def export(
     *,
     format_: FormatFlag = "stl",
     out: OutFlag = None,
+    polylines: PolylinesFlag = False,
     chord_error_um: ChordFlag = 1.0,
     plate: PlateFlag = False,
     assembly: AssemblyFlag = False,
@@ -153,6 +164,8 @@ def export(
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
+    if polylines and format_ != "dxf":
+        raise UsageError(f"--polylines is an option of --format dxf, not of {format_}: remove it, or use --format dxf")
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     reducer = Reducer(design)
     if plate or assembly:
@@ -160,13 +173,13 @@ def export(
     in_stock = cam_bearing(reducer)
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)
-    files_and_clearances = exported(design, format_, chord_error, offset, motor)
+    files_and_clearances = exported(design, format_, chord_error, offset, motor, polylines=polylines)
     sizes = _casing(reducer, motor) if plate or assembly else None
     printed = laid_out(widened(reducer, offset), chord_error, seat, sizes) if plate else None
     items = bill(reducer, seat, sizes) if plate else ()
     parts = dict(files_and_clearances.files)
     if sizes:
-        parts |= drive_files(widened(reducer, offset), format_, sizes, chord_error, seat)
+        parts |= drive_files(widened(reducer, offset), format_, sizes, chord_error, seat, polylines=polylines)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}

@@ -96,6 +96,15 @@ def _groups(values: Sequence[float], apart: float) -> list[list[float]]:
     return [list(values[low:high]) for low, high in pairwise(ends)]
 
 
+def circle_of(contour: Contour) -> Circle | None:
+    """Return the circle that a contour is, or None if it has another shape."""
+    if isinstance(contour, TurnedContour):
+        inner = circle_of(contour.contour)
+        turned_inner = turned_curve(inner, -contour.angle) if inner else None
+        return turned_inner if isinstance(turned_inner, Circle) else None
+    return Circle(contour.centre, contour.radius) if isinstance(contour, CircleContour) else None
+
+
 def circles_at(radius: float, centres: Array) -> tuple[CircleContour, ...]:
     """Place equal circles of a radius [m] at centres (n, 2) [m]."""
     return tuple(CircleContour(radius, (float(x), float(y))) for x, y in centres)

@@ -6,17 +6,19 @@ import io
 import itertools
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
 import pytest
 import trimesh
 
-from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.names import gears
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override, resolve
@@ -100,7 +102,7 @@ def test_stl_is_single_precision_of_the_mesh() -> None:
         read_stl(stl_bytes(shape)[:-1])
 
 
-@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf"])
+@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "svg"])
 def test_the_same_design_gives_the_same_bytes(file_format: str) -> None:
     first, second = (export(NONPIN, file_format, CHORD_ERROR) for _ in range(2))  # type: ignore[arg-type]
     assert first == second
@@ -478,6 +480,111 @@ def test_the_shaft_is_not_bored_for_a_motor_without_a_shaft() -> None:
     assert files["shaft.stl"] == stl_bytes(fused(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
 
 
+def distances(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+    """Return the distance of points (n, 2) from the edges of a closed polygon."""
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    along = b - a
+    share = ((points[:, np.newaxis] - a) * along).sum(axis=2) / (along**2).sum(axis=1)
+    nearest = a + np.clip(share, 0.0, 1.0)[..., np.newaxis] * along
+    return np.linalg.norm(points[:, np.newaxis] - nearest, axis=2).min(axis=1)
+
+
+@pytest.mark.parametrize("chord_um", [1.0, 20.0])
+@pytest.mark.parametrize("name", ["pin", "nonpin"])
+def test_polylines_follow_the_splines_within_the_chord_error(name: str, chord_um: float) -> None:
+    """The DXF has no SPLINE; its closed polylines leave the exact outline by at most the chord error."""
+    exact, chords = export(PRESETS[name], "dxf").files, export(PRESETS[name], "dxf", 1e-6 * chord_um, polylines=True)
+    assert set(chords.files) == set(exact)
+    assert chords.clearances[0].least == pytest.approx(chords.clearances[0].asked, abs=2e-6 * chord_um)
+    for part in ("gear", "housing"):
+        space = read_dxf(chords.files[f"{part}.dxf"])
+        kinds = {entity.dxftype() for entity in space}
+        assert kinds <= {"LWPOLYLINE", "CIRCLE"}, kinds
+        polylines = [entity for entity in space if entity.dxftype() == "LWPOLYLINE"]
+        assert all(line.closed for line in polylines)
+        (outline,) = (np.array(line.get_points("xy")) for line in polylines)
+        curves = [one for one in read_dxf(exact[f"{part}.dxf"]) if one.dxftype() in ("SPLINE", "ARC")][:3]
+        points = np.array([[*point][:2] for one in curves for point in one.flattening(1e-5)])
+        assert distances(points, outline).max() <= 1e-3 * chord_um + 2e-5
+        circles = sorted(one.dxf.radius for one in space if one.dxftype() == "CIRCLE")
+        assert circles == sorted(one.dxf.radius for one in read_dxf(exact[f"{part}.dxf"]) if one.dxftype() == "CIRCLE")
+
+
+def svg_polygons(content: bytes) -> list[np.ndarray]:
+    """Return the closed loops of an SVG file by their points, y upwards; of a circle, a half of it by two points."""
+    root = ElementTree.fromstring(content.decode())
+    paths = [one.attrib["d"] for one in root.iter("{http://www.w3.org/2000/svg}path")]
+    loops = [loop for path in paths for loop in path.split("M")[1:]]
+    numbers = [np.array(re.findall(r"-?[0-9.]+", re.sub(r"A[-0-9. ]+? 0 0 0", "", loop)), float) for loop in loops]
+    return [one.reshape(-1, 2) * (1.0, -1.0) for one in numbers]
+
+
+@pytest.mark.parametrize("name", ["pin", "twodisc"])
+def test_svg_has_the_outlines_of_the_polylines_in_millimetres(name: str) -> None:
+    drawn, polylines = export(PRESETS[name], "svg"), export(PRESETS[name], "dxf", polylines=True)
+    assert {Path(file).stem for file in drawn.files} == {Path(file).stem for file in polylines.files}
+    assert drawn.clearances == polylines.clearances
+    for file, content in drawn.files.items():
+        root = ElementTree.fromstring(content.decode())
+        x, y, width, height = map(float, root.attrib["viewBox"].split())
+        assert root.attrib["width"] == f"{width:.6f}mm"
+        assert root.attrib["height"] == f"{height:.6f}mm"
+        loops = svg_polygons(content)
+        space = read_dxf(polylines.files[f"{Path(file).stem}.dxf"])
+        assert len(loops) == len(space)
+        for loop, entity in zip(loops, space, strict=True):
+            if entity.dxftype() == "CIRCLE":
+                expected = entity.dxf.center[0] + entity.dxf.radius, entity.dxf.center[1]
+                assert loop[0] == pytest.approx(expected, abs=1e-6)
+            else:
+                assert loop == pytest.approx(np.array(entity.get_points("xy")), abs=1e-6)
+        inside = np.concatenate(loops)
+        assert (inside >= (x, -y - height)).all()
+        assert (inside <= (x + width, -y)).all()
+
+
+@pytest.mark.parametrize("file_format", ["svg", "dxf"])
+def test_a_drive_with_covers_is_drawn_by_polylines(file_format: Format) -> None:
+    reducer = Reducer(PRESETS["twodisc"])
+    sizes = casing(reducer)
+    files = drive_files(reducer, file_format, sizes, 1e-5, polylines=file_format == "dxf")
+    assert {f"motor_cover.{file_format}", f"output_flange.{file_format}"} <= set(files)
+    for content in files.values():
+        kinds = {one.dxftype() for one in read_dxf(content)} if file_format == "dxf" else set()
+        assert kinds <= {"LWPOLYLINE", "CIRCLE"}
+
+
+def test_polylines_are_an_option_of_dxf(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "pin", "--format", "stl", "--polylines", "--out", str(tmp_path / "parts")]) == 2
+    assert "--polylines is an option of --format dxf" in capsys.readouterr().err
+    with pytest.raises(UsageError, match="polylines are an option of dxf"):
+        export(PIN, "svg", polylines=True)
+
+
+def test_an_offset_for_a_printer_widens_each_clearance_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Printed holes are small: an offset of 100 um narrows the disc's outline and widens its bore and holes by it."""
+    for offset in (0, 100):
+        arguments = ["export", "printed", "--format", "dxf", "--offset-um", str(offset)]
+        assert main([*arguments, "--json", "--out", str(tmp_path / str(offset))]) == 0
+        clearances = json.loads(capsys.readouterr().out)["clearances"]
+    assert [one["least"] for one in clearances] == pytest.approx([150e-6, 110e-6, 150e-6], abs=2e-8)
+
+    def radii(offset: int) -> tuple[list[float], list[float]]:
+        space = ezdxf.readfile(tmp_path / str(offset) / "gear.dxf").modelspace()
+        splines = [one for one in space if one.dxftype() == "SPLINE"]
+        outline = np.concatenate([[np.hypot(*[*point][:2]) for point in one.flattening(1e-4)] for one in splines])
+        circles = sorted({round(one.dxf.radius, 6) for one in space if one.dxftype() == "CIRCLE"})
+        return [outline.min(), outline.max()], circles
+
+    (plain, holes), (offset, wider) = radii(0), radii(100)
+    assert plain == pytest.approx([28.95, 31.95], abs=1e-4)
+    assert offset == pytest.approx([28.85, 31.85], abs=1e-4)
+    assert holes == pytest.approx([6.05, 10.51], abs=1e-6)
+    assert wider == pytest.approx([6.15, 10.61], abs=1e-6)
+    for file in (tmp_path / "0").iterdir():
+        assert (file.read_bytes() == (tmp_path / "100" / file.name).read_bytes()) == (file.name != "gear.dxf")
+
+
 MILLED = Path(__file__).parents[1] / "data" / "rim_equals_shoulder.toml"
 
 
@@ -504,7 +611,7 @@ def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
     assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 
 
-@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "step"])
+@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "svg", "step"])
 def test_every_made_part_of_a_whole_drive_is_a_file(file_format: Format) -> None:
     """Covers and flange too; the solids have the volumes of the meshes."""
     reducer = Reducer(PRESETS["printed"])

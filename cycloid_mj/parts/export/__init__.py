@@ -9,20 +9,21 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import Part, PartSection, Solid, fused, mass_properties, part_sections, parts
+from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fused, laid_out, mass_properties, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.assembly import Place, assembly_sections, assembly_step, places
+from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import Casing, Motor, bored_shaft, casing, casing_or_none
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
+from cycloid_mj.parts.export.polylines import dxf_polylines, polyline_sections, svg_bytes
 from cycloid_mj.parts.export.printing import PRESSED_PIN, made_parts, widened
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
@@ -73,11 +74,11 @@ __all__ = [
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 
-Format = Literal["stl", "obj", "dxf", "step"]
-FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "step")
+Format = Literal["stl", "obj", "dxf", "svg", "step"]
+FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "svg", "step")
 
 CHORD_ERROR = 1e-6
-"""Chord error of exported meshes [m]."""
+"""Chord error of exported meshes and polylines [m]."""
 
 VOLUME_TOLERANCE = 1e-3
 """Relative; OpenCASCADE integrates splines no better, and a lost hole or a filled valley is far more."""
@@ -110,6 +111,8 @@ def export(
     chord_error: float = CHORD_ERROR,
     offset: float = 0.0,
     motor: Motor = "auto",
+    *,
+    polylines: bool = False,
 ) -> Export:
     """Export every part of a design in a format, one file a part.
 
@@ -118,14 +121,17 @@ def export(
     design
         A design, or the name of a preset or a file: the design; its clearances are in the outlines.
     file_format
-        ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles) or ``step`` (solids; needs
-        the extra ``cad``).
+        ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles; needs the extra ``dxf``),
+        ``svg`` (cross-sections as closed paths) or ``step`` (solids; needs the extra ``cad``).
     chord_error
-        Largest distance of a mesh's chords from the curve [m]; splines have their own error, 0.01 um.
+        Largest distance of chords from the curve [m], in meshes and polylines; splines have their own error, 0.01 um.
     offset
         What every clearance of the outlines is wider than the design asks for [m], for a printer; see `widened`.
     motor
         Motor whose shaft the crank is bored for; ``auto``: the largest that fits, or none.
+    polylines
+        For ``dxf``: closed polylines within the chord error in place of splines, arcs and lines, for programs that
+        ignore splines. Full circles stay circles.
 
     Raises
     ------
@@ -133,15 +139,16 @@ def export(
         A part cannot be manufactured, is not watertight, or has not the volume or the clearance that it should have;
         the motor does not fit; or the sockets are closed, or the ring of several discs is in two halves.
     CycloidError
-        The extra for STEP is not installed.
+        The extra for DXF or STEP is not installed.
     """
     design = resolve(design)
+    encoding = _Encoding(file_format, chord_error, polylines)
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
     sizes = casing_or_none(reducer, motor)[0]
-    exported = _with_halves(widened(reducer, offset), file_format, chord_error, sizes)
+    exported = _with_halves(widened(reducer, offset), encoding, sizes)
     return Export(
         exported.files,
         tuple(
@@ -152,7 +159,13 @@ def export(
 
 
 def drive_files(
-    reducer: Reducer, file_format: Format, sizes: Casing, chord_error: float = CHORD_ERROR, cam_seat: float = 0.0
+    reducer: Reducer,
+    file_format: Format,
+    sizes: Casing,
+    chord_error: float = CHORD_ERROR,
+    cam_seat: float = 0.0,
+    *,
+    polylines: bool = False,
 ) -> dict[str, bytes]:
     """Export every manufactured part of an assembled drive, one file a part, by name.
 
@@ -164,28 +177,62 @@ def drive_files(
     DesignError
         A part cannot be made.
     CycloidError
-        The extra for STEP is not installed.
+        The extra for DXF or STEP is not installed.
     """
+    encoding = _Encoding(file_format, chord_error, polylines)
     made = made_parts(reducer, chord_error, cam_seat, sizes)
-    if file_format == "stl":
-        return {f"{name}.stl": stl_bytes(fused(one.solid), MILLIMETRES) for name, one in made.items()}
-    if file_format == "obj":
-        return {f"{name}.obj": obj_bytes(fused(one.solid), name, MILLIMETRES) for name, one in made.items()}
+    if encoding.is_mesh:
+        return {f"{name}.{file_format}": encoding.mesh(name, fused(one.solid)) for name, one in made.items()}
+    if encoding.is_polylines:
+        laid = assembly_parts(reducer, sizes)
+        return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in made}
     sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
     if file_format == "dxf":
         return {f"{name}.dxf": dxf_bytes(sections[name]) for name in made}
     return {f"{name}.step": step_part(name, sections[name]) for name in made}
 
 
-def _with_halves(reducer: Reducer, file_format: Format, chord_error: float, sizes: Casing | None) -> Export:
-    """Export every part; of a ring in two halves each by itself, as it is made, and the pins as long as one."""
-    ring = reducer.design.ring
+@dataclass(frozen=True)
+class _Encoding:
+    """How parts are encoded: format, chord error [m], and whether DXF has polylines in place of splines."""
+
+    file_format: Format
+    chord_error: float
+    polylines: bool
+
+    def __post_init__(self) -> None:
+        if self.polylines and self.file_format != "dxf":
+            raise UsageError(f"polylines are an option of dxf, not of {self.file_format}: choose dxf, or omit them")
+
+    @property
+    def is_mesh(self) -> bool:
+        return self.file_format in ("stl", "obj")
+
+    @property
+    def is_polylines(self) -> bool:
+        return self.polylines or self.file_format == "svg"
+
+    def mesh(self, name: str, shape: Mesh) -> bytes:
+        """Encode a mesh as STL or OBJ."""
+        if self.file_format == "stl":
+            return stl_bytes(shape, MILLIMETRES)
+        return obj_bytes(shape, name, MILLIMETRES)
+
+    def polylines_of(self, part: Part) -> bytes:
+        """Encode the sections of a part as SVG or DXF of polylines."""
+        sections = polyline_sections(part, self.chord_error)
+        return svg_bytes(sections) if self.file_format == "svg" else dxf_polylines(sections)
+
+
+def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    """Export every part; the halves of a ring each on its own, as manufactured, and pins with the length of a half."""
+    ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
-        return _exported(reducer, file_format, chord_error, sizes)
+        return _exported(reducer, encoding, sizes)
     one = reducer.but(ring={"halves": 1, "preload": 0.0})
-    whole = _exported(one, file_format, chord_error, sizes)
+    whole = _exported(one, encoding, sizes)
     width = 0.5 * (1.0 - SLIT) * reducer.design.gear.face_width
-    half = _exported(one.but(gear={"face_width": width}), file_format, chord_error, None).files
+    half = _exported(one.but(gear={"face_width": width}), encoding, None).files
     housing = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
     for name, content in whole.files.items():
@@ -196,10 +243,11 @@ def _with_halves(reducer: Reducer, file_format: Format, chord_error: float, size
     return Export(files, whole.clearances)
 
 
-def _exported(reducer: Reducer, file_format: Format, chord_error: float, sizes: Casing | None) -> Export:
-    shaft = bored_shaft(reducer, sizes, chord_error if file_format in ("stl", "obj") else None)
-    if file_format in ("stl", "obj"):
-        return _meshes(reducer, file_format, chord_error, shaft)
+def _exported(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    file_format = encoding.file_format
+    if encoding.is_mesh or encoding.is_polylines:
+        return _exported_polygons(reducer, encoding, sizes)
+    shaft = bored_shaft(reducer, sizes)
     splines = SPLINES if file_format == "step" else 1
     sections = part_sections(reducer, splines) | {names.SHAFT: shaft.sections(splines)}
     discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in reducer.gears]
@@ -210,17 +258,20 @@ def _exported(reducer: Reducer, file_format: Format, chord_error: float, sizes: 
     return Export({f"{name}.step": _step(reducer, solids[name], sections[name]) for name in sections}, clearances)
 
 
-def _meshes(reducer: Reducer, file_format: Format, chord_error: float, shaft: Part) -> Export:
+def _exported_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    """Export every part as a mesh or by polylines."""
+    chord_error = encoding.chord_error
+    shaft = bored_shaft(reducer, sizes, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}
     discs = [solids[gear].prisms[0] for gear in reducer.gears]
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
-    meshes = {name: fused(solid) for name, solid in _apart(reducer, solids).items()}
-    if file_format == "stl":
-        files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}
+    if encoding.is_polylines:
+        laid = laid_out(reducer, chord_error) | {names.SHAFT: shaft}
+        contents = {name: encoding.polylines_of(part) for name, part in laid.items()}
     else:
-        files = {f"{name}.obj": obj_bytes(shape, name, MILLIMETRES) for name, shape in meshes.items()}
-    return Export(files, clearances)
+        contents = {name: encoding.mesh(name, fused(solid)) for name, solid in _apart(reducer, solids).items()}
+    return Export({f"{name}.{encoding.file_format}": content for name, content in contents.items()}, clearances)
 
 
 def _apart(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:

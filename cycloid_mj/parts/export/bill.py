@@ -148,8 +148,8 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
         material = _material(reducer, names.PIN)
         if ring.has_sleeves:
-            sizes = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            yield BillLine(names.SLEEVE, ring.teeth, _round(*sizes, length=gear.stack_width), material, "bought")
+            diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
+            yield BillLine(names.SLEEVE, ring.teeth, _round(*diameters, length=gear.stack_width), material, "bought")
             core = sleeve_core_radius(reducer)
             yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESSED)
         else:

@@ -16,10 +16,7 @@ _FORMAT = "R2000"
 
 def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
     """Encode the sections of a part as DXF, each on a layer of its name, [mm]; equal sections give equal bytes."""
-    ezdxf = extra("ezdxf", "DXF", "dxf", "export stl, obj or step")
-    with _fixed_metadata(ezdxf):
-        document = ezdxf.new(_FORMAT, setup=False)
-        document.units = ezdxf.units.MM
+    with dxf_document() as document:
         space = document.modelspace()
         for section in sections:
             if section.name not in document.layers:
@@ -30,6 +27,22 @@ def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
         text = io.StringIO()
         document.write(text)
     return text.getvalue().encode()
+
+
+@contextmanager
+def dxf_document() -> Iterator[Any]:
+    """Yield a new document of ezdxf in millimetres, without time stamps and random identifiers.
+
+    Raises
+    ------
+    CycloidError
+        The package ezdxf is not installed.
+    """
+    ezdxf = extra("ezdxf", "DXF", "dxf", "export svg, stl, obj or step")
+    with _fixed_metadata(ezdxf):
+        document = ezdxf.new(_FORMAT, setup=False)
+        document.units = ezdxf.units.MM
+        yield document
 
 
 def _add(space: Any, curve: Curve, attributes: dict[str, str]) -> None:

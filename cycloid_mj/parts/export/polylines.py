@@ -1,0 +1,115 @@
+"""Cross-sections of parts as closed polylines and circles: DXF without splines, and SVG, in millimetres.
+
+Several programs drop the entity SPLINE of a DXF file without a message. A polyline follows the outline within a chord
+error; a full circle stays a circle.
+"""
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import Part
+from cycloid_mj.parts.contour import Contour, circle_of
+from cycloid_mj.parts.curve import Circle
+from cycloid_mj.parts.export.dxf import dxf_document
+
+STROKE_MM, MARGIN_MM = 0.1, 1.0
+"""Width of the lines, and the margin around a part, in an SVG file [mm]; both change no coordinate."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolylineSection:
+    """A section of a part: its name, and closed loops, the first its outline, the others its holes.
+
+    A loop is a polygon, shape (n, 2) [m], or a full circle.
+    """
+
+    name: str
+    loops: tuple[Array | Circle, ...]
+
+
+def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, ...]:
+    """Return the sections of a part; chords leave the outline by at most `chord_error` [m]."""
+    return tuple(
+        PolylineSection(
+            stretch.name, tuple(_loop(contour, chord_error) for contour in (stretch.outline, *stretch.holes))
+        )
+        for stretch in part.stretches
+    )
+
+
+def dxf_polylines(sections: tuple[PolylineSection, ...]) -> bytes:
+    """Encode sections as DXF of LWPOLYLINE and CIRCLE, each on a layer of its name; equal sections, equal bytes."""
+    with dxf_document() as document:
+        space = document.modelspace()
+        for section in sections:
+            if section.name not in document.layers:
+                document.layers.add(section.name)
+            attributes = {"layer": section.name}
+            for loop in section.loops:
+                if isinstance(loop, Circle):
+                    x, y = (MILLIMETRES * value for value in loop.centre)
+                    space.add_circle((x, y), loop.radius * MILLIMETRES, dxfattribs=attributes)
+                else:
+                    space.add_lwpolyline((loop * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)
+        text = io.StringIO()
+        document.write(text)
+    return text.getvalue().encode()
+
+
+def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:
+    """Encode sections as SVG: one path each, its holes cut out by the even-odd rule; one unit is one millimetre.
+
+    The y axis of SVG points downwards, so y is negated and the picture is not mirrored.
+    """
+    (left, low), (right, high) = (np.array(_extent(sections)) * MILLIMETRES).tolist()
+    x, y = left - MARGIN_MM, -high - MARGIN_MM
+    width, height = right - left + 2.0 * MARGIN_MM, high - low + 2.0 * MARGIN_MM
+    paths = [
+        f'<path id="{section.name}_{number}" d="{" ".join(map(_path, section.loops))}"/>'
+        for number, section in enumerate(sections, start=1)
+    ]
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.6f}mm" height="{height:.6f}mm" '
+            f'viewBox="{x:.6f} {y:.6f} {width:.6f} {height:.6f}">',
+            f'<g fill="none" fill-rule="evenodd" stroke="black" stroke-width="{STROKE_MM:g}">',
+            *paths,
+            "</g>",
+            "</svg>",
+            "",
+        ]
+    ).encode()
+
+
+def _loop(contour: Contour, chord_error: float) -> Array | Circle:
+    return circle_of(contour) or contour.polygon(chord_error)
+
+
+def _extent(sections: tuple[PolylineSection, ...]) -> tuple[Array, Array]:
+    """Return the smallest and the largest coordinates (x, y) of sections [m]."""
+    corners = np.concatenate([np.vstack(list(_corners(loop))) for section in sections for loop in section.loops])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _corners(loop: Array | Circle) -> Iterator[Array]:
+    if isinstance(loop, Circle):
+        yield np.array(loop.centre) - loop.radius
+        yield np.array(loop.centre) + loop.radius
+    else:
+        yield loop.min(axis=0)
+        yield loop.max(axis=0)
+
+
+def _path(loop: Array | Circle) -> str:
+    """Format a closed loop as path data [mm]: a polygon, or a circle as two half circles."""
+    if isinstance(loop, Circle):
+        (x, y), radius = (MILLIMETRES * value for value in loop.centre), loop.radius * MILLIMETRES
+        half = f"A{radius:.6f} {radius:.6f} 0 0 0"
+        return f"M{x + radius:.6f} {-y:.6f} {half} {x - radius:.6f} {-y:.6f} {half} {x + radius:.6f} {-y:.6f} Z"
+    return "M" + " ".join(f"{x:.6f} {-y:.6f}" for x, y in (loop * MILLIMETRES).tolist()) + " Z"
