@@ -8,14 +8,16 @@ do it, takes a way out, and goes on to the drive's figures: with the mouse and t
 
 import argparse
 import os
+import re
 import socket
 import subprocess
 import sys
+import tempfile
 import time
-import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from chromium import Tab, tab
 
@@ -30,23 +32,32 @@ Shown = Callable[[str], None]
 
 @contextmanager
 def serving(*words: str) -> Iterator[str]:
-    """Serve the page as a user does, and give its address."""
+    """Serve the page as a user does, and return its address with the access token."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     command = [sys.executable, "-m", "cycloid_mj", "app", "--no-browser", "--port", str(port), *words]
     environment = {key: value for key, value in os.environ.items() if "PYTEST" not in key}
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL, cwd=ROOT, env=environment) as server:
+    with (
+        tempfile.TemporaryFile("w+") as messages,
+        subprocess.Popen(command, stderr=messages, cwd=ROOT, env=environment) as server,
+    ):
         try:
-            for _ in range(900):
-                try:
-                    urllib.request.urlopen(f"http://127.0.0.1:{port}").close()
-                    break
-                except OSError:
-                    time.sleep(0.1)
-            yield f"http://127.0.0.1:{port}"
+            yield _printed_address(server, messages)
         finally:
             server.terminate()
+
+
+def _printed_address(server: "subprocess.Popen[bytes]", messages: IO[str]) -> str:
+    """Wait for the address that the command prints."""
+    for _ in range(900):
+        messages.seek(0)
+        if printed := re.search(r"http://\S+", messages.read()):
+            return printed[0]
+        if server.poll() is not None:
+            break
+        time.sleep(0.1)
+    raise RuntimeError("the server did not start")
 
 
 def walk(page: Tab, address: str, shown: Shown) -> float:

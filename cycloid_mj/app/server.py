@@ -1,23 +1,32 @@
-"""The page's server: Python's own, on this machine alone, for JSON questions, files and the page itself."""
+"""The page's server: starlette and uvicorn, on this computer only, for JSON questions, files and the page itself."""
 
 import gc
 import json
 import logging
-import sys
+import secrets
+import socket
 import threading
 import traceback
 import webbrowser
 from collections.abc import Mapping
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib import resources
 from typing import Any
-from urllib.parse import quote, unquote
+from urllib.parse import quote
 
+import uvicorn
+from anyio.to_thread import run_sync
+from starlette.applications import Starlette
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+from starlette.types import ASGIApp
+
+from cycloid_mj.app.access import AccessControl
 from cycloid_mj.app.answers import in_words
 from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER, loaded, long_work
+from cycloid_mj.app.connections import TIMEOUT_S, LimitedConnection
 from cycloid_mj.app.jobs import Jobs
-from cycloid_mj.app.local import REFUSED, allowed
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.state import values_of
 from cycloid_mj.app.workers import Workers
@@ -27,36 +36,43 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import PROCESSES
 
-LARGEST = 1_000_000
+MAX_BODY_BYTES = 1_000_000
 """Bytes of a question; a design file has some thousand."""
 
-MOST_ASKED = 24
-"""Questions at one time: more are refused, so that no page fills the memory."""
+MAX_QUESTIONS = 24
+"""Questions being answered at the same time; further ones are refused, so that no page fills the memory."""
 
-TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
+BACKLOG = 256
+"""Connections that wait in the kernel to be accepted."""
+
+CONTENT_SECURITY_POLICY = "default-src 'self'; img-src 'self' data:; base-uri 'none'; frame-ancestors 'none'"
+
+MEDIA_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 
 _log = logging.getLogger(__name__)
 
 
-class PageServer(ThreadingHTTPServer):
-    """Serves one page, whose windows share processes; each window keeps its own design."""
+class Page:
+    """The state that all windows of the page share: worker processes, jobs and the start values.
 
-    daemon_threads = True
-    allow_reuse_address = True
+    The design itself is kept by each window.
+    """
 
-    def __init__(self, design: Design, port: int, workers: Workers) -> None:
-        super().__init__(("127.0.0.1", port), Handler)
+    def __init__(self, design: Design, workers: Workers) -> None:
         self.workers, self.jobs = workers, Jobs(workers.long)
-        self.asked = threading.BoundedSemaphore(MOST_ASKED)
+        self.slots = threading.BoundedSemaphore(MAX_QUESTIONS)
         self.start = start_values(design)
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Tell what went wrong with a request, but not that its window has gone meanwhile."""
-        if not isinstance(sys.exception(), ConnectionError):
-            super().handle_error(request, client_address)
+    def answer(self, name: str, content: Mapping[str, Any]) -> Any:
+        """Answer a question.
 
-    def ask(self, name: str, content: Mapping[str, Any]) -> Any:
-        """Answer one question; errors as those of its work."""
+        Raises
+        ------
+        KeyError
+            There is no question of that name.
+        CycloidError
+            The question was refused, or the work behind it failed.
+        """
         if name in AT_ONCE:
             return AT_ONCE[name](content)
         if name in QUICK:
@@ -74,109 +90,59 @@ class PageServer(ThreadingHTTPServer):
         raise KeyError(name)
 
 
-class Handler(BaseHTTPRequestHandler):
-    """One request."""
+def application(page: Page, token: str) -> ASGIApp:
+    """Build the ASGI application of a page."""
+    assets = _assets()
 
-    protocol_version = "HTTP/1.1"
-    disable_nagle_algorithm = True  # else a body may wait 40 ms for the other side to acknowledge its headers
-    server: PageServer
+    async def send_asset(request: Request) -> Response:
+        name = request.path_params.get("name", "index.html")
+        if name not in assets:
+            return PlainTextResponse("There is no such page.\n", HTTPStatus.NOT_FOUND)
+        return _media_response(assets[name], MEDIA_TYPES[name.rpartition(".")[2]])
 
-    def do_GET(self) -> None:
-        """Send the page, one of its files, or what a job has made."""
-        if not self._allowed():
-            return
-        place = unquote(self.path.partition("?")[0]).strip("/") or "index.html"
-        kind, _, rest = place.partition("/")
+    async def send_report(request: Request) -> Response:
         try:
-            if kind in ("file", "report"):
-                self._send_made(kind, rest)
-            elif (content := _asset(place)) is not None:
-                self._send(HTTPStatus.OK, content, TYPES[place.rpartition(".")[2]])
-            else:
-                self._send(HTTPStatus.NOT_FOUND, b"There is nothing here.\n", "text/plain")
+            report = page.jobs.get(_job_number(request)).page
         except CycloidError as error:
-            self._send(HTTPStatus.NOT_FOUND, f"{error}\n".encode(), "text/plain")
+            return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
+        return Response(report, media_type="text/html") if report else _gone()
 
-    def do_POST(self) -> None:
-        """Answer a question in JSON with JSON; what is refused is answered, too: a browser would log another status."""
-        if not self._allowed():
-            return
-        length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > LARGEST:
-            self.close_connection = True
-            self._send_json(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, {"error": "the question is too long"})
-            return
-        body = self.rfile.read(int(length))
-        if self.headers.get_content_type() != "application/json":
-            self._send_json(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, {"error": "questions are JSON"})
-            return
-        if not self.server.asked.acquire(blocking=False):
-            self._send_json(HTTPStatus.SERVICE_UNAVAILABLE, {"error": "too much is asked at once"})
-            return
+    async def send_file(request: Request) -> Response:
+        name = request.path_params["name"]
         try:
-            content = json.loads(body)
-            if not isinstance(content, dict):
-                raise ValueError("an object is expected")
-            self._send_json(HTTPStatus.OK, self.server.ask(self.path.strip("/").removeprefix("ask/"), content))
+            files = page.jobs.get(_job_number(request)).files
         except CycloidError as error:
-            self._send_json(HTTPStatus.OK, {"refused": in_words(str(error).removeprefix("override: "))})
-        except KeyError:
-            self._send_json(HTTPStatus.NOT_FOUND, {"error": "nobody answers that"})
-        except (ValueError, RecursionError) as error:
-            self._send_json(HTTPStatus.BAD_REQUEST, {"error": f"no question in JSON: {error}"})
-        except OSError:
-            raise  # the window has gone
-        except Exception as error:  # whatever goes wrong with one question, the page goes on
-            *_, (frame, line) = traceback.walk_tb(error.__traceback__)
-            reason = f"{type(error).__name__}: {error}"
-            _log.error("error: %s (%s:%d)", reason, frame.f_code.co_filename, line)
-            self._send_json(HTTPStatus.INTERNAL_SERVER_ERROR, {"error": reason})
-        finally:
-            self.server.asked.release()
-            gc.collect()  # as the workers do
+            return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
+        if name not in files:
+            return _gone()
+        disposition = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
+        return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
-    def log_message(self, format: str, *args: Any) -> None:
-        """Suppress the log of requests that succeed."""
+    async def ask(request: Request) -> Response:
+        try:
+            body = await _body(request)
+        except ClientDisconnect:
+            return Response(status_code=HTTPStatus.REQUEST_TIMEOUT)
+        if body is None:
+            return _error(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the limit of a request is {MAX_BODY_BYTES} bytes")
+        if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
+            return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request is application/json")
+        if not page.slots.acquire(blocking=False):
+            return _error(HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again")
+        return await run_sync(_answer, page, request.path_params["name"], body, abandon_on_cancel=True)
 
-    def _allowed(self) -> bool:
-        """Refuse whoever did not open the page by a name of this machine."""
-        hosts, origins = (self.headers.get_all(name) or [] for name in ("Host", "Origin"))
-        if allowed(hosts, origins):
-            return True
-        self.close_connection = True
-        self._send(HTTPStatus.FORBIDDEN, REFUSED.encode(), "text/plain")
-        return False
-
-    def _send_made(self, kind: str, rest: str) -> None:
-        number, _, name = rest.partition("/")
-        job = self.server.jobs.get(int(number) if number.isdecimal() else 0)
-        if kind == "report" and job.page:
-            self._send(HTTPStatus.OK, job.page.encode(), "text/html", "")
-        elif name in job.files:
-            self._send(HTTPStatus.OK, job.files[name], "application/octet-stream", name)
-        else:
-            self._send(HTTPStatus.NOT_FOUND, b"This is gone: make it again.\n", "text/plain")
-
-    def _send_json(self, status: HTTPStatus, content: Any) -> None:
-        self._send(status, json.dumps(plain(content), separators=(",", ":")).encode(), "application/json")
-
-    def _send(self, status: HTTPStatus, body: bytes, kind: str, name: str | None = None) -> None:
-        self.send_response(status)
-        text = kind.startswith("text/") or kind == "application/json"
-        self.send_header("Content-Type", f"{kind}; charset=utf-8" if text else kind)
-        self.send_header("Content-Length", str(len(body)))
-        self.send_header("Cache-Control", "no-store")
-        self.send_header("X-Content-Type-Options", "nosniff")
-        if name is None and kind == "text/html":
-            self.send_header("Content-Security-Policy", "default-src 'self'; img-src 'self' data:; base-uri 'none'")
-        if name:
-            self.send_header("Content-Disposition", f"attachment; filename*=utf-8''{quote(name)}")
-        self.end_headers()
-        self.wfile.write(body)
+    routes = [
+        Route("/", send_asset),
+        Route("/ask/{name}", ask, methods=["POST"]),
+        Route("/file/{job}/{name}", send_file),
+        Route("/report/{job}", send_report),
+        Route("/{name}", send_asset),
+    ]
+    return AccessControl(Starlette(routes=routes, exception_handlers={Exception: _failure}), token)
 
 
 def start_values(design: Design) -> dict[str, Any]:
-    """Collect what the page begins with: the design, and what its start form offers, which opens without a design."""
+    """Return what the page begins with: the design, and the options of its start form, which opens without a design."""
     return {
         "design": values_of(loaded(design)),
         "fresh": design == PRESETS["pin"],
@@ -187,25 +153,145 @@ def start_values(design: Design) -> dict[str, Any]:
     }
 
 
-def serve(design: Design, port: int, show: bool) -> None:
-    """Serve the page on this machine alone until the process is stopped; every window has a design of its own."""
+def new_token() -> str:
+    """Return a new secret for the address of a page."""
+    return secrets.token_urlsafe(24)
+
+
+def open_socket(port: int) -> socket.socket:
+    """Return a socket that listens on a port of this computer, 0 for any free port.
+
+    Raises
+    ------
+    CycloidError
+        The port is taken.
+    """
+    listener = socket.socket()
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind(("127.0.0.1", port))
+    except OSError as error:
+        listener.close()
+        raise CycloidError(f"port {port} is taken: choose another one with --port") from error
+    listener.listen(BACKLOG)
+    return listener
+
+
+def server_of(
+    app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection, timeout: float = TIMEOUT_S
+) -> uvicorn.Server:
+    """Return a server of an application; it runs until its attribute ``should_exit`` is set."""
+    return uvicorn.Server(
+        uvicorn.Config(
+            app,
+            http=connection,
+            ws="none",
+            loop="asyncio",
+            lifespan="off",
+            backlog=BACKLOG,
+            timeout_keep_alive=round(timeout),
+            timeout_graceful_shutdown=1,
+            proxy_headers=False,
+            server_header=False,
+            access_log=False,
+            log_config=None,
+            log_level="critical",
+        )
+    )
+
+
+def serve(design: Design, listener: socket.socket, token: str, show: bool) -> None:
+    """Serve the page on a listening socket until the process is stopped.
+
+    Parameters
+    ----------
+    show
+        Open the page in the default browser.
+    """
     question = {"design": values_of(loaded(design))}
     slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
     workers = Workers([(work, (question,)) for work in QUICK.values()], slower)
     try:
-        with PageServer(design, port, workers) as server:
-            if show:
-                threading.Timer(0.3, webbrowser.open, (f"http://127.0.0.1:{port}",)).start()
-            gc.freeze()
-            server.serve_forever()
+        server = server_of(application(Page(design, workers), token))
+        if show:
+            address = page_address(listener, token)
+            threading.Timer(0.3, webbrowser.open, (address,)).start()
+        gc.freeze()
+        server.run([listener])
     finally:
         workers.close()
 
 
-def _asset(name: str) -> bytes | None:
-    """Read one of the page's own files; nothing where there is none of that name."""
-    stem, _, kind = name.rpartition(".")
-    if kind not in TYPES or not stem.isidentifier():
+def page_address(listener: socket.socket, token: str) -> str:
+    """Return the address that opens the page, with its secret."""
+    return f"http://127.0.0.1:{listener.getsockname()[1]}/?token={token}"
+
+
+def _answer(page: Page, name: str, body: bytes) -> Response:
+    """Answer a question in JSON; runs in a thread and returns the slot of the question."""
+    try:
+        content = json.loads(body)
+        if not isinstance(content, dict):
+            raise ValueError("an object is expected")
+        return _json(HTTPStatus.OK, page.answer(name, content))
+    except CycloidError as error:  # status 200: browsers log every other status as an error of the page
+        return _json(HTTPStatus.OK, {"refused": in_words(str(error).removeprefix("override: "))})
+    except KeyError:
+        return _error(HTTPStatus.NOT_FOUND, "there is no such question")
+    except (ValueError, RecursionError) as error:
+        return _error(HTTPStatus.BAD_REQUEST, f"the request is not valid JSON: {error}")
+    except Exception as error:  # a failure of one question must not end the server
+        return _failure(None, error)
+    finally:
+        page.slots.release()
+        gc.collect()  # as the workers do
+
+
+def _failure(_request: Request | None, error: Exception) -> Response:
+    """Log an unexpected exception in one line, and return it as a response."""
+    *_, (frame, line) = traceback.walk_tb(error.__traceback__)
+    reason = f"{type(error).__name__}: {error}"
+    _log.error("error: %s (%s:%d)", reason, frame.f_code.co_filename, line)
+    return _error(HTTPStatus.INTERNAL_SERVER_ERROR, reason)
+
+
+async def _body(request: Request) -> bytes | None:
+    """Read the body of a request; return None if it is too long."""
+    if int(request.headers.get("content-length", "0")) > MAX_BODY_BYTES:  # h11 has checked that these are digits
         return None
-    file = resources.files("cycloid_mj.app").joinpath("assets", name)
-    return file.read_bytes() if file.is_file() else None
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > MAX_BODY_BYTES:
+            return None
+    return bytes(body)
+
+
+def _job_number(request: Request) -> int:
+    text = request.path_params["job"]
+    return int(text) if text.isdecimal() and len(text) < 10 else 0
+
+
+def _gone() -> Response:
+    return PlainTextResponse("This file is no longer available: create it again.\n", HTTPStatus.NOT_FOUND)
+
+
+def _error(status: HTTPStatus, words: str) -> Response:
+    return _json(status, {"error": words})
+
+
+def _json(status: HTTPStatus, content: Any) -> Response:
+    text = json.dumps(plain(content), separators=(",", ":"))
+    return Response(text, status, media_type="application/json; charset=utf-8")
+
+
+def _media_response(content: bytes, media_type: str) -> Response:
+    headers = {"Content-Security-Policy": CONTENT_SECURITY_POLICY} if media_type == "text/html" else None
+    return Response(content, media_type=media_type, headers=headers)
+
+
+def _assets() -> dict[str, bytes]:
+    """Read the page's own files."""
+    folder = resources.files("cycloid_mj.app").joinpath("assets")
+    files = (file for file in folder.iterdir() if file.name.rpartition(".")[2] in MEDIA_TYPES)
+    return {file.name: file.read_bytes() for file in files}

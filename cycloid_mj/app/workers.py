@@ -37,6 +37,7 @@ class Worker:
         One that stands `behind` leaves the processor to others that want it.
         """
         self._warm, self._behind, self._lock = tuple(warm), behind, threading.Lock()
+        self._closed = False
         self._start()
 
     def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
@@ -62,11 +63,17 @@ class Worker:
                     elif kind == "done":
                         return content
             except (EOFError, OSError) as error:
-                self._start()
+                if not self._closed:
+                    self._start()
                 raise Died("the work was stopped, or its process ended, as for want of memory") from error
 
     def stop(self) -> None:
         """Abort the current job: `do` raises then."""
+        self._process.terminate()
+
+    def close(self) -> None:
+        """Terminate the process for good."""
+        self._closed = True
         self._process.terminate()
 
     def _start(self) -> None:
@@ -86,7 +93,7 @@ class Workers:
     def close(self) -> None:
         """Terminate the workers at once; what they do is needed no more."""
         for worker in (self.quick, self.slower, self.long):
-            worker.stop()
+            worker.close()
 
 
 def _serve(pipe: Connection, warm: Warm, behind: bool) -> None:

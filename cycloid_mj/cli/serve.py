@@ -1,11 +1,10 @@
 """``cycloid-mj app``: the designer's page in the browser."""
 
-import socket
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import tell
 
@@ -37,14 +36,10 @@ def app(
     if not 1 <= port <= 65535:
         raise UsageError(f"--port {port}: give 1 to 65535")
     design = chosen.resolved()
-    from cycloid_mj.app.server import serve
+    from cycloid_mj.app.server import new_token, open_socket, page_address, serve
 
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind(("127.0.0.1", port))
-        except OSError as error:
-            raise CycloidError(f"port {port} is taken: give another with --port") from error
-    tell(f"http://127.0.0.1:{port} (Ctrl-C ends it)")
-    serve(design, port, show=not no_browser)
+    token = new_token()
+    with open_socket(port) as listener:
+        tell(f"{page_address(listener, token)} (stop with Ctrl-C)")
+        serve(design, listener, token, show=not no_browser)
     return 0

@@ -2,19 +2,15 @@
 
 import base64
 import gc
-import http.client
 import io
 import json
 import math
 import os
 import re
-import socket
 import threading
 import time
 import weakref
 import zipfile
-from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -26,17 +22,14 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.app import answers, asked, made, scatter, solid, turn
-from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER, draw, forces, life, loaded, long_work, statics
+from cycloid_mj.app.asks import draw, forces, life, loaded, long_work, statics
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.jobs import MOST_KEPT, MOST_WAITING, Jobs, Made
 from cycloid_mj.app.knobs import knobs
-from cycloid_mj.app.local import allowed
-from cycloid_mj.app.server import LARGEST, MOST_ASKED, PageServer
 from cycloid_mj.app.state import changed, design_of, values_of
 from cycloid_mj.app.workers import BEHIND, Died, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
-from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.figures import FIGURES, figure
 from cycloid_mj.parts import mass_properties, parts
@@ -588,202 +581,6 @@ def test_a_worker_does_not_grow() -> None:
     finally:
         worker.stop()
     assert after - before < 40.0
-
-
-# --- the server
-
-
-@pytest.mark.parametrize(
-    ("hosts", "origins", "answered"),
-    [
-        (["localhost:8137"], [], True),
-        (["LOCALHOST"], ["http://localhost"], True),
-        (["127.0.0.1:8137"], ["http://127.0.0.1:8137"], True),
-        (["[::1]:8137"], ["http://[::1]:8137"], True),
-        (["evil.example:8137"], [], False),
-        (["evil.example:8137"], ["http://evil.example:8137"], False),
-        (["127.0.0.1.evil.example"], [], False),
-        (["localhost@evil.example"], [], False),
-        (["evil.example@localhost"], [], False),
-        (["localhost/evil.example"], [], False),
-        (["127.0.0.1:8137"], ["http://evil.example"], False),
-        (["127.0.0.1:8137"], ["http://127.0.0.1:3000"], False),
-        (["127.0.0.1:8137"], ["null"], False),
-        (["[::1"], [], False),
-        ([""], [], False),
-        ([], [], False),
-        (["localhost", "evil.example"], [], False),
-    ],
-)
-def test_only_local_names_of_the_same_origin_are_answered(hosts: list[str], origins: list[str], answered: bool) -> None:
-    assert allowed(hosts, origins) is answered
-
-
-class Nobody:
-    """Workers that answer without a process, and fail for one torque."""
-
-    def __init__(self) -> None:
-        self.quick = self.slower = self
-        self.long = Slow()
-        self.long.go.set()
-
-    def do(self, work: Any, content: Any) -> Any:
-        if content["design"].get("load.torque_nm") == 13:
-            raise ZeroDivisionError("by the thirteenth")
-        return {"value": math.nan, "of": [math.inf, 1.0]}
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[PageServer]:
-    with PageServer(PRESETS["pin"], 0, Nobody()) as running:  # type: ignore[arg-type]
-        threading.Thread(target=running.serve_forever, daemon=True).start()
-        yield running
-        running.shutdown()
-
-
-def asking(
-    server: PageServer, path: str, body: Any = None, headers: dict[str, str] | None = None
-) -> tuple[int, bytes, http.client.HTTPMessage]:
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=300)
-    kind = {"Content-Type": "application/json", **(headers or {})}
-    content = body if isinstance(body, bytes | None) else json.dumps(body).encode()
-    connection.request("GET" if body is None else "POST", path, content, kind)
-    answer = connection.getresponse()
-    told = answer.status, answer.read(), answer.headers
-    connection.close()
-    return told
-
-
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [("", "text/html"), ("app.css", "text/css"), ("app.js", "text/javascript"), ("gear.svg", "image/svg+xml")],
-)
-def test_the_page_and_its_files_are_sent(server: PageServer, name: str, kind: str) -> None:
-    status, body, headers = asking(server, f"/{name}")
-    assert (status, headers.get_content_type()) == (200, kind)
-    assert body
-    assert headers["X-Content-Type-Options"] == "nosniff"
-
-
-def test_the_page_loads_nothing_from_elsewhere(server: PageServer) -> None:
-    _, page, headers = asking(server, "/")
-    assert "default-src 'self'" in headers["Content-Security-Policy"]
-    for name in re.findall(r'(?:src|href)="([^"]+)"', page.decode()):
-        status, body, _ = asking(server, f"/{name}")
-        assert status == 200
-        imports = re.findall(r'from "\./([\w.]+)"', body.decode())
-        assert all(asking(server, f"/{one}")[0] == 200 for one in imports)
-        assert not re.search(r"https?://(?!www\.w3\.org)", body.decode())
-
-
-@pytest.mark.parametrize(
-    "path", ["/../server.py", "/%2e%2e/server.py", "/assets/app.js", "/x", "/file/1/a", "/report/x"]
-)
-def test_nothing_else_is_sent(server: PageServer, path: str) -> None:
-    assert asking(server, path)[0] == 404
-
-
-def test_strangers_get_nothing(server: PageServer) -> None:
-    for headers in ({"Host": "evil.example"}, {"Origin": "http://evil.example"}):
-        assert asking(server, "/", None, headers)[0] == 403
-        assert asking(server, "/ask/start", {}, headers)[0] == 403
-
-
-def test_questions_are_answered_and_mistakes_told(server: PageServer, caplog: pytest.LogCaptureFixture) -> None:
-    status, body, _ = asking(server, "/ask/draw", {"design": {}, "changes": {"ring.teeth": 30}})
-    assert status == 200
-    assert json.loads(body)["head"]["ratio"] == 29
-    status, body, _ = asking(server, "/ask/draw", {"design": {}, "changes": {"ring.teeth": 3}})
-    assert status == 200, "a browser logs any other as an error of the page"
-    assert "ring teeth = 3 is not allowed" in json.loads(body)["refused"]
-    assert json.loads(asking(server, "/ask/statics", {"design": {}})[1]) == {"value": None, "of": [None, 1.0]}
-    status, body, _ = asking(server, "/ask/statics", {"design": {"load.torque_nm": 13}})
-    assert status == 500
-    assert json.loads(body)["error"] == "ZeroDivisionError: by the thirteenth"
-    assert len(caplog.records) == 1
-    assert "Traceback" not in caplog.text
-
-
-@pytest.mark.parametrize(
-    ("path", "body", "headers", "status"),
-    [
-        ("/ask/nothing", {}, {}, 404),
-        ("/ask/look", {}, {}, 404),
-        ("/ask/draw", b"{", {}, 400),
-        ("/ask/draw", b"[1]", {}, 400),
-        ("/ask/draw", b"[" * 100_000, {}, 400),
-        ("/ask/draw", b"\xff", {}, 400),
-        ("/ask/draw", b"{}", {"Content-Type": "text/plain"}, 415),
-        ("/ask/draw", b"", {"Content-Length": str(LARGEST + 1)}, 413),
-        ("/ask/draw", b"", {"Content-Length": "x"}, 413),
-        ("/ask/look", {"job": 77}, {}, 200),
-        ("/ask/job", {"kind": "rm"}, {}, 200),
-        ("/ask/job", {"kind": "size", "form": {"ratio": 1}}, {}, 200),
-        ("/ask/open", {"preset": "none"}, {}, 200),
-        ("/ask/open", {"preset": []}, {}, 200),
-        ("/ask/job", {"kind": []}, {}, 200),
-        ("/ask/open", {"text": "not TOML ["}, {}, 200),
-    ],
-)
-def test_whatever_is_sent_is_refused_in_a_sentence(
-    server: PageServer, path: str, body: Any, headers: dict[str, str], status: int
-) -> None:
-    told = asking(server, path, body, headers)
-    assert told[0] == status
-    assert json.loads(told[1])["refused" if status == 200 else "error"]
-
-
-def test_the_server_lets_go_of_circles_after_each_question(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(AT_ONCE, "circles", lambda content: {"count": circles()})  # type: ignore[misc]
-    counts = [json.loads(asking(server, "/ask/circles", {})[1])["count"] for _ in range(12)]
-    assert 1 in counts[1:], (
-        "of a question, an answer on a busy machine may come before what the one before left is gone"
-    )
-
-
-def test_too_much_at_once_is_refused(server: PageServer) -> None:
-    assert all(server.asked.acquire(timeout=300.0) for _ in range(MOST_ASKED))
-    assert asking(server, "/ask/draw", {"design": {}})[0] == 503
-    for _ in range(MOST_ASKED):
-        server.asked.release()
-    assert asking(server, "/ask/draw", {"design": {}})[0] == 200
-
-
-def test_a_file_is_opened_and_one_is_fetched_under_its_name(server: PageServer) -> None:
-    _, body, _ = asking(server, "/ask/open", {"text": 'name = "my drive"\n[ring]\nteeth = 20\n', "name": "my.toml"})
-    opened = json.loads(body)
-    assert opened["name"] == "my drive"
-    assert opened["load_nm"] > 0.0
-    job = json.loads(asking(server, "/ask/job", {"kind": "toml", "design": opened["design"]})[1])["job"]
-    waiting(server.jobs.get(job), "done")
-    status, content, headers = asking(server, f"/file/{job}/my%20drive.toml")
-    assert status == 200
-    assert b"teeth = 20" in content
-    assert "my%20drive.toml" in headers["Content-Disposition"]
-
-
-def test_every_question_of_the_page_has_an_answer() -> None:
-    from importlib import resources
-
-    text = "".join(file.read_text() for file in resources.files("cycloid_mj.app").joinpath("assets").iterdir())
-    asks = set(re.findall(r'(?:ask|newest)\("(\w+)"', text))
-    assert asks == {*AT_ONCE, *QUICK, *SLOWER, "start", "job", "look", "stop"}
-
-
-def test_knobs_are_told_in_json() -> None:
-    assert json.dumps([asdict(knob) for knob in knobs(PRESETS["twodisc"])])
-
-
-@pytest.mark.slow
-def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["app", "--design", "pin", "--port", "0"]) == 2
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        assert main(["app", "--no-browser", "--port", str(taken.getsockname()[1])]) == 1
-    errors = capsys.readouterr().err.splitlines()
-    assert len(errors) == 2
-    assert "is taken" in errors[1]
 
 
 @pytest.mark.skipif(not hasattr(os, "nice"), reason="Windows knows no niceness")

@@ -7,8 +7,9 @@ export async function ask(name, content = {}) {
       method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(content),
     });
   } catch {
-    throw new Error("the page's server does not answer: is cycloid-mj app still running?");
+    throw new Error("The server of this page does not respond. Check that `cycloid-mj app` is still running.");
   }
+  if (!answer.headers.get("Content-Type")?.startsWith("application/json")) throw new Error(await answer.text());
   const told = await answer.json();
   if (!answer.ok || "refused" in told) throw new Error(told.refused ?? told.error);
   return told;

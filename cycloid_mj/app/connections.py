@@ -1,0 +1,134 @@
+"""Limits of the page's HTTP connections: their number, and how long each may keep the server waiting."""
+
+import asyncio
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+MAX_CONNECTIONS = 256
+"""Open connections. A browser uses six; each costs one of the 1024 file descriptors a process usually has."""
+
+TIMEOUT_S = 30.0
+"""Time for a request to arrive completely, for a connection to stay idle, and for a response to make progress [s]."""
+
+TIMEOUT_MESSAGE = "The request did not arrive completely in time.\n"
+
+
+class LimitedConnection(H11Protocol):
+    """An HTTP/1.1 connection of uvicorn with a deadline for each request and a limit of the number of connections.
+
+    A new connection is never refused: when there are too many, the one that has waited longest for its request is
+    closed. Connections whose request is being answered do not count as waiting.
+    """
+
+    timeout = TIMEOUT_S
+    max_connections = MAX_CONNECTIONS
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._deadline: asyncio.TimerHandle | None = None
+        self._stall: asyncio.TimerHandle | None = None
+        self._waiting_since: float | None = None
+        self._idle = True
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Start to wait for a request; close another waiting connection if there are too many."""
+        super().connection_made(transport)
+        if len(self.connections) > self.max_connections:
+            self._close_longest_waiting()
+        self._wait_for_request()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Cancel the timers."""
+        self._stop_waiting()
+        self._cancel_stall()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Parse data; the deadline of a request starts with its first byte."""
+        if self._idle and self._waiting_since is not None:
+            self._wait_for_request()
+            self._idle = False
+        super().data_received(data)
+
+    def handle_events(self) -> None:
+        """Handle what was parsed; a request that is complete is no longer waited for."""
+        super().handle_events()
+        if self.cycle is not None and not self.cycle.more_body and not self.cycle.response_complete:
+            self._stop_waiting()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request of the connection."""
+        self._wait_for_request()
+        super().on_response_complete()
+
+    def send_400_response(self, msg: str) -> None:
+        """Answer a malformed request, if there is no other response under way."""
+        self._refuse(400, f"{msg}\n")
+
+    def pause_writing(self) -> None:
+        """Give the client a time to read its response."""
+        super().pause_writing()
+        self._watch_progress(self.transport.get_write_buffer_size())
+
+    def resume_writing(self) -> None:
+        """Go on writing."""
+        self._cancel_stall()
+        super().resume_writing()
+
+    def _wait_for_request(self) -> None:
+        self._stop_waiting()
+        self._idle, self._waiting_since = True, self.loop.time()
+        self._deadline = self.loop.call_later(self.timeout, self._expire)
+
+    def _stop_waiting(self) -> None:
+        self._waiting_since = None
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
+
+    def _expire(self) -> None:
+        """Close a connection whose request did not arrive in time; report that if it had begun."""
+        if self._idle:
+            self.transport.close()
+        else:
+            self._refuse(408, TIMEOUT_MESSAGE)
+
+    def _refuse(self, status: int, words: str) -> None:
+        """Send a refusal, where the state of the connection allows one, and close the connection."""
+        headers = [("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not self.transport.is_closing():
+            response = h11.Response(status_code=status, headers=headers)
+            for event in (response, h11.Data(data=words.encode("ascii", "replace")), h11.EndOfMessage()):
+                self.transport.write(self.conn.send(event) or b"")
+        if self.cycle is not None:  # the application must not write into a connection that is closed
+            self.cycle.disconnected = True
+            self.cycle.message_event.set()
+        self.transport.close()
+
+    def _close_longest_waiting(self) -> None:
+        since = {one: one._waiting_since for one in self.connections if isinstance(one, LimitedConnection)}
+        waiting = {one: time for one, time in since.items() if time is not None}
+        if waiting:
+            longest = min(waiting, key=waiting.__getitem__)
+            longest._stop_waiting()  # else it would be chosen again before the event loop has removed it
+            longest.transport.abort()
+
+    def _watch_progress(self, unsent: int) -> None:
+        """Abort the connection if none of the unsent bytes is taken within the time-out."""
+
+        def check() -> None:
+            left = self.transport.get_write_buffer_size()
+            if left < unsent:
+                self._watch_progress(left)
+            else:
+                self.transport.abort()
+
+        self._cancel_stall()
+        self._stall = self.loop.call_later(self.timeout, check)
+
+    def _cancel_stall(self) -> None:
+        if self._stall is not None:
+            self._stall.cancel()
+            self._stall = None
