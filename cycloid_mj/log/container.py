@@ -45,6 +45,14 @@ LEAST_MESSAGE = MESSAGE_HEAD.itemsize - HEAD.size
 MOST_DESCRIBED = 1 << 17
 """Schemas and channels in a chunk: their ids have 16 bits each."""
 
+MAX_MESSAGES_PER_BYTE = 4
+"""Messages in a chunk per byte of its compressed data, at most.
+
+Sequence numbers and times differ from message to message. Chunks of constant columns, the most compressible content
+there is, have 0.1 (a single channel) to 0.7 (forty).
+"""
+
+_PIECE = 1 << 20
 _START_OF_MESSAGE = struct.Struct("<BQH")  # opcode, length, channel
 
 
@@ -143,10 +151,52 @@ def messages(record: Record, path: Path) -> Messages:
     """Read a chunk; its CRC must be right."""
     with reading(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
+        _check_message_count(chunk)
         data = inflated(chunk.data, chunk.compression, chunk.uncompressed_size)
         if zlib.crc32(data) != chunk.uncompressed_crc:
             raise ValueError("its CRC is wrong")
         return _messages(data)
+
+
+def _check_message_count(chunk: Chunk) -> None:
+    """Refuse a chunk with more messages than its compressed data can describe, before it takes memory.
+
+    Raises
+    ------
+    ValueError
+        There are more than `MAX_MESSAGES_PER_BYTE`.
+    """
+    limit = MAX_MESSAGES_PER_BYTE * len(chunk.data)
+    if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > LARGEST_CHUNK:
+        return
+    count, skip, rest = 0, 0, b""
+    for piece in _pieces(chunk):
+        if skip >= len(piece):
+            skip -= len(piece)
+            continue
+        data, position = rest + piece, skip
+        while position + HEAD.size <= len(data):
+            opcode, length = HEAD.unpack_from(data, position)
+            if not opcode:
+                return
+            position += HEAD.size + length
+            count += 1
+        if count > limit:
+            raise ValueError(f"it has more than {limit:,} messages in {len(chunk.data):,} compressed bytes")
+        rest, skip = data[position:], max(0, position - len(data))
+
+
+def _pieces(chunk: Chunk) -> Iterator[bytes]:
+    """Yield the inflated content of a chunk in pieces of 1 MiB, as far as it can be read; nothing of other kinds."""
+    if chunk.compression == "zstd":
+        stream: Any = zstandard.ZstdDecompressor().stream_reader(chunk.data)
+    elif chunk.compression == "lz4":
+        stream = lz4.frame.LZ4FrameFile(BytesIO(chunk.data))
+    else:
+        return
+    with stream:
+        while piece := stream.read(_PIECE):
+            yield piece
 
 
 def inflated(data: bytes, compression: str, size: int) -> bytes:
