@@ -1,11 +1,14 @@
 """The designer's page in a real browser: from what a drive is to do to the drive, by mouse and keyboard alone."""
 
+import base64
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from app_walk import SIZES, looks, serving, solved, walk
 from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
+from pdf_text import pdf_text
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not CHROMIUM, reason=MISSING)]
 
@@ -122,3 +125,11 @@ def test_nothing_sticks_out_of_any_screen(page: Tab, width: int, scheme: str) ->
         assert page.run("document.querySelector('[aria-selected=true]').innerText") == word, "something covers the tab"
         assert not page.run(OVERHANG), word
     assert page.run("document.documentElement.scrollWidth") == width
+
+
+def test_the_figures_are_on_a_printed_page(page: Tab) -> None:
+    solved(page)
+    page.click("[role=tab]", "Figures")
+    backlash = page.run("document.querySelector('.figures td').innerText")
+    printed = pdf_text(base64.b64decode(page.send("Page.printToPDF")["data"]))
+    assert backlash.replace(" ", "") in re.sub(r"\s", "", printed)

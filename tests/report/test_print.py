@@ -1,0 +1,96 @@
+"""Pages on paper: every figure of a page is there when a browser prints it."""
+
+import base64
+import re
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import CHROMIUM, MISSING, Tab, tab
+from made_run import made_run
+from pdf_text import pdf_text
+
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.base.result import Curve, Quantity, Table
+from cycloid_mj.design import PRESETS
+from cycloid_mj.life.datasheet import Datasheet
+from cycloid_mj.life.item import RatedItem, Rating
+from cycloid_mj.report import report
+from cycloid_mj.report.datasheet import datasheet_page
+from cycloid_mj.report.rating import rating_page
+from cycloid_mj.report.results import outcome_page
+
+ASSETS = resources.files("cycloid_mj.report").joinpath("assets")
+
+TEXT_TAGS = "td|th|tr|table|dd|dt|dl|div|h1|h2|h3|p|li|ul|pre|figcaption|section|main|header"
+
+ITEM = RatedItem("gear_pitting", "cycloid disc, pitting", 812.5, 900.0, "MPa", 1.234, None, "ISO 6336-2")
+
+
+def hidden_classes(style: str) -> set[str]:
+    """Return the classes that a style sheet hides on paper."""
+    printed = "".join(re.findall(r"@media print \{(.*?)\n\}", style, flags=re.DOTALL))
+    rules = re.findall(r"([^{}]+)\{([^{}]*)\}", printed)
+    return {name for selector, body in rules if "display: none" in body for name in re.findall(r"\.([\w-]+)", selector)}
+
+
+def test_no_style_sheet_hides_text_on_paper() -> None:
+    style = "".join(file.read_text() for file in ASSETS.iterdir() if file.name.endswith(".css"))
+    hidden = hidden_classes(style)
+    assert "controls" in hidden
+    for file in ASSETS.iterdir():
+        if file.name.endswith(".html"):
+            marked = re.findall(rf'<(?:{TEXT_TAGS})\b[^>]*\bclass="([^"{{]*)"', file.read_text())
+            shown = {name for classes in marked for name in classes.split()} - {"controls"}
+            assert not shown & hidden, file.name
+
+
+def datasheet_of_one_value() -> str:
+    quantity = Quantity("rated_torque", "Rated torque", 43.21, "N m", "for 6000 h")
+    points = np.array([1.0, 2.0])
+    curve = Curve("Life", "life", points, points, "torque [N m]", "life [h]")
+    sheet = Datasheet(PRESETS["pin"], 6000.0, {"Torque": (quantity,)}, (curve,) * 3, ("a note",), {}, ITEM)
+    return datasheet_page(sheet)
+
+
+def report_of_a_run() -> str:
+    return report({"runs/pin.mcap": made_run(PRESETS["pin"])})
+
+
+def rating_of_one_item() -> str:
+    return rating_page(Rating("pin", "36 N m", 6000.0, {ITEM.key: ITEM}, ("an assumption",)))
+
+
+def outcome_with_a_table() -> str:
+    table = Table("Backlash", ("quantity", "value"), (("backlash", "1.2345"),))
+    return outcome_page(Outcome(title="measure", headline={"lost motion": "6.789 arcmin"}, tables=[table], result={}))
+
+
+PAGES = {
+    "datasheet": (datasheet_of_one_value, ["43.2", "N m", "Rated torque"]),
+    "report": (report_of_a_run, ["4.13 arcsec", "1100 N"]),
+    "rating": (rating_of_one_item, ["812.5", "1.23", "ISO6336-2"]),
+    "outcome": (outcome_with_a_table, ["1.2345", "6.789 arcmin"]),
+}
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Tab]:
+    if not CHROMIUM:
+        pytest.skip(MISSING)
+    with tab() as one:
+        yield one
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_figures_of_a_page_are_in_its_pdf(name: str, browser: Tab, tmp_path: Path) -> None:
+    write, figures = PAGES[name]
+    file = tmp_path / "page.html"
+    file.write_text(write(), encoding="utf-8")
+    browser.go(file.as_uri())
+    pdf = base64.b64decode(browser.send("Page.printToPDF", printBackground=True)["data"])
+    text = re.sub(r"\s+", "", pdf_text(pdf))
+    for figure in figures:
+        assert re.sub(r"\s+", "", figure) in text, text
