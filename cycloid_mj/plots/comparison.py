@@ -22,6 +22,7 @@ from cycloid_mj.plots.style import (
     PURPLE,
     VERMILION,
     WIDTH,
+    NotebookFigure,
     crank_axis,
     keys,
     styled,
@@ -131,7 +132,7 @@ def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
 
 
 def _sheet(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
-    figure = Figure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.life.datasheet import Datasheet
-from cycloid_mj.plots.style import styled
+from cycloid_mj.plots.style import NotebookFigure, styled
 from cycloid_mj.plots.views import draw_views
 from cycloid_mj.reducer import Reducer
 
@@ -45,9 +45,9 @@ def datasheet_pages(sheet: Datasheet) -> list[Figure]:
 @styled
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     """Draw the views and the curves, a figure each, for a page that sets text and tables itself."""
-    views = Figure(figsize=(9.0, 6.0))
+    views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
-    curves = Figure(figsize=(9.0, 2.7), layout="constrained")
+    curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
     for axes, curve in zip(curves.subplots(1, len(sheet.curves)), sheet.curves, strict=True):
         _curve(axes, curve)
     return {"views": views, "curves": curves}
@@ -90,7 +90,7 @@ def _third(sheet: Datasheet) -> Figure:
 
 def _page(sheet: Datasheet, number: int) -> Figure:
     """Build a page with its band above and its line below."""
-    figure, design = Figure(figsize=PAGE), sheet.design
+    figure, design = NotebookFigure(figsize=PAGE), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
     figure.text(LEFT, 0.966, design.name, fontsize=_fitting(design.name), weight="bold", color="white", va="center")

@@ -14,7 +14,7 @@ from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_parts, places
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG
-from cycloid_mj.plots.style import WIDTH, styled
+from cycloid_mj.plots.style import WIDTH, NotebookFigure, styled
 from cycloid_mj.reducer import Reducer
 
 GAP = 0.12
@@ -29,7 +29,7 @@ def exploded(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section through the axis, each part turned into its plane: put together, and below it taken apart."""
     laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
     drawn = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
-    figure = Figure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
+    figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     together, apart = figure.subplots(2, 1)
     counts, gap = Counter(names.family(place.part) for place in placed), GAP * reducer.design.housing.outer_radius
     at = 0.0

@@ -21,6 +21,7 @@ from cycloid_mj.plots.style import (
     SKY,
     VERMILION,
     WIDTH,
+    NotebookFigure,
     folded,
     in_words,
     state,
@@ -73,7 +74,7 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
     """Build a figure with a panel for each quantity, two beside each other."""
     rows = max(1, math.ceil(len(quantities) / 2))
-    figure = Figure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
@@ -188,7 +189,7 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw every quantity against every input, with the rank correlation of each pair that are numbers."""
     keys = _most_telling(sweep, quantities)
     rows = max(1, len(quantities))
-    figure = Figure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
+    figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlated = ranks(sweep, tuple(quantities))
     step = math.ceil(len(sweep) / MOST_POINTS) or 1

@@ -15,7 +15,7 @@ from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, NotebookFigure, styled
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
 
@@ -55,7 +55,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     crank_angle
         Crank angle [rad]; with a run, the nearest sample's, modulo a turn, and by default that of the last one.
     """
-    figure = Figure(figsize=(6.5, 6.9), layout="constrained")
+    figure = NotebookFigure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
     if run is None:
         columns = _ideal(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)

@@ -7,6 +7,7 @@ so that the two also differ in grey.
 import re
 from collections.abc import Callable
 from functools import wraps
+from io import BytesIO
 from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
@@ -34,6 +35,9 @@ BOTH = (("closed form", THEORY), ("simulation", SIMULATED))
 
 WIDTH = 6.5
 """Width of a figure [in]: a page's text."""
+
+SCREEN_DPI, PIXEL_RATIO = 110, 2
+"""Size of a figure in a notebook [px/in], and pixels of its picture for each of these: screens are that fine."""
 
 STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -75,9 +79,21 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return in_style
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook shows as a picture, without pyplot and its global state."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        """Return the picture as PNG, and its size in the notebook [px]."""
+        content = BytesIO()
+        with style.context(["default", STYLE]):
+            self.savefig(content, format="png", dpi=PIXEL_RATIO * SCREEN_DPI)
+        width, height = (round(SCREEN_DPI * side) for side in self.get_size_inches())
+        return content.getvalue(), {"width": width, "height": height}
+
+
 def sheet(height: float) -> Figure:
     """Build an empty figure of the page's width and a height [in]."""
-    return Figure(figsize=(WIDTH, height), layout="constrained")
+    return NotebookFigure(figsize=(WIDTH, height), layout="constrained")
 
 
 def state(figure: Figure, condition: str) -> None:

@@ -7,7 +7,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from cycloid_mj.comparison import StartSpread
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import WIDTH, keys, styled
+from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, styled
 from hsieh2014.ranking import Ranked
 
 ROW, HEAD = 1.3, 1.4
@@ -29,7 +29,7 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], 
     quantities
         Panels, from the top.
     """
-    figure = Figure(figsize=(WIDTH, ROW * len(quantities) + HEAD), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, ROW * len(quantities) + HEAD), layout="constrained")
     panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]
     names = list(next(iter(next(iter(cases.values())).values())))
     for panel, quantity in zip(panels, quantities, strict=True):
