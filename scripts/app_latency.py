@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterable
 from app_walk import serving
 from chromium import tab
 
-from cycloid_mj.app import answers
-from cycloid_mj.app.asks import draw, loaded
+from cycloid_mj.app import summary
+from cycloid_mj.app.api import draw, loaded
 from cycloid_mj.app.state import changed, values_of
 from cycloid_mj.design import Design, resolve
 from cycloid_mj.reducer import Reducer
@@ -80,9 +80,9 @@ def _computed(design: Design) -> Iterable[tuple[str, list[float]]]:
     designs = [changed(design, {KEY: size * (1.0 - 1e-4 * step)}) for step in range(9)]
     works: dict[str, Callable[[Design], object]] = {
         "drawing": lambda one: draw({"design": values_of(one), "changes": {}}),
-        "statics": lambda one: answers.statics(Reducer(one)),
-        "life": lambda one: answers.life(Reducer(one)),
-        "checks": lambda one: answers.checks(Reducer(one)),
+        "statics": lambda one: summary.statics(Reducer(one)),
+        "life": lambda one: summary.life(Reducer(one)),
+        "checks": lambda one: summary.checks(Reducer(one)),
     }
     for name, work in works.items():
         taken = []

@@ -23,12 +23,12 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from cycloid_mj.app.access import AccessControl
-from cycloid_mj.app.answers import in_words
-from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER, loaded, long_work
+from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, loaded, long_work
+from cycloid_mj.app.artifacts import FILES
 from cycloid_mj.app.connections import TIMEOUT_S, LimitedConnection
 from cycloid_mj.app.jobs import Jobs
-from cycloid_mj.app.made import FILES
 from cycloid_mj.app.state import values_of
+from cycloid_mj.app.summary import in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import plain

@@ -21,11 +21,11 @@ import psutil
 import pytest
 from designs import UNLIKE, unlike
 
-from cycloid_mj.app import answers, asked, made, scatter, solid, turn
-from cycloid_mj.app.asks import draw, forces, life, loaded, long_work, statics
+from cycloid_mj.app import artifacts, requirement, scatter, solid, summary, turn
+from cycloid_mj.app.api import draw, forces, life, loaded, long_work, statics
+from cycloid_mj.app.controls import knobs
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.jobs import MOST_KEPT, MOST_WAITING, Jobs, Made
-from cycloid_mj.app.knobs import knobs
 from cycloid_mj.app.state import changed, design_of, values_of
 from cycloid_mj.app.workers import BEHIND, Died, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -117,7 +117,7 @@ def test_what_cannot_be_built_is_drawn_anew_with_its_place_and_buttons_that_mend
     changes: dict[str, Any], place: str
 ) -> None:
     design = override(PRESETS["pin"], changes)
-    drawn, errors = section(Reducer(design)), answers.errors(Reducer(design))
+    drawn, errors = section(Reducer(design)), summary.errors(Reducer(design))
     assert not drawn["whole"]
     assert (
         drawn["ring"] != section(Reducer(PRESETS["pin"]))["ring"]
@@ -126,7 +126,7 @@ def test_what_cannot_be_built_is_drawn_anew_with_its_place_and_buttons_that_mend
     (wrong, *_) = [one for one in errors if one["place"] == place]
     mended = []
     for change in wrong["changes"]:
-        names = [one["name"] for one in answers.errors(Reducer(changed(design, change["changes"])))]
+        names = [one["name"] for one in summary.errors(Reducer(changed(design, change["changes"])))]
         mended.append(wrong["name"] not in names)
         assert "_" not in change["words"]
     assert mended
@@ -142,13 +142,13 @@ def test_checks_are_shown_at_parts_of_the_section() -> None:
 def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
     """The file of the printed drive is loaded by 10 N m, and made for 10.4; both bearings before the disc bear more."""
     reducer = Reducer(loaded(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
-    failed = {one["name"]: one["what"] for one in answers.checks(reducer)["failed"]}
+    failed = {one["name"]: one["what"] for one in summary.checks(reducer)["failed"]}
     assert [*failed] == ["momentary torque", "life"]
-    assert f"life is {answers.life(reducer)['life']} by" in failed["life"]
-    for name, ways in answers.ways(reducer).items():
+    assert f"life is {summary.life(reducer)['life']} by" in failed["life"]
+    for name, ways in summary.ways(reducer).items():
         assert [*ways[0]["changes"]] == ["load.torque_nm"]
         for way in ways:
-            left = answers.checks(Reducer(changed(reducer.design, way["changes"])))["failed"]
+            left = summary.checks(Reducer(changed(reducer.design, way["changes"])))["failed"]
             assert name not in {one["name"] for one in left}
 
 
@@ -183,18 +183,18 @@ def test_a_change_of_a_check_is_what_its_remedy_says() -> None:
 )
 def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list[str], name: str) -> None:
     reducer = Reducer(loaded(override(PRESETS["pin"], changes)))
-    broken = answers.errors(reducer)
-    failed = {one["name"]: one for one in broken or answers.checks(reducer)["failed"]}
+    broken = summary.errors(reducer)
+    failed = {one["name"]: one for one in broken or summary.checks(reducer)["failed"]}
     (button,) = failed[name]["changes"]
     mended = Reducer(changed(reducer.design, button["changes"]))
-    assert name not in {one["name"] for one in answers.errors(mended) + answers.checks(mended)["failed"]}
+    assert name not in {one["name"] for one in summary.errors(mended) + summary.checks(mended)["failed"]}
     for text in (button["words"], failed[name]["what"], failed[name]["remedy"]):
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]", text), text
 
 
 def test_values_that_go_to_the_same_end_are_told_together() -> None:
     reducer = Reducer(override(PRESETS["pin"], ["clearance.pin_gear_um=40", "clearance.cam_um=80"]))
-    (play,) = [one for one in answers.checks(reducer)["failed"] if one["name"] == "play"]
+    (play,) = [one for one in summary.checks(reducer)["failed"] if one["name"] == "play"]
     (button,) = play["changes"]
     words = button["words"]
     assert words.count("lower") == 1
@@ -204,10 +204,10 @@ def test_values_that_go_to_the_same_end_are_told_together() -> None:
 def test_figures_follow_the_design() -> None:
     pin = override(PRESETS["pin"], ["load.torque_nm=30"])
     wide = override(pin, ["clearance.pin_gear_um=5"])
-    backlash = [answers.statics(Reducer(design))["backlash_arcmin"] for design in (pin, wide)]
+    backlash = [summary.statics(Reducer(design))["backlash_arcmin"] for design in (pin, wide)]
     assert backlash[1] - backlash[0] == pytest.approx(4.0e-6 * 2.0 / (1e-3 * 35) * 10800 / math.pi, rel=0.05)
-    assert "30 N m" in answers.statics(Reducer(pin))["condition"]
-    assert answers.NAMES.keys() <= FIGURES.keys()
+    assert "30 N m" in summary.statics(Reducer(pin))["condition"]
+    assert summary.NAMES.keys() <= FIGURES.keys()
 
 
 @pytest.mark.parametrize(
@@ -217,11 +217,11 @@ def test_figures_follow_the_design() -> None:
 )
 def test_every_design_has_its_figures(design: Design) -> None:
     design = loaded(design)
-    told = answers.statics(Reducer(design))
+    told = summary.statics(Reducer(design))
     assert {"Backlash", "Efficiency", "Transmission error, peak to peak"} <= {row["name"] for row in told["rows"]}
     lost = sum(one["watts"] for one in told["losses"]["parts"])
     assert lost == pytest.approx(told["losses"]["input_power"] - told["losses"]["output_power"], rel=1e-6)
-    rated = answers.life(Reducer(design))
+    rated = summary.life(Reducer(design))
     assert rated["rated_torque_nm"] > 0.0
     assert rated["limited_by"]
     cased = rated["cased"]
@@ -230,7 +230,7 @@ def test_every_design_has_its_figures(design: Design) -> None:
     lives = [one for one in rated["items"] if one["margin"] is not None and one["kind"] == "life"]
     weakest = min(lives, key=lambda one: one["margin"], default=None)
     assert weakest is None or weakest["margin"] * rated["asked_h"] == pytest.approx(rated["life_h"])
-    found = answers.checks(Reducer(design))
+    found = summary.checks(Reducer(design))
     assert found["count"] > 30
     assert all(one["severity"] == "warning" for one in found["failed"])
 
@@ -314,8 +314,8 @@ def test_a_drawing_of_the_page_has_what_it_shows() -> None:
 
 def test_a_form_becomes_a_requirement_and_back() -> None:
     form = {"ratio": 15, "diameter_mm": 60, "torque_nm": 2, "process": "printed", "discs": 0, "backlash_arcmin": 5}
-    again = asked.requirement_of({**asked.form_of(asked.requirement_of(form))})
-    assert again == asked.requirement_of(form)
+    again = requirement.requirement_of({**requirement.form_of(requirement.requirement_of(form))})
+    assert again == requirement.requirement_of(form)
 
 
 @pytest.mark.parametrize(
@@ -332,7 +332,7 @@ def test_a_form_becomes_a_requirement_and_back() -> None:
 )
 def test_a_form_that_asks_for_no_drive_is_refused(change: dict[str, Any], told: str) -> None:
     with pytest.raises(UsageError, match=told):
-        asked.requirement_of({"ratio": 15, "diameter_mm": 60, "torque_nm": 2, **change})
+        requirement.requirement_of({"ratio": 15, "diameter_mm": 60, "torque_nm": 2, **change})
 
 
 def test_a_refusal_grows_on_the_page_and_every_way_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -345,17 +345,17 @@ def test_a_refusal_grows_on_the_page_and_every_way_can_be_asked_for(monkeypatch:
         noted(first)
         return last
 
-    monkeypatch.setattr(asked, "answered", searched)
+    monkeypatch.setattr(requirement, "answered", searched)
     heard: list[Any] = []
-    told = asked.size(heard.append, asked.form_of(wanted))
+    told = requirement.size(heard.append, requirement.form_of(wanted))
     assert heard[-1]["answer"]["most"] == 0.7
-    assert asked.requirement_of(told["ways"][0]["asked"]) == wanted.but(diameter=0.1)
+    assert requirement.requirement_of(told["ways"][0]["asked"]) == wanted.but(diameter=0.1)
     assert told["ways"][1]["words"] == "a clearance of 5 µm"
 
 
 @pytest.mark.slow
 def test_a_drive_that_is_found_can_be_taken() -> None:
-    told = asked.size(lambda _: None, {"ratio": 15, "diameter_mm": 60, "torque_nm": 0.5, "process": "printed"})
+    told = requirement.size(lambda _: None, {"ratio": 15, "diameter_mm": 60, "torque_nm": 0.5, "process": "printed"})
     for drive in told["drives"]:
         taken = draw({"design": drive["design"]})
         assert not taken["errors"]
@@ -478,10 +478,10 @@ def test_a_process_does_works_tells_mistakes_and_is_replaced_when_it_ends() -> N
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in {"toml", "stl"})) for kind in made.FILES]
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in {"toml", "stl"})) for kind in artifacts.FILES]
 )
 def test_every_button_gives_a_file_under_the_designs_own_name(kind: str) -> None:
-    files = made.make(lambda _: None, values_of(unlike("few")), kind).files
+    files = artifacts.make(lambda _: None, values_of(unlike("few")), kind).files
     ((file, content),) = files.items()
     assert file.startswith(unlike("few").name)
     assert content.startswith({"toml": b"#", "datasheet": b"%PDF", "step": b"ISO-10303"}.get(kind, b"PK"))
@@ -489,13 +489,13 @@ def test_every_button_gives_a_file_under_the_designs_own_name(kind: str) -> None
 
 def test_a_crank_that_stands_still_is_not_run() -> None:
     with pytest.raises(CycloidError, match="stands still"):
-        made.run(lambda _: None, values_of(PRESETS["nonpin"].but(drive={"speed": 0.0})))
+        artifacts.run(lambda _: None, values_of(PRESETS["nonpin"].but(drive={"speed": 0.0})))
 
 
 @pytest.mark.slow
 def test_a_run_gives_its_report() -> None:
     heard: list[Any] = []
-    done = made.run(heard.append, {"load.torque_nm": 36.0})
+    done = artifacts.run(heard.append, {"load.torque_nm": 36.0})
     assert "transmission error" in done.page.lower()
     assert heard[-1]["share"] == 1.0
 
@@ -504,7 +504,7 @@ def test_a_run_gives_its_report() -> None:
 def test_a_run_is_judged_after_its_start_has_rung_out() -> None:
     """A drive with wide play bounces in it at the start: its swing then is no transmission error."""
     printed = PRESETS["printed"]
-    done = made.run(lambda _: None, values_of(printed))
+    done = artifacts.run(lambda _: None, values_of(printed))
     swing = float(re.search(r"output: transmission error, p-p</dt><dd>([\d.]+) arcsec", done.page)[1])
     statics = figure("te_loaded_forward_arcsec").value(Reducer(printed))
     assert swing == pytest.approx(statics, rel=0.1)
@@ -512,7 +512,7 @@ def test_a_run_is_judged_after_its_start_has_rung_out() -> None:
 
 @pytest.mark.slow
 def test_a_joint_comes_with_a_scene_that_opens(tmp_path: Path) -> None:
-    (content,) = made.joint(PRESETS["printed"]).values()
+    (content,) = artifacts.joint(PRESETS["printed"]).values()
     zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
     place = tmp_path / "printed-joint"
     for name in ("scene.xml", "lossy_scene.xml"):
@@ -521,7 +521,7 @@ def test_a_joint_comes_with_a_scene_that_opens(tmp_path: Path) -> None:
 
 
 def test_long_work_is_told_by_its_kind() -> None:
-    for kind in (*made.FILES, "run", "scatter", "stress"):
+    for kind in (*artifacts.FILES, "run", "scatter", "stress"):
         work, _ = long_work({"kind": kind, "design": {}})
         assert callable(work)
     for kind in ("__import__", None, [], {}):

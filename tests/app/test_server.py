@@ -16,10 +16,10 @@ from typing import Any
 import pytest
 
 from cycloid_mj.app.access import MAX_PATH_LENGTH, is_local
-from cycloid_mj.app.asks import AT_ONCE, QUICK, SLOWER
+from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER
 from cycloid_mj.app.connections import LimitedConnection
+from cycloid_mj.app.controls import knobs
 from cycloid_mj.app.jobs import Job
-from cycloid_mj.app.knobs import knobs
 from cycloid_mj.app.server import BACKLOG, MAX_BODY_BYTES, MAX_QUESTIONS, Page, application, open_socket, server_of
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli import main

@@ -10,9 +10,9 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from cycloid_mj.app import answers, asked, made, scatter, solid, stressed, turn
+from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, summary, turn
+from cycloid_mj.app.controls import knobs
 from cycloid_mj.app.drawing import section
-from cycloid_mj.app.knobs import knobs
 from cycloid_mj.app.state import changed, design_of, values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
@@ -58,12 +58,12 @@ def shown(design: Design, content: Content) -> dict[str, Any]:
     return {
         "design": values_of(design),
         "name": design.name,
-        "head": answers.geometry(reducer),
+        "head": summary.geometry(reducer),
         "load_nm": abs(design.load.torque),
         "life_h": design.service.life,
         "knobs": [asdict(knob) for knob in knobs(design)],
         "section": section(reducer, float(play)),
-        "errors": answers.errors(reducer),
+        "errors": summary.errors(reducer),
     }
 
 
@@ -78,22 +78,22 @@ def _kept(values: str) -> Reducer:
 
 def statics(content: Content) -> dict[str, Any]:
     """Solve the figures by statics."""
-    return answers.statics(_reducer(content))
+    return summary.statics(_reducer(content))
 
 
 def life(content: Content) -> dict[str, Any]:
     """Rate a design."""
-    return answers.life(_reducer(content))
+    return summary.life(_reducer(content))
 
 
 def checks(content: Content) -> dict[str, Any]:
     """Check a design."""
-    return answers.checks(_reducer(content))
+    return summary.checks(_reducer(content))
 
 
 def ways(content: Content) -> dict[str, Any]:
     """Find what mends the checks of life, heat and strength."""
-    return answers.ways(_reducer(content))
+    return summary.ways(_reducer(content))
 
 
 def forces(content: Content) -> dict[str, Any]:
@@ -137,12 +137,12 @@ def long_work(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
     """
     kind, design = str(content.get("kind")), content.get("design")
     if kind == "size":
-        asked.requirement_of(content.get("form"))
-        return asked.size, (content.get("form"),)
-    if kind in made.FILES:
-        return made.make, (design, kind)
+        requirement.requirement_of(content.get("form"))
+        return requirement.size, (content.get("form"),)
+    if kind in artifacts.FILES:
+        return artifacts.make, (design, kind)
     works: Mapping[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
-        "run": (made.run, (design,)),
+        "run": (artifacts.run, (design,)),
         "scatter": (scatter.samples, (design, content.get("spread_um"))),
         "stress": (stressed.stress, (design,)),
     }

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from cycloid_mj.app.controls import SYMBOLS, label_of, with_symbols
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.knobs import SYMBOLS, label_of, with_symbols
 from cycloid_mj.app.state import at_load
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.result import Quantity

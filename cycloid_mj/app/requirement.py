@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cycloid_mj.app.knobs import with_symbols
+from cycloid_mj.app.controls import with_symbols
 from cycloid_mj.app.state import values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
