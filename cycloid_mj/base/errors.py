@@ -5,14 +5,41 @@ from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from cycloid_mj.base.text import legible
+
 
 class CycloidError(Exception):
-    """Root of every error this package raises on purpose.
+    """Base class of every error that this package raises on purpose.
 
-    Its message is one clear line for the user; the command line prints it without a traceback.
+    Parameters
+    ----------
+    message
+        One sentence for the user. Control characters are escaped and very long words shortened, so that a hostile file
+        name or key can be quoted.
+    details
+        Lines below the message, such as one for each failed check. ``str`` joins them to the message; the command line
+        prints each on a line of its own.
     """
 
     exit_code = 1
+
+    def __init__(self, message: object = "", details: Iterable[str] = ()) -> None:
+        lines = tuple(legible(line) for line in details)
+        super().__init__(legible(str(message)), *([lines] if lines else []))
+
+    @property
+    def message(self) -> str:
+        """The message without its details."""
+        return str(self.args[0])
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """The lines below the message."""
+        return self.args[1] if len(self.args) > 1 else ()
+
+    def __str__(self) -> str:
+        """Return message and details in one line."""
+        return f"{self.message} {'; '.join(self.details)}" if self.details else self.message
 
 
 class UsageError(CycloidError):
@@ -67,4 +94,4 @@ def warn(design: str, texts: Iterable[str]) -> None:
     """Issue warnings about a design of some name, but those that are `told_elsewhere`."""
     for text in texts:
         if text not in _told_elsewhere.get():
-            warnings.warn(f"{design}: {text}", CycloidWarning, stacklevel=3)
+            warnings.warn(legible(f"{design}: {text}"), CycloidWarning, stacklevel=3)

@@ -90,8 +90,7 @@ def shape_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def require_sound(reducer: Reducer) -> None:
-    """Raise DesignError that tells each failed check of `soundness` in a line of its own; warnings pass."""
+    """Raise DesignError with a line for each failed check of `soundness`; warnings pass."""
     failed = [item for item in soundness(reducer) if not item.passed and item.severity == "error"]
     if failed:
-        lines = "\n".join(f"  {item}" for item in failed)
-        raise DesignError(f"the design {reducer.design.name!r} cannot be built:\n{lines}")
+        raise DesignError(f"the design {reducer.design.name!r} cannot be built:", map(str, failed))

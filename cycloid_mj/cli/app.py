@@ -18,8 +18,8 @@ from cycloid_mj.base.replacing import one_command
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
-from cycloid_mj.cli.mistakes import sentence
-from cycloid_mj.cli.terminal import log_to_stderr, tell, warnings_kept
+from cycloid_mj.cli.terminal import log_to_stderr, tell, tell_error, warnings_kept
+from cycloid_mj.cli.validation_errors import sentence
 
 if TYPE_CHECKING:
     from cycloid_mj.papers import Paper
@@ -70,7 +70,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except CycloptsError as error:
         return _failed(sentence(error), UsageError.exit_code)
     except CycloidError as error:
-        return _failed(str(error), error.exit_code)
+        with suppress(OSError):
+            tell_error(error)
+        return error.exit_code
     except KeyboardInterrupt as stop:
         return _failed(f"stopped by {cause(stop)}", FAILURE)
     except BrokenPipeError:

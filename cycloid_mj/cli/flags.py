@@ -239,7 +239,7 @@ def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Desig
     try:
         design = override(design, changes)
     except DesignError as error:
-        raise UsageError(str(error)) from error
+        raise UsageError(error.message, error.details) from error
     design = override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
     if not design.ring.preload_torque:
         return design

@@ -1,17 +1,47 @@
 """The process ``cycloid-mj``: what it does with signals, from its first moment to its last, and with closed streams."""
 
 import atexit
+import codecs
 import os
 import sys
+import unicodedata
 from collections.abc import Sequence
 from importlib.util import cache_from_source
-from io import StringIO
+from io import StringIO, TextIOWrapper
 from pathlib import Path
+from typing import TextIO
 
 from cycloid_mj.base.interrupt import cause, end_on_signals, raise_on_signals
 from cycloid_mj.base.memory import leave_circles, look_rarely
 
 FAILURE = 1
+
+SUBSTITUTING = "cycloid_mj.substitute"
+"""Name of the handler of characters that a stream cannot encode."""
+
+SUBSTITUTES = {
+    "\N{DEGREE SIGN}": "deg",
+    "\N{MICRO SIGN}": "u",
+    "\N{GREEK SMALL LETTER MU}": "u",
+    "\N{MULTIPLICATION SIGN}": "x",
+    "\N{MIDDLE DOT}": "*",
+    "\N{PLUS-MINUS SIGN}": "+-",
+    "\N{MINUS SIGN}": "-",
+    "\N{EN DASH}": "-",
+    "\N{EM DASH}": "-",
+    "\N{HORIZONTAL ELLIPSIS}": "...",
+    "\N{LESS-THAN OR EQUAL TO}": "<=",
+    "\N{GREATER-THAN OR EQUAL TO}": ">=",
+    "\N{ALMOST EQUAL TO}": "~",
+    "\N{RIGHTWARDS ARROW}": "->",
+    "\N{SUPERSCRIPT TWO}": "2",
+    "\N{SUPERSCRIPT THREE}": "3",
+    "\N{LEFT SINGLE QUOTATION MARK}": "'",
+    "\N{RIGHT SINGLE QUOTATION MARK}": "'",
+    "\N{CHECK MARK}": "ok",
+    "\N{BALLOT X}": "x",
+}
+"""Character -> what is written where the encoding of a stream lacks it."""
 
 LOADED = Path(__file__).parents[1] / "design" / "model.py"
 """A module that every command loads."""
@@ -37,11 +67,37 @@ def first_start(words: Sequence[str]) -> bool:
     return not Path(cache_from_source(str(LOADED))).exists()
 
 
+def replace_unencodable(*streams: TextIO) -> None:
+    """Make streams write substitutes for characters that their encoding lacks, such as "deg" for a degree sign.
+
+    Without it, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
+    """
+    codecs.register_error(SUBSTITUTING, substitutes)
+    for stream in streams:
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors=SUBSTITUTING)
+
+
+def substitutes(error: UnicodeError) -> tuple[str, int]:
+    """Return substitutes for the characters that cannot be encoded, and where to go on: a handler for `codecs`."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    signs = error.object[error.start : error.end]
+    return "".join(map(_substitute, signs)), error.end
+
+
+def _substitute(sign: str) -> str:
+    """Return the substitute of a character: of the table, its letter without accents, or its escape sequence."""
+    bare = unicodedata.normalize("NFKD", sign)[0]
+    return SUBSTITUTES.get(sign) or (bare if bare.isascii() else ascii(sign)[1:-1])
+
+
 def run() -> None:
     """Run the command of ``sys.argv`` and end the process with its exit code."""
     # a stream that was closed before the start is None
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()
+    replace_unencodable(sys.stdout, sys.stderr)
     code = FAILURE
     if first_start(sys.argv[1:]):
         sys.stderr.write("the first start: Python compiles its modules, for some seconds\n")

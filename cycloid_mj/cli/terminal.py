@@ -10,15 +10,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.base.errors import CycloidWarning
+from cycloid_mj.base.errors import CycloidError, CycloidWarning
+from cycloid_mj.base.text import escape_controls, legible
 
 if TYPE_CHECKING:
     from cycloid_mj.base.result import Table
 
 PIPE_WIDTH = 120
-
-LONGEST_MESSAGE = 4000
-"""Characters of a message; of a longer one the start is written."""
 
 _seen: ContextVar[dict[str, None]] = ContextVar("seen")
 
@@ -40,17 +38,22 @@ def json_text(value: Any) -> str:
 
 
 def tell(text: str) -> None:
-    """Write a message in one line; control codes in it are shown and not obeyed, and of one too long only the start."""
-    text = printable(text).replace("\n", "\\n")
-    if len(text) > LONGEST_MESSAGE:
-        text = f"{text[:LONGEST_MESSAGE]}... ({len(text):,} characters in all)"
-    sys.stderr.write(f"{text}\n")
+    """Write a message to stderr in one line, with control characters escaped and very long text shortened."""
+    sys.stderr.write(f"{legible(text)}\n")
+    sys.stderr.flush()
+
+
+def tell_error(error: CycloidError) -> None:
+    """Write an error to stderr: its message, and below it each of its details on an indented line."""
+    tell(f"error: {error.message}")
+    for line in error.details:
+        sys.stderr.write(f"  {line}\n")
     sys.stderr.flush()
 
 
 def note(text: str) -> None:
     """Write a message as `tell` does, unless the command was asked to be quiet."""
-    logging.getLogger(__name__).info("%s", printable(text))
+    logging.getLogger(__name__).info("%s", text)
 
 
 def show(table: "Table") -> None:
@@ -92,10 +95,8 @@ def say_groups(
 
 
 def printable(text: str) -> str:
-    """Escape what cannot be seen in a text, but for spaces, ends of lines and tabs."""
-    return "".join(
-        sign if sign.isprintable() or sign in "\n\t" else sign.encode("unicode_escape").decode() for sign in text
-    )
+    """Escape the control characters of a text, except line ends and tabs."""
+    return escape_controls(text, keep="\n\t")
 
 
 def _write(text: str) -> None:

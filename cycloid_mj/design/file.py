@@ -2,6 +2,8 @@
 
 import difflib
 import math
+import os
+import re
 import tomllib
 from collections.abc import Container, Iterator, Mapping, Sequence
 from functools import cache
@@ -13,11 +15,11 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.replacing import as_input
-from cycloid_mj.design.absent import absent_layout
-from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
+from cycloid_mj.design.unsupported import unsupported_key
+from cycloid_mj.design.validation_errors import literal_choices, refusal
 
 S = TypeVar("S", bound=Section)
 
@@ -27,6 +29,11 @@ LARGEST_INTEGER = 2**63 - 1
 LONGEST_LIST = 10_000
 """More parts than any kind of part may have."""
 
+MAX_FILE_SIZE = 1_000_000
+"""Characters of a TOML file that is read; a complete design file has about 25 000."""
+
+DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
+"""A dotted key of more than 32 parts, which `tomllib` takes quadratic time to read; a design's keys have two."""
 
 Named = Design | str | Path
 """A design, or the name of a preset or a file that has one."""
@@ -49,8 +56,15 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
     DesignError
         The file cannot be read or is not a valid design.
     """
-    design = named if isinstance(named, Design) else PRESETS.get(str(named)) or load(Path(named))
+    design = named if isinstance(named, Design) else preset(str(named)) or load(Path(named))
     return override(design, changes) if changes else design
+
+
+def preset(name: str) -> Design | None:
+    """Return the preset of a name, in capital or small letters; None where there is none, or a file has that name."""
+    if name in PRESETS or os.path.exists(name):
+        return PRESETS.get(name)
+    return PRESETS.get(name.casefold())
 
 
 def load(path: Path) -> Design:
@@ -68,13 +82,34 @@ def load(path: Path) -> Design:
 
 def loads(text: str, where: str = "the design") -> Design:
     """Read the design of a TOML text; keys left out keep the values of the preset ``pin``."""
-    try:
-        tables = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise DesignError(f"{where} is not TOML: {error}; `cycloid-mj design show pin` prints a whole file") from error
+    tables = parse_toml(text, where)
     if not tables:
-        raise DesignError(f"{where} is empty; `cycloid-mj design new my` makes a whole one")
+        raise DesignError(f"{where} is empty: `cycloid-mj design new my` writes a complete design file to start from")
     return _validated(Design, _filled(_to_si(Design, tables, where), where), where)
+
+
+def parse_toml(
+    text: str, where: str, example: str = "`cycloid-mj design show pin` prints a complete design file"
+) -> dict[str, Any]:
+    """Parse a TOML text that a user wrote; `example` says where a correct file is shown.
+
+    Raises
+    ------
+    DesignError
+        It is not TOML, is larger than `MAX_FILE_SIZE`, or is nested too deeply.
+    """
+    if len(text) > MAX_FILE_SIZE:
+        raise DesignError(
+            f"{where} has {len(text):,} characters; at most {MAX_FILE_SIZE:,} are read. Is it a TOML file? {example}"
+        )
+    try:
+        if DEEP_KEY.search(text):
+            raise RecursionError
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise DesignError(f"{where} is nested too deeply: it has tables with keys, no more; {example}") from error
+    except ValueError as error:
+        raise DesignError(f"{where} is not valid TOML: {error}; {example}") from error
 
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
@@ -205,12 +240,18 @@ def _line(name: str, field: FieldInfo, value: Any, reason: str = "") -> str:
 
 
 def _toml(value: Any) -> str:
-    """Write a value as TOML; the words that the model allows need no escapes."""
+    """Write a value as TOML."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):
         return f"[{', '.join(map(repr, value))}]"
-    return f'"{value}"' if isinstance(value, str) else repr(value)
+    return _toml_text(value) if isinstance(value, str) else repr(value)
+
+
+def _toml_text(text: str) -> str:
+    """Write a text as a basic string of TOML, with escapes where it needs them."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(sign if sign.isprintable() else f"\\U{ord(sign):08x}" for sign in escaped) + '"'
 
 
 def _to_file(field: FieldInfo, value: Any) -> Any:
@@ -259,7 +300,7 @@ def _to_si(
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:
-            hint = absent_layout(f"{prefix}{key}") or _nearest(key, list(known), prefix, root)
+            hint = unsupported_key(f"{prefix}{key}") or _nearest(key, list(known), prefix, root)
             raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {hint}")
         name, field = known[key]
         inner, table_of = field.annotation, section_of(field)
@@ -273,13 +314,20 @@ def _to_si(
             values[name] = tuple(_number_to_si(unit_of(field), item) for item in value)
         elif inner is float or (isinstance(value, int) and abs(value) > LARGEST_INTEGER):
             values[name] = _number_to_si(unit_of(field), value)
+        elif isinstance(value, str):
+            values[name] = _canonical(value, literal_choices(field))
         else:
             values[name] = value
     return values
 
 
+def _canonical(word: str, choices: Sequence[str]) -> str:
+    """Return the one of some words that differs from `word` in capital and small letters at most, else `word`."""
+    return next((choice for choice in choices if choice.casefold() == word.casefold()), word)
+
+
 def _number_to_si(unit: Unit, value: Any) -> Any:
-    """Translate a number of the file to SI; what is none is left for the validation to tell."""
+    """Convert a number of the file to SI; any other value is returned as it is, for the validation to refuse."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
     if isinstance(value, int) and abs(value) > LARGEST_INTEGER:

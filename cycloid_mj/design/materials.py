@@ -165,3 +165,11 @@ MATERIALS = {
 """Materials by name."""
 
 MATERIALS["PA-CF"] = replace(MATERIALS["Onyx"], source="as Onyx, PA6 with chopped carbon fibre, printed")
+
+BY_CASEFOLD = {name.casefold(): name for name in MATERIALS}
+"""Name in small letters -> name."""
+
+
+def material_name(name: str) -> str:
+    """Return the name of the library for one in any capital and small letters; an unknown name as it is."""
+    return name if name in MATERIALS else BY_CASEFOLD.get(name.casefold(), name)

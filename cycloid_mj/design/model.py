@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from html import escape
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -10,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.presented import Presented
 from cycloid_mj.design import units as u
-from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
-from cycloid_mj.design.mistakes import refusal
+from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
 from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch, unit_of
+from cycloid_mj.design.validation_errors import refusal
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -637,14 +638,20 @@ class Material(Section):
             return value
         numbers = [key for key in cls.model_fields if key != "name"]
         name = value.get("name", "" if any(key in value for key in numbers) else DEFAULT)
+        name = material_name(name) if isinstance(name, str) else name
         entry = MATERIALS.get(name or DEFAULT) if isinstance(name, str) else None
-        return {"name": name, **{key: getattr(entry, key) for key in numbers if entry}, **value}
+        return {**{key: getattr(entry, key) for key in numbers if entry}, **value, "name": name}
 
     @field_validator("name")
     @classmethod
     def _known(cls, name: str) -> str:
         if name and name not in MATERIALS:
-            raise ValueError(f"no such material; it is one of {', '.join(MATERIALS)}; or leave it out and give numbers")
+            near = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
+            meant = f'did you mean "{BY_CASEFOLD[near[0]]}"? ' if near else ""
+            raise ValueError(
+                f"unknown material; {meant}Available: {', '.join(MATERIALS)}. For any other, leave the name empty and "
+                "set the numbers of this table"
+            )
         return name
 
     @classmethod

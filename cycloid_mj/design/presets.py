@@ -144,6 +144,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 def reasons(name: str, design: Design) -> dict[str, str]:
     """Collect why values of a design from the preset `name` are as they are, by ``table.name``; not of changed ones."""
+    name = name.casefold()
     return {
         key: reason
         for key, reason in _REASONS.get(name, {}).items()

@@ -5,7 +5,6 @@ plates is a beam on a foundation of E per length (Winkler), and a crank a beam o
 bore and on the shaft. E is that of the housing: plates and shaft are taken to be of its material.
 """
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -17,7 +16,7 @@ from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.replacing import as_input
 from cycloid_mj.design import PARTS
 from cycloid_mj.design import units as u
-from cycloid_mj.design.file import record
+from cycloid_mj.design.file import parse_toml, record
 from cycloid_mj.design.model import Section
 from cycloid_mj.design.units import quantity, switch
 from cycloid_mj.reducer import Reducer
@@ -91,7 +90,7 @@ def read_mounts(path: Path) -> Mounts:
         It is not TOML, or a key is unknown, missing or out of range.
     """
     try:
-        tables = tomllib.loads(as_input(path).read_text(encoding="utf-8-sig"))
+        tables = parse_toml(as_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
     except FileNotFoundError as error:
         raise UsageError(f"there is no file of mounts {path}; docs/bench.md shows one") from error
     except (OSError, ValueError) as error:

@@ -65,7 +65,7 @@ def test_the_file_has_only_tables_of_parts_that_differ() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (["gear_material.name=PEEK"], "gear_material.name = 'PEEK' is not allowed.*bearing steel"),
+        (["gear_material.name=PEEK"], 'gear_material.name = "PEEK" is not allowed.*bearing steel'),
         (["gear_material.colour=red"], "unknown key gear_material.colour"),
         (["gear_material=POM"], "gear_material is a table"),
         (["rotor_material.name=POM"], "unknown key rotor_material"),

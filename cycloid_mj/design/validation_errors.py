@@ -1,0 +1,161 @@
+"""Validation errors of pydantic, restated in the words of the design file."""
+
+import re
+from collections.abc import Iterator
+from difflib import get_close_matches
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.text import escape_controls
+from cycloid_mj.design.units import Unit, file_key, section_of, unit_of
+from cycloid_mj.design.unsupported import unsupported_value
+
+MAX_LISTED_ERRORS = 5
+"""Wrong values of a design that are listed; the others are counted."""
+
+MAX_VALUE_LENGTH = 80
+"""Characters of a wrong value that are quoted."""
+
+BOUNDS = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+"""Name of a bound in pydantic, and in words."""
+
+REQUIREMENTS = {
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "finite_number": "a finite number",
+    "float_parsing": "a number",
+    "float_type": "a number",
+    "int_from_float": "a whole number, without a decimal point",
+    "int_parsing": "a whole number",
+    "int_parsing_size": "a whole number of at most 18 digits",
+    "int_type": "a whole number",
+    "dataclass_type": "a table",
+    "dict_type": "a table",
+    "mapping_type": "a table",
+    "model_attributes_type": "a table",
+    "model_type": "a table",
+    "string_pattern_mismatch": "text of the allowed characters",
+    "string_type": 'text in quotes, such as "pin"',
+    "list_type": "a list such as [5.0, 0.0] or {1 = 5.0}",
+    "tuple_type": "a list such as [5.0, 0.0] or {1 = 5.0}",
+}
+"""Error type of pydantic -> what the value must be."""
+
+
+def refusal(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
+    """Return the error that names each wrong value of a design: key, value and what is allowed, in the file's units.
+
+    Parameters
+    ----------
+    root
+        The model that was validated.
+    where
+        Origin of the values, such as the name of a file.
+    """
+    sentences = [_sentence(details, root) for details in error.errors()[:MAX_LISTED_ERRORS]]
+    if len(sentences) == 1:
+        return DesignError(f"{where}: {sentences[0]}")
+    count, rest = error.error_count(), error.error_count() - len(sentences)
+    return DesignError(
+        f"{where} has {count:,} wrong values:", [*sentences, f"and {rest:,} more"] if rest else sentences
+    )
+
+
+def literal_choices(field: FieldInfo) -> tuple[str, ...]:
+    """Return the words that a declared value may be; empty for a value of another type."""
+    return tuple(choice for choice in get_args(field.annotation) if isinstance(choice, str))
+
+
+def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
+    """Describe one wrong value: its key, the value, what is allowed and what the key means."""
+    keys, field = _located(details, root)
+    key = ".".join(keys)
+    if not keys or field is None:
+        requirement = _requirement(details, Unit(""))
+        return f"{key}: {requirement}" if keys else requirement
+    if details["type"] == "missing":
+        return f"{key} is missing ({field.description})"
+    unit, got = unit_of(field), details["input"]
+    value = _quoted(unit.from_si(got) if isinstance(got, float) else got)
+    if isinstance(got, str) and (unsupported := unsupported_value(key, got)):
+        return f"{key} = {value} is not supported: {unsupported}"
+    meaning = "" if details["type"] == "value_error" else f" ({field.description})"
+    return f"{key} = {value} is not allowed: {_allowed(details, field, unit)}{meaning}"
+
+
+def _quoted(value: Any) -> str:
+    """Write a value as in TOML, and of a long one its start."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = f'"{escape_controls(value)}"' if isinstance(value, str) else repr(value)
+    return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}..."
+
+
+def _located(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
+    """Return the keys of a wrong value in the file, and its declaration, None for an unknown key."""
+    section, field, keys = root, None, list[str]()
+    for name in details["loc"]:
+        if isinstance(name, int) and keys:
+            keys[-1] += f"[{name + 1}]"
+            continue
+        field = section.model_fields.get(str(name))
+        keys.append(file_key(str(name), field) if field else str(name))
+        section = (section_of(field) if field else None) or section
+    return keys, field
+
+
+def _allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
+    """Describe what a declared value must be: its range, its words, or its type."""
+    got, choices = details["input"], literal_choices(field)
+    if details["type"] == "literal_error" and choices:
+        near = get_close_matches(got.casefold(), choices, n=1) if isinstance(got, str) else []
+        meant = f'; did you mean "{near[0]}"?' if near else ""
+        return f"it must be {_either(choices)}{meant}"
+    if details["type"] in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
+        bounds = dict(_bounds(field)) or {
+            name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))
+        }
+        return f"it must be {range_words({name: unit.from_si(float(bound)) for name, bound in bounds.items()})}"
+    return _requirement(details, unit)
+
+
+def range_words(bounds: dict[str, float]) -> str:
+    """Describe bounds by name (``gt``, ``ge``, ``lt``, ``le``) in words: "from 4 to 400", "more than 0"."""
+    numbers = {name: f"{bound:.10g}" for name, bound in bounds.items() if name in BOUNDS}
+    if numbers.keys() == {"ge", "le"}:
+        return f"from {numbers['ge']} to {numbers['le']}"
+    return " and ".join(f"{BOUNDS[name]} {number}" for name, number in numbers.items())
+
+
+def _bounds(field: FieldInfo) -> Iterator[tuple[str, float]]:
+    """Yield name and value [SI] of the bounds of a declared value."""
+    for item in field.metadata:
+        for name in BOUNDS:
+            if (bound := getattr(item, name, None)) is not None:
+                yield name, bound
+
+
+def _requirement(details: ErrorDetails, unit: Unit) -> str:
+    """Describe what a value must be, by the type of its error."""
+    if details["type"] in ("value_error", "assertion_error"):
+        return str(details.get("ctx", {}).get("error", "")) or _plain(details["msg"])
+    if (words := REQUIREMENTS.get(details["type"])) is not None:
+        return f"it must be {words}"
+    return _plain(details["msg"])
+
+
+def _plain(message: str) -> str:
+    """Return a message of pydantic without its prefix "Value error," and its phrase "Input should be"."""
+    message = re.sub(r"^(\w+ error|Assertion failed), ", "", message)
+    message = re.sub(r"^(\w+ )*?(should|must)\b", "it must", message)
+    return message[:1].lower() + message[1:]
+
+
+def _either(choices: tuple[Any, ...]) -> str:
+    """List words as alternatives."""
+    *most, last = (f'"{choice}"' for choice in choices)
+    return f"{', '.join(most)} or {last}" if most else str(last)
