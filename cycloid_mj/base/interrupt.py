@@ -19,12 +19,22 @@ _to_stop: ContextVar[threading.Event | None] = ContextVar("to_stop", default=Non
 
 
 class Stopped(KeyboardInterrupt):
-    """The program was asked to end, by something else than Ctrl-C; its text says by what, such as "SIGTERM"."""
+    """A signal other than Ctrl-C asked the program to end; the text is its name, such as "SIGTERM"."""
 
 
 def cause(stop: KeyboardInterrupt) -> str:
-    """Tell what stopped the program, for use after "stopped by"."""
+    """Return what stopped the program, for a message "stopped by ..."."""
     return str(stop) or "Ctrl-C"
+
+
+def exit_code(stop: BaseException | None) -> int:
+    """Return the exit code of a program that a signal ended, as shells have it: 128 + its number, 143 after SIGTERM.
+
+    1 for anything that is not a stop.
+    """
+    if not isinstance(stop, KeyboardInterrupt):
+        return 1
+    return 128 + (signal.Signals[str(stop)] if str(stop) in signal.Signals.__members__ else signal.SIGINT)
 
 
 def raise_on_signals() -> None:

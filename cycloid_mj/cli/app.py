@@ -1,6 +1,7 @@
-"""The table of contents of the command line, and how every mistake is told: one line on stderr and an exit code.
+"""The command line: its list of commands, and its errors on stderr.
 
-Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C, SIGTERM, SIGHUP; 2 a wrong name, flag or value.
+Exit codes: 0 success; 1 a failed design, run, log or file; 2 a wrong name, flag or value; 130, 143 and 129 after
+Ctrl-C, SIGTERM and SIGHUP.
 """
 
 import sys
@@ -13,7 +14,7 @@ from cyclopts import App, CycloptsError, Group, Parameter
 
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
-from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.interrupt import cause, exit_code
 from cycloid_mj.base.replacing import one_command
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
@@ -72,9 +73,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except CycloidError as error:
         with suppress(OSError):
             tell_error(error)
-        return error.exit_code
+        return exit_code(error.__cause__) if isinstance(error.__cause__, KeyboardInterrupt) else error.exit_code
     except KeyboardInterrupt as stop:
-        return _failed(f"stopped by {cause(stop)}", FAILURE)
+        return _failed(f"stopped by {cause(stop)}", exit_code(stop))
     except BrokenPipeError:
         return FAILURE
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Help pages: as wide as the terminal, but no wider than reads well; their paragraphs fill that width."""
+"""Help pages: as wide as the terminal, from 60 to 80 columns; their paragraphs fill that width."""
 
 import re
 from typing import TYPE_CHECKING
@@ -8,18 +8,19 @@ from cyclopts import App
 if TYPE_CHECKING:
     from rich.console import Console
 
-WIDEST = 80
-"""Columns of a help page on a wide terminal, and where there is none."""
+NARROWEST, WIDEST = 60, 80
+"""Columns of a help page on a narrow terminal, and on a wide one or none: below 60, names of flags would be cut off."""
 
 FOLD = " \\"
 """At the end of a line that a shell goes on from."""
 
 
 def console(stderr: bool = False) -> "Console":
-    """Return the console that help pages are printed on: stdout or `stderr`."""
+    """Return the console that prints help pages, to stdout or to `stderr`."""
     from rich.console import Console
 
-    return Console(stderr=stderr, width=min(WIDEST, Console(stderr=stderr).width), highlight=False)
+    width = min(WIDEST, max(NARROWEST, Console(stderr=stderr).width))
+    return Console(stderr=stderr, width=width, highlight=False)
 
 
 def flowing(app: App) -> App:

@@ -11,6 +11,8 @@ from typing import Any
 from cycloid_mj.cli.terminal import tell
 
 PREPARING, JUDGING = "preparing the model", "judging the run"
+MIN_BAR_WIDTH = 60
+"""Columns of a terminal below which progress is a percentage alone."""
 SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
@@ -120,20 +122,22 @@ def counted(what: str, quiet: bool) -> Callable[[int, int], None]:
 
 
 def _bar(end: float) -> Any:
+    """Start a progress bar of a run of `end` simulated seconds."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    bar = Bar(
+    console = Console(stderr=True)
+    columns = (
         TextColumn("simulating"),
         BarColumn(),
         TaskProgressColumn(),
         TextColumn("{task.completed:.3f} of {task.total:g} s,"),
         TimeRemainingColumn(),
         TextColumn("left"),
-        console=Console(stderr=True),
-        transient=True,
     )
+    shown = columns if console.width >= MIN_BAR_WIDTH else (TaskProgressColumn(),)
+    bar = Bar(*shown, console=console, transient=True)
     bar.add_task("", total=end)
     bar.start()
     return bar

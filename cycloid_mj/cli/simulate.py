@@ -7,7 +7,7 @@ from itertools import chain, count
 from json import dumps
 from pathlib import Path
 from shlex import join
-from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -340,13 +340,14 @@ def _record(samples: "Iterable[SampleBlock]", log: "LogWriter", progress: Progre
                 log.write(block.time, block.values)
             progress.reached(float(block.time[-1]))
     except KeyboardInterrupt as stop:
-        _broken_off(log, f"stopped by {cause(stop)}")
+        raise _broken_off(log, f"stopped by {cause(stop)}") from stop
     except RunError as error:
-        _broken_off(log, str(error))
+        raise _broken_off(log, str(error)) from error
 
 
-def _broken_off(log: "LogWriter", why: str) -> NoReturn:
+def _broken_off(log: "LogWriter", why: str) -> RunError:
+    """Close the log of a run that did not reach its end, and return the error that says where its samples are."""
     log.close(note=why, complete=False)
     kept = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
     old = f"; the log before is still {log.name}" if log.path != log.name else ""
-    raise RunError(f"{why}; {kept}{old}")
+    return RunError(f"{why}; {kept}{old}")

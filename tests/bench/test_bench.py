@@ -683,7 +683,7 @@ def test_a_calibration_that_is_stopped_is_in_its_folder(
 ) -> None:
     monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda what, quiet: pressed_at(100))
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
-    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
     assert f"stopped by Ctrl-C; what was fitted by then is in {tmp_path}" in capsys.readouterr().err
     found = json.loads((tmp_path / "printed-calibrated.json").read_text())
     assert found["complete"] is False
@@ -701,7 +701,7 @@ def test_a_calibration_whose_design_was_not_tried_is_in_its_folder(
 
     monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", pressed)
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
-    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
     assert "whether its design serves was not tried" in capsys.readouterr().err
     found = json.loads((tmp_path / "printed-calibrated.json").read_text())
     assert found["complete"] is True
@@ -717,7 +717,7 @@ def test_what_is_found_before_ctrl_c_is_kept(
 
     monkeypatch.setattr("cycloid_mj.bench.compare_losses", pressed)
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag", "--losses"]
-    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
     assert f"stopped by Ctrl-C; the calibration, and the losses so far, are in {tmp_path}" in capsys.readouterr().err
     assert load(tmp_path / "printed-calibrated.toml").springs.friction > 0.0
 

@@ -19,7 +19,7 @@ from commands import told
 import cycloid_mj.dynamics.run
 from cycloid_mj import __version__
 from cycloid_mj.base.errors import DesignError, LogError, RunError
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import Stopped, unbroken
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
 from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
@@ -286,12 +286,17 @@ def test_log_in_a_named_folder_is_replaced_only_by_force(here, two_samples):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("end", "words"), [(KeyboardInterrupt(), "stopped by Ctrl-C"), (RunError("the gear jumped a tooth"), "jumped")]
+    ("end", "words", "ended"),
+    [
+        (KeyboardInterrupt(), "stopped by Ctrl-C", 130),
+        (Stopped("SIGTERM"), "stopped by SIGTERM", 143),
+        (RunError("the gear jumped a tooth"), "jumped", 1),
+    ],
 )
-def test_run_that_ends_early_leaves_a_readable_log(here, two_samples, end, words):
+def test_run_that_ends_early_leaves_a_readable_log(here, two_samples, end, words, ended):
     two_samples.append(end)
     code, message = rejected("simulate", "--design", "pin", *SHORT, "--json")
-    assert code == 1
+    assert code == ended
     assert words in message
     assert "the 4 samples up to then are in runs/pin.mcap" in message
     run = read("runs/pin.mcap")
@@ -308,7 +313,7 @@ def test_ctrl_c_while_samples_are_written_cuts_none_in_two(here, two_samples, mo
 
     monkeypatch.setattr(LogWriter, "write", interrupted)
     code, message = rejected("simulate", "--design", "pin", *SHORT)
-    assert code == 1
+    assert code == 130
     assert "the 2 samples up to then" in message
     assert len(read("runs/pin.mcap")) == 2
 
@@ -340,7 +345,7 @@ def test_ctrl_c_before_the_run_is_told(here, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("cycloid_mj.dynamics.run.build", interrupted)
-    assert rejected("simulate", "--design", "pin", *SHORT) == (1, "error: stopped by Ctrl-C")
+    assert rejected("simulate", "--design", "pin", *SHORT) == (130, "error: stopped by Ctrl-C")
 
 
 def test_full_disk_is_one_line(here, two_samples, monkeypatch):
@@ -383,7 +388,8 @@ def test_progress_tells_before_the_first_sample_that_work_goes_on(monkeypatch, c
         assert capsys.readouterr().err == ""
 
 
-def test_progress_on_a_terminal_is_a_bar_that_vanishes(monkeypatch):
+@pytest.mark.parametrize("width", [20, 60, 500])
+def test_progress_on_a_terminal_is_a_bar_that_vanishes(width, monkeypatch):
     class Terminal(StringIO):
         def isatty(self):
             return True
@@ -391,10 +397,11 @@ def test_progress_on_a_terminal_is_a_bar_that_vanishes(monkeypatch):
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
     monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", str(width))
     with Progress(end=2.0) as progress:
         progress.reached(1.0)
     assert "50%" in stream.getvalue()
-    assert "1.000 of 2 s" in stream.getvalue()
+    assert width < 60 or "1.000 of 2 s" in stream.getvalue()
 
 
 # --- analyze and plot -------------------------------------------------------------------------------------------------
@@ -1015,7 +1022,7 @@ process.run()
 
 def test_ctrl_c_while_a_module_in_c_is_loaded_is_one_line() -> None:
     done = subprocess.run([sys.executable, "-c", STOPPED_IN_AN_IMPORT], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (1, "error: stopped by Ctrl-C\n")
+    assert (done.returncode, done.stderr) == (130, "error: stopped by Ctrl-C\n")
 
 
 def test_the_first_start_says_what_it_waits_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -193,9 +193,10 @@ def end_at(moment: Moment, taken: float, folder: Path) -> None:
         assert all(Path(name).name.startswith(".") or ".partial" in name for name in new), (moment, new)
     else:
         # before Python has begun with the program, and after the program has ended, the system ends it
-        assert process.returncode in (0, 1, -moment.signal), (moment, err)
+        stopped = 128 + moment.signal
+        assert process.returncode in (0, stopped, -moment.signal), (moment, err)
         assert "Traceback" not in err, (moment, err)
-        if process.returncode == 1:
+        if process.returncode == stopped:
             word = "Ctrl-C" if moment.signal == signal.SIGINT else moment.signal.name
             assert f"stopped by {word}" in err.splitlines()[-1], (moment, err)
         assert all(".partial" in name for name in new), (moment, new)

@@ -3,6 +3,7 @@
 import ast
 import os
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ from designs import cases
 
 import cycloid_mj
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
+from cycloid_mj.base.interrupt import Stopped, exit_code
 from cycloid_mj.base.text import MAX_MESSAGE_LENGTH, MAX_WORD_LENGTH, legible, shorten
 from cycloid_mj.cli.process import SUBSTITUTES, SUBSTITUTING, substitutes
 from cycloid_mj.cli.terminal import tell_error
@@ -203,3 +205,41 @@ def test_a_usage_error_keeps_its_details() -> None:
     with pytest.raises(UsageError) as caught:
         raise UsageError("a:", ["b"]) from None
     assert (caught.value.message, caught.value.details, caught.value.exit_code) == ("a:", ("b",), 2)
+
+
+# --- signals ----------------------------------------------------------------------------------------------------------
+
+STOPPED_BY = """
+import os, signal, sys
+from cycloid_mj.cli import app, process
+
+def command(argv=None):
+    def raising(*words):
+        os.kill(os.getpid(), int(sys.argv[1]))
+        for _ in range(10**9):
+            pass
+    app.application = raising
+    return app.main(["design"])
+
+process.main = command
+process.run()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+def test_a_signal_ends_a_command_with_128_and_its_number(name: str) -> None:
+    number = getattr(signal, name, None)
+    if number is None or os.name != "posix":
+        pytest.skip(f"no {name} here")
+    argv = [sys.executable, "-c", STOPPED_BY, str(int(number))]
+    done = subprocess.run(
+        argv, capture_output=True, text=True, check=False, preexec_fn=lambda: signal.signal(number, signal.SIG_DFL)
+    )
+    said = f"error: stopped by {'Ctrl-C' if name == 'SIGINT' else name}\n"
+    assert (done.returncode, done.stderr) == (128 + number, said)
+
+
+def test_the_exit_code_of_a_stop_is_that_of_its_signal() -> None:
+    assert [exit_code(stop) for stop in (KeyboardInterrupt(), Stopped("SIGTERM"), Stopped("SIGHUP"))] == [130, 143, 129]
+    assert exit_code(Stopped("the failure of another run")) == 130
+    assert exit_code(ValueError()) == 1

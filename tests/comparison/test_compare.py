@@ -363,7 +363,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
 def test_ctrl_c_stops_every_run_and_leaves_readable_logs(here, monkeypatch):
     monkeypatch.setattr("cycloid_mj.cli.batch.wait", interrupting)
     code, message = rejected("compare", "pin", "nonpin", "--out", "mine", "--timestep-us", "4", "--workers", "1")
-    assert code == 1
+    assert code == 130
     assert "stopped by Ctrl-C" in message
     assert "mine" in message
     (log,) = Path("mine").glob("*.mcap")

@@ -292,7 +292,7 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) ->
         time.sleep(0.05)
     stopped.send_signal(signal.SIGINT)
     told = stopped.communicate(timeout=60)[1]
-    assert stopped.returncode == 1
+    assert stopped.returncode == 130
     assert "goes on from there" in told
     history = (tmp_path / "one" / HISTORY).read_text().splitlines()
     assert len(history) > 20
