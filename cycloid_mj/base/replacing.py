@@ -6,7 +6,7 @@ command which claims nothing replaces nothing. In Python, files are replaced as 
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -56,10 +56,21 @@ class TakenError(CycloidError):
 
 @dataclass
 class _Command:
-    """What the running command has read, by device and inode; what it may replace: files, and all of folders."""
+    """Files of the running command.
+
+    Attributes
+    ----------
+    read
+        Files that it has read, by device and inode.
+    replaceable
+        Files that it may replace, and folders of which it may replace all files.
+    made
+        Folders that it has made, the outer ones first.
+    """
 
     read: dict[tuple[int, int], Path] = field(default_factory=dict)
     replaceable: set[Path] = field(default_factory=set)
+    made: list[Path] = field(default_factory=list)
 
 
 _command: ContextVar[_Command | None] = ContextVar("command", default=None)
@@ -67,12 +78,41 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 @contextmanager
 def one_command() -> Iterator[None]:
-    """Keep the rule inside this block."""
-    token = _command.set(_Command())
+    """Apply the rule inside this block; at its end, remove the folders that the command made and left empty."""
+    command = _Command()
+    token = _command.set(command)
     try:
         yield
     finally:
         _command.reset(token)
+        remove_empty(command.made)
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it; a command that fails before it writes there leaves none of them.
+
+    Raises
+    ------
+    OSError
+        It cannot be made.
+    """
+    missing = []
+    while not path.exists() and path != path.parent:
+        missing.append(path)
+        path = path.parent
+    for folder in reversed(missing):
+        folder.mkdir(exist_ok=True)
+        if (command := _command.get()) is not None:
+            command.made.append(folder)
+    if not missing and not path.is_dir():
+        raise FileExistsError(f"{path} is a file")
+
+
+def remove_empty(folders: Iterable[Path]) -> None:
+    """Remove those folders that are empty, the last first."""
+    for folder in reversed(tuple(folders)):
+        with suppress(OSError):
+            folder.rmdir()
 
 
 def as_input(path: Path) -> Path:

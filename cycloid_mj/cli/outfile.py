@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.replacing import claim, make_folder, require_ending
 from cycloid_mj.base.whole import whole_file
 
 if TYPE_CHECKING:
@@ -95,9 +95,9 @@ def new_folder(name: str, what: str) -> Path | None:
     """Make the folder `name` and give it, or None if something has that name; raise CycloidError if that cannot be."""
     path = Path(name)
     try:
-        path.mkdir(parents=True)
-    except FileExistsError:
-        return None
+        if path.exists():
+            return None
+        make_folder(path)
     except OSError as problem:
         raise CycloidError(
             f"cannot make the folder {name} for {what}: {reason(problem)}; choose another with --out"

@@ -11,6 +11,7 @@ from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, DesignError, RunError, reason
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
+from cycloid_mj.base.replacing import make_folder
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, dump, resolve
@@ -276,7 +277,7 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
     }
     into = Path(out)
     try:
-        into.mkdir(parents=True, exist_ok=True)
+        make_folder(into)
     except OSError as error:
         raise CycloidError(f"cannot make the folder {into}: {reason(error)}; choose another with --out") from error
     with journal(into, plan, STUDY) as kept:

@@ -13,6 +13,7 @@ from typing import Any
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
+from cycloid_mj.base.replacing import make_folder
 from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
@@ -273,7 +274,7 @@ def _plan(task: Task, points: Points) -> dict[str, Any]:
 
 def _created(into: Path) -> Path:
     try:
-        into.mkdir(parents=True, exist_ok=True)
+        make_folder(into)
     except OSError as problem:
         raise CycloidError(
             f"cannot make the folder {into} for the sweep: {reason(problem)}; choose another with --out"

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
+from cycloid_mj.base.replacing import make_folder
 from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.plots.style import styled
 
@@ -54,7 +55,7 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
         raise UsageError(f"no figure format {unknown[0]!r}; there are {', '.join(METADATA)}")
     folder = Path(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     except OSError as problem:
         raise FigureError(
             f"cannot write figures to {folder}: {reason(problem)}; give a folder that can be written"

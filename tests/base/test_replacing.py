@@ -16,6 +16,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
 from cycloid_mj.cli.page import commands
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.mjcf.folder import write_folder
 from cycloid_mj.log import LogWriter
 
 LOG = b"\x89MCAP0\r\n another one"
@@ -283,3 +284,28 @@ def test_a_sweep_goes_on_in_its_folder_and_begins_anew_by_force(here: Path) -> N
     assert (code, "replace it with --force" in err) == (2, True)
     assert called(*[word.replace("1,2", "3,4") for word in words], "--force")[0] == 0
     assert b"3.0" in Path("d/sweep.csv").read_bytes()
+
+
+def test_a_command_that_fails_leaves_no_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(files: object) -> None:
+        raise CycloidError("no space left")
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there").mkdir()
+    monkeypatch.setattr("cycloid_mj.cli.delivery.write_whole", failing)
+    for out in ("new/deeper", "there"):
+        assert main(["design", "show", "pin", "--out", out]) == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["there"]
+
+
+def test_a_model_that_cannot_be_written_leaves_no_empty_assets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Called from Python, without a command that clears up."""
+    (tmp_path / "scene.xml").mkdir()
+    with pytest.raises(CycloidError):
+        write_folder({"assets/a.obj": b"a", "scene.xml": b"b"}, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.xml"]
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "old.obj").write_bytes(b"old")
+    with pytest.raises(CycloidError):
+        write_folder({"assets/a.obj": b"a", "scene.xml": b"b"}, tmp_path)
+    assert [path.name for path in (tmp_path / "assets").iterdir()] == ["old.obj"]

@@ -14,6 +14,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import CycloidError, reason, warn
+from cycloid_mj.base.replacing import make_folder, remove_empty
 from cycloid_mj.base.version import __version__
 from cycloid_mj.base.whole import write_whole
 from cycloid_mj.design import dump
@@ -85,11 +86,16 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     CycloidError
         A file cannot be written.
     """
+    assets = folder / ASSETS
     try:
-        (folder / ASSETS).mkdir(exist_ok=True)
+        make_folder(assets)
     except OSError as error:
-        raise CycloidError(f"cannot make the folder {folder / ASSETS}: {reason(error)}") from error
-    write_whole({folder / name: content for name, content in files.items()})
+        raise CycloidError(f"cannot make the folder {assets}: {reason(error)}; choose another folder") from error
+    try:
+        write_whole({folder / name: content for name, content in files.items()})
+    except BaseException:
+        remove_empty([assets])
+        raise
 
 
 def design_hash(reducer: Reducer) -> str:
