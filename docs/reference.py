@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import cycloid_mj
-from cycloid_mj.base.presented import CallableRoom
+from cycloid_mj.base.notebook_display import CallableRoom
 from cycloid_mj.cli.app import application
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import file_key, section_of, source_of, unit_of

@@ -29,7 +29,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -18,8 +18,8 @@ from unittest.mock import patch
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.whole import write_whole
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model

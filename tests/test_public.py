@@ -137,7 +137,7 @@ def test_a_table_shows_in_a_line_and_as_html_with_its_text_escaped() -> None:
 
 @pytest.mark.parametrize("package", ["pandas", "polars"])
 def test_a_data_frame_is_of_the_package_that_is_there(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cycloid_mj.base.presented.find_spec", lambda name: name == package or None)
+    monkeypatch.setattr("cycloid_mj.base.notebook_display.find_spec", lambda name: name == package or None)
     monkeypatch.setitem(sys.modules, package, SimpleNamespace(DataFrame=lambda columns: (package, columns)))
     made, columns = TABLE.to_frame()
     assert made == package
@@ -145,7 +145,7 @@ def test_a_data_frame_is_of_the_package_that_is_there(package: str, monkeypatch:
 
 
 def test_without_either_a_data_frame_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cycloid_mj.base.presented.find_spec", lambda name: None)
+    monkeypatch.setattr("cycloid_mj.base.notebook_display.find_spec", lambda name: None)
     with pytest.raises(CycloidError, match="pip install pandas"):
         TABLE.to_frame()
 

@@ -30,10 +30,10 @@ from cycloid_mj.analysis.findings import (
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.base.array import Array, Mask
-from cycloid_mj.base.level import peak, rms
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.statistics import peak, rms
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.timestep import timestep
 

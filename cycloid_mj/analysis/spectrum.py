@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 
 BAND = 0.4
 """Highest frequency that is given, as a share of the sampling rate."""

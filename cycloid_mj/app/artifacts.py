@@ -7,9 +7,9 @@ from typing import Any
 
 from cycloid_mj.app.jobs import Made
 from cycloid_mj.app.state import design_of
+from cycloid_mj.base.atomic_write import zipped
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import plain
-from cycloid_mj.base.whole import zipped
 from cycloid_mj.design import Design, dump
 from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, export, plate, threemf_bytes
 from cycloid_mj.reducer import Reducer

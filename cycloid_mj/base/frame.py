@@ -22,9 +22,9 @@ from typing import Any, TextIO
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.base.atomic_write import whole_file
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.whole import whole_file
+from cycloid_mj.base.notebook_display import Presented
 
 Cell = float | int | str | bool
 Column = npt.NDArray[Any]

@@ -19,7 +19,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""

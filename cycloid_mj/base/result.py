@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array

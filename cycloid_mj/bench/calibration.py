@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit

@@ -26,7 +26,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter

@@ -10,8 +10,8 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.presented import Presented
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")

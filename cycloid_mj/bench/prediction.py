@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.frame import Cell, Frame, framed
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
 from cycloid_mj.bench.parameters import Model

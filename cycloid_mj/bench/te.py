@@ -13,8 +13,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.level import rms, rms_about_mean
 from cycloid_mj.base.result import Table
+from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Design

@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.judgement import Judgement, count_judgements, judge
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, section_of, unit_of
 from cycloid_mj.reducer import Reducer

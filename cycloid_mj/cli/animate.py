@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claimed_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within

@@ -15,7 +15,7 @@ from cyclopts import App, CycloptsError, Group, Parameter
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
 from cycloid_mj.base.interrupt import cause, exit_code
-from cycloid_mj.base.replacing import one_command
+from cycloid_mj.base.overwrite_guard import one_command
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.atomic_write import storable
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
-from cycloid_mj.base.whole import storable
 from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
 from cycloid_mj.reducer import Reducer

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within

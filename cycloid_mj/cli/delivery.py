@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cycloid_mj.base.atomic_write import storable, write_whole
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
-from cycloid_mj.base.whole import storable, write_whole
 from cycloid_mj.cli.flags import CommonFlags, Delivery
 from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
 from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell, with_warnings

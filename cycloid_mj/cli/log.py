@@ -10,7 +10,7 @@ from cyclopts import App, Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claimed, claimed_page, deliver, deliver_columns, deliver_files

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, designed, out_flag, whole, whole_number

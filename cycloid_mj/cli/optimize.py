@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
-from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import (
     FLAT,

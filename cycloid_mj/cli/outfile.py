@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.atomic_write import whole_file
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.replacing import claim, make_folder, require_ending
-from cycloid_mj.base.whole import whole_file
+from cycloid_mj.base.overwrite_guard import claim, make_folder, require_ending
 
 if TYPE_CHECKING:
     import numpy.typing as npt

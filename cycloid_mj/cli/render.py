@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claimed_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
@@ -59,7 +59,7 @@ def render(
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.base.whole import whole_file
+    from cycloid_mj.base.atomic_write import whole_file
     from cycloid_mj.log import read
     from cycloid_mj.scene.opengl import require_mujoco
 

@@ -15,7 +15,7 @@ from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError,
 from cycloid_mj.base.interrupt import cause, unbroken
 from cycloid_mj.base.names import FORCES
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, Delivery, DesignOptions

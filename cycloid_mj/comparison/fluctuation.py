@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 
 
 @dataclass(frozen=True)

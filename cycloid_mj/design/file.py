@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError, UsageError, reason
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of

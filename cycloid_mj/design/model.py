@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
 from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch, unit_of

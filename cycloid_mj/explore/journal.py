@@ -10,10 +10,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.replacing import as_own
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.overwrite_guard import as_own
 from cycloid_mj.explore.row import PointResult
 
 SWEEP = "sweep"

@@ -7,12 +7,12 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, DesignError, RunError, reason
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
-from cycloid_mj.base.replacing import make_folder
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.run import Solver

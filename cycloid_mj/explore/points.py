@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.design import declared
 
 MOST_POINTS = 1_000_000

@@ -13,7 +13,7 @@ from typing import Any
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
-from cycloid_mj.base.replacing import make_folder
+from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver

@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import PIN, SHAFT
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve

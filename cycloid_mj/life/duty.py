@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.base.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")

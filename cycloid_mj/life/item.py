@@ -7,7 +7,7 @@ from typing import Any
 
 from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.judgement import Judgement, judge
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, plain
 from cycloid_mj.life.give import CamGive
 from cycloid_mj.life.hours import LONGEST, hours, plain_life, written

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.reducer import Reducer
 
 RESULT = "stress.json"

@@ -12,9 +12,9 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
+from cycloid_mj.base.atomic_write import hidden_beside
 from cycloid_mj.base.errors import LogError, reason
-from cycloid_mj.base.replacing import LOG, claim, require_ending
-from cycloid_mj.base.whole import hidden_beside
+from cycloid_mj.base.overwrite_guard import LOG, claim, require_ending
 
 
 class LogTakenError(LogError):

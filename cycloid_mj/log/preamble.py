@@ -7,7 +7,7 @@ import json
 import zlib
 from collections.abc import Iterable, Mapping
 
-from cycloid_mj.base.whole import storable
+from cycloid_mj.base.atomic_write import storable
 from cycloid_mj.log.encoding import FORMAT, PACKAGE
 
 PROVENANCE = "provenance"

@@ -14,8 +14,8 @@ from mcap.opcode import Opcode
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import LogError, NoLogError, reason
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.replacing import as_input
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, ColumnGroup, group_of
 from cycloid_mj.log.preamble import PROVENANCE, lost

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.atomic_write import storable
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.whole import storable
 from cycloid_mj.log.blocks import BlockWriter
 from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable

@@ -6,7 +6,7 @@ from itertools import islice
 from typing import Any
 
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame
 from cycloid_mj.design import Design, material_limits

@@ -12,9 +12,9 @@ import numpy as np
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import rms
 from cycloid_mj.base.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import RPM
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.dynamics.run import Model, simulate

@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import peak_to_peak, rms_about_mean
 from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer

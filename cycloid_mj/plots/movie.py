@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from cycloid_mj.base.atomic_write import whole_file
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.extras import extra
-from cycloid_mj.base.whole import whole_file
 
 Frame = npt.NDArray[np.uint8]
 

@@ -8,9 +8,9 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from cycloid_mj.base.atomic_write import storable, write_whole
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.replacing import make_folder
-from cycloid_mj.base.whole import storable, write_whole
+from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.plots.style import styled
 
 METADATA: dict[str, dict[str, Any]] = {

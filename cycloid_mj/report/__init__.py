@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.names import FORCES
-from cycloid_mj.base.presented import CallableRoom
+from cycloid_mj.base.notebook_display import CallableRoom
 from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, Reviewed, frames, review

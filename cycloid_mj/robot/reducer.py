@@ -18,7 +18,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Quantity, quantity_frame
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.atomic_write import whole_file
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.whole import whole_file
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear

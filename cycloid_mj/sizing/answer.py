@@ -8,7 +8,7 @@ from functools import lru_cache
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Frame, framed
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import Design, fits
 from cycloid_mj.figures import figure

@@ -9,7 +9,7 @@ body: its two contacts are one, in series, and the smaller of both frictions is 
 import sys
 from typing import TYPE_CHECKING
 
-from cycloid_mj.base.presented import CallableRoom
+from cycloid_mj.base.notebook_display import CallableRoom
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads, powers, transmission_error

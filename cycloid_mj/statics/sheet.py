@@ -10,10 +10,10 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.level import peak_to_peak, rms_about_mean
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.powers import Powers
-from cycloid_mj.base.presented import Presented
 from cycloid_mj.base.result import Quantity, keyed, quantity_frame
+from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE

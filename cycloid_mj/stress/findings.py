@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
 from cycloid_mj.stress.swing import Swing

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, UsageError, reason
-from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.overwrite_guard import as_input
 from cycloid_mj.design import PARTS
 from cycloid_mj.design import units as u
 from cycloid_mj.design.file import parse_toml, record

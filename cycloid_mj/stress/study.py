@@ -12,7 +12,7 @@ import numpy.typing as npt
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.frame import Cell, Frame, framed
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.design import Design, override

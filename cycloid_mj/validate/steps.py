@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.validation import ValidationRow, absolute, relative
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer

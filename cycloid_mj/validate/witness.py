@@ -9,9 +9,9 @@ import numpy as np
 from cycloid_mj.analysis.transmission import output_error
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import peak_to_peak, rms
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.statistics import peak_to_peak, rms
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.base.validation import ValidationRow, absolute, relative
 from cycloid_mj.design import PRESETS, Design, override

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import overload
 
 from cycloid_mj.base.errors import LogError, RunError, warn
+from cycloid_mj.base.overwrite_guard import as_own
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.replacing import as_own
 from cycloid_mj.cli.batch import run_all
 from cycloid_mj.design import Design, dump
 from cycloid_mj.dynamics.run import Solver, provenance

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 from hsieh2014.stated import PIN_1_LOADED, SHOWN
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.level import rms
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.course import braked_output, locked_crank, rising

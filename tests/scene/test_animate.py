@@ -10,9 +10,9 @@ from made_run import made_run
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from cycloid_mj.base.atomic_write import whole_file
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError
 from cycloid_mj.base.names import all_numbered
-from cycloid_mj.base.whole import whole_file
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact.gap import Trochoid, trochoid_distance
 from cycloid_mj.dynamics.mjcf import build

@@ -13,10 +13,10 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import CycloidError, reason, warn
-from cycloid_mj.base.replacing import make_folder, remove_empty
+from cycloid_mj.base.overwrite_guard import make_folder, remove_empty
 from cycloid_mj.base.version import __version__
-from cycloid_mj.base.whole import write_whole
 from cycloid_mj.design import dump
 from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes
 from cycloid_mj.dynamics.mjcf.mesh import MeshSpec, add_rest, mesh_spec, reducer_model

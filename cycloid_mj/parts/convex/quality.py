@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.level import rms
+from cycloid_mj.base.statistics import rms
 from cycloid_mj.parts.convex.surface import ConvexSurface, placed_outline
 from cycloid_mj.parts.polygon import area_moments
 

@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
-from cycloid_mj.base.presented import Presented
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fused, laid_out, mass_properties, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error

@@ -3,8 +3,8 @@
 from collections import Counter
 from collections.abc import Iterator
 
+from cycloid_mj.base.atomic_write import zipped
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.base.whole import zipped
 from cycloid_mj.parts import Mesh
 from cycloid_mj.parts.export.plate import PrintPlate
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from made_run import made_groups, made_run
 
+from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.replacing import KINDS, claim, one_command
-from cycloid_mj.base.whole import write_whole
+from cycloid_mj.base.overwrite_guard import KINDS, claim, one_command
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
 from cycloid_mj.cli.page import commands

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from made_run import made_groups, made_run
 
+from cycloid_mj.base.atomic_write import whole_file, whole_files, write_whole
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.whole import whole_file, whole_files, write_whole
 from cycloid_mj.cli import main
 from cycloid_mj.cli.delivery import Destination, write
 from cycloid_mj.cli.flags import Delivery

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.replacing import LOG, as_own, require_replaceable
+from cycloid_mj.base.overwrite_guard import LOG, as_own, require_replaceable
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Time of all files in a package."""

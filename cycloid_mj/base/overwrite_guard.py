@@ -1,7 +1,7 @@
-"""Which files a command may replace: never one that it reads, and an earlier one only with `--force`.
+"""Protection of existing files: a command never replaces a file that it reads, and an earlier result only with --force.
 
-The rule is kept by the two writers (`whole` and `log.place`) while a command of the command line is at work, so that a
-command which claims nothing replaces nothing. In Python, files are replaced as their functions say.
+Both writers, `atomic_write` and `log.place`, apply the rule while a command of the command line runs: a command that
+claims no file replaces none. In Python, files are replaced as the documentation of each function says.
 """
 
 import os

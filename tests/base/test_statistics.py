@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cycloid_mj.base.level import peak, peak_to_peak, rms, rms_about_mean
+from cycloid_mj.base.statistics import peak, peak_to_peak, rms, rms_about_mean
 
 
 def test_levels_of_numbers() -> None:
