@@ -11,9 +11,9 @@ from functools import lru_cache
 from typing import Any
 
 from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, summary, turn
-from cycloid_mj.app.controls import knobs
+from cycloid_mj.app.controls import in_words, knobs, value_in_words
 from cycloid_mj.app.drawing import section
-from cycloid_mj.app.state import changed, design_of, values_of
+from cycloid_mj.app.state import changed, design_of, differences, values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
@@ -58,7 +58,7 @@ def shown(design: Design, content: Content) -> dict[str, Any]:
     return {
         "design": values_of(design),
         "name": design.name,
-        "head": summary.geometry(reducer),
+        "head": summary.geometry(reducer, content.get("asked")),
         "load_nm": abs(design.load.torque),
         "life_h": design.service.life,
         "knobs": [asdict(knob) for knob in knobs(design)],
@@ -78,12 +78,12 @@ def _kept(values: str) -> Reducer:
 
 def statics(content: Content) -> dict[str, Any]:
     """Solve the figures by statics."""
-    return summary.statics(_reducer(content))
+    return summary.statics(_reducer(content), content.get("asked"))
 
 
 def life(content: Content) -> dict[str, Any]:
     """Rate a design."""
-    return summary.life(_reducer(content))
+    return summary.life(_reducer(content), content.get("asked"))
 
 
 def checks(content: Content) -> dict[str, Any]:
@@ -94,6 +94,13 @@ def checks(content: Content) -> dict[str, Any]:
 def ways(content: Content) -> dict[str, Any]:
     """Find what mends the checks of life, heat and strength."""
     return summary.ways(_reducer(content))
+
+
+def compared(content: Content) -> dict[str, Any]:
+    """List in words the values in which two designs differ."""
+    rows = differences(content.get("a"), content.get("b"))
+    words = ((key, in_words(key), value_in_words(key, a), value_in_words(key, b)) for key, a, b in rows)
+    return {"rows": [{"key": key, "label": label, "a": a, "b": b} for key, label, a, b in words]}
 
 
 def forces(content: Content) -> dict[str, Any]:
@@ -114,7 +121,7 @@ def shape(content: Content) -> dict[str, Any]:
     return solid.assembly(_reducer(content))
 
 
-AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened}
+AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened, "compare": compared}
 
 QUICK: Mapping[str, Callable[[Content], dict[str, Any]]] = {"statics": statics, "forces": forces}
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from cycloid_mj.design import Design, value_of
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.design import Design, declared, value_of
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.units import file_key, unit_of
 
@@ -89,8 +90,29 @@ MADE_OF = {
 
 LAYOUT, MATERIAL = "Layout", "Materials"
 
-SYMBOLS = {"um": "µm", "nm": "N m", "mpa": "MPa", "kw": "kW", "kg_m3": "kg/m³", "c": "°C"}
-"""Units in keys of a design file -> as they are written; others are written as they stand there."""
+SYMBOLS = {
+    "um": "µm",
+    "us": "µs",
+    "deg": "°",
+    "n": "N",
+    "nm": "N m",
+    "n_m": "N/m",
+    "n_mm": "N/mm",
+    "n_s_mm": "N s/mm",
+    "nm_arcmin": "N m/arcmin",
+    "mpa": "MPa",
+    "kw": "kW",
+    "kg_m2": "kg m²",
+    "kg_m3": "kg/m³",
+    "um_m_k": "µm/(m K)",
+    "m_s2": "m/s²",
+    "mm_s": "mm/s",
+    "c": "°C",
+    "w_m2_k": "W/(m² K)",
+    "mm3_nm": "mm³/(N m)",
+    "hz": "Hz",
+}
+"""Units in keys of a design file -> their symbols; the others are their own."""
 
 COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
 """Whole numbers, and how many times more or less of them a slider reaches."""
@@ -112,6 +134,43 @@ def knobs(design: Design) -> tuple[Knob, ...]:
 def label_of(key: str) -> str:
     """Return the page's word for a key of the design file; the key itself where the page has none."""
     return _labels().get(key, key)
+
+
+def in_words(key: str) -> str:
+    """Return a key of the design file in words, in the middle of a sentence; other words as they are."""
+    if "." not in key:
+        return key
+    word = label_of(key)
+    if word != key:
+        return f"{word[:1].lower()}{word[1:]}"
+    try:
+        unit = unit_of(declared(key)).suffix
+    except UsageError:
+        return key
+    table, _, name = key.partition(".")
+    if name == "name" and table in MADE_OF:
+        return f"material of {MADE_OF[table].lower()}"
+    name = name.removesuffix(f"_{unit}") if unit else name
+    return f"{name.replace('_', ' ')} ({table.replace('_', ' ')})"
+
+
+def value_in_words(key: str, value: Any) -> str:
+    """Return a value of the design file with its unit, or in the words of its list."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return (
+            f"{len(value)} values, {value_in_words(key, min(value))} to {value_in_words(key, max(value))}"
+            if value
+            else "none"
+        )
+    _, options = WORDS.get(key, ("", {}))
+    if value in options:
+        return str(options[value])
+    if not isinstance(value, int | float):
+        return str(value).replace("_", " ")
+    unit = unit_of(declared(key)).suffix
+    return f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()
 
 
 def with_symbols(text: str) -> str:

@@ -1,12 +1,14 @@
 """What a new drive is asked for on the page, and the answer: up to three drives, or the most that goes and ways out."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cycloid_mj.app.controls import with_symbols
 from cycloid_mj.app.state import values_of
+from cycloid_mj.app.verdicts import requirement_verdicts, verdict
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.life.hours import hours
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered
@@ -16,6 +18,16 @@ from cycloid_mj.sizing.requirement import Requirement, required
 WHOLE = ("ratio", "discs")
 NUMBERS = ("diameter_mm", "torque_nm", "life_h", "speed_rpm", "length_mm", "backlash_arcmin", "clearance_um")
 WORDS = ("process", "material", "fit")
+
+NAMES = {
+    "ratio": "ratio",
+    "diameter_mm": "diameter with covers",
+    "length_mm": "length",
+    "torque_nm": "rated torque",
+    "life_h": "life",
+    "backlash_arcmin": "backlash",
+}
+"""Requirements, as they are named where a drive violates them."""
 
 
 def requirement_of(form: Any) -> Requirement:
@@ -75,9 +87,11 @@ def size(told: Callable[[Any], None], form: Any) -> dict[str, Any]:
 
 
 def _answer(answer: Answer) -> dict[str, Any]:
+    drives = [_drive(drive, answer.asked) for drive in answer.drives]
     return {
         "asked": form_of(answer.asked),
-        "drives": [_drive(drive, answer.asked.torque) for drive in answer.drives],
+        "drives": drives,
+        "verdict": _summary([drive["verdict"]["judgement"] for drive in drives]),
         "most": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
@@ -85,12 +99,28 @@ def _answer(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _drive(drive: SizedDrive, asked: float) -> dict[str, Any]:
+def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
     figures = dict(drive.figures)
+    verdicts = requirement_verdicts(form_of(required), figures)
+    violated = {field: one for field, one in verdicts.items() if one["judgement"] != Judgement.PASSED}
+    words = "; ".join(f"{NAMES[field]}: {one['words']} required" for field, one in violated.items())
     return {
         "title": drive.title,
         "why": drive.why,
-        "design": values_of(drive.design.but(load={"torque": asked})),
+        "design": values_of(drive.design.but(load={"torque": required.torque})),
         "figures": figures,
         "life": hours(figures["life_h"]),
+        "verdicts": verdicts,
+        "verdict": verdict(gravest(Judgement(one["judgement"]) for one in verdicts.values()), words),
     }
+
+
+def _summary(judgements: Sequence[str]) -> dict[str, str]:
+    """Summarize how many drives meet the requirements: passed if all do, a warning if some do."""
+    met, count = judgements.count(Judgement.PASSED), len(judgements)
+    if met == count:
+        return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")
+    if met:
+        return verdict(Judgement.WARNING, f"{met} of {count} drives meet{'s' if met == 1 else ''} the requirements")
+    nearest = "the nearest drive is" if count == 1 else f"the nearest {count} drives are"
+    return verdict(Judgement.FAILED, f"No drive meets all requirements; {nearest}")

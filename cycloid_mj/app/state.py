@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any
 
 from cycloid_mj.base.errors import DesignError, UsageError
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import PRESETS, Design, dump, override, value_of
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of
 
@@ -51,6 +51,19 @@ def values_of(design: Design) -> dict[str, Any]:
         if _flat(override(BASE, fewer)) == _flat(override(BASE, values)):
             values = fewer
     return values
+
+
+def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
+    """List the keys in which two designs of the page differ, with both values in the units of the file.
+
+    Both are given by the values in which they differ from the preset ``pin``; errors as `design_of`.
+    """
+    designs = (first, design_of(first)), (second, design_of(second))
+    pairs = {
+        key: [values[key] if key in values else value_of(design, key) for values, design in designs]
+        for key in dict.fromkeys((*first, *second))
+    }
+    return [(key, one, other) for key, (one, other) in pairs.items() if one != other]
 
 
 def changed(design: Design, changes: Any) -> Design:

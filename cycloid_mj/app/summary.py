@@ -9,10 +9,13 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from cycloid_mj.app.controls import SYMBOLS, label_of, with_symbols
+from cycloid_mj.app.controls import SYMBOLS, with_symbols
+from cycloid_mj.app.controls import in_words as key_in_words
 from cycloid_mj.app.drawing import PLACES
 from cycloid_mj.app.state import at_load
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, verdict
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.judgement import Judgement, gravest, judge
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import declared, value_of
@@ -22,7 +25,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.checks import KINDS, check_design, life_remedies
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.hours import hours
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import glance, load_of
@@ -48,16 +51,23 @@ LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "sea
 CLEARANCE = "clearance of "
 """Before the pairs whose clearance it is."""
 
-POSES, EXACT = 61, 5e-3
-"""Crank angles, and relative accuracy, of the rated torque in the header."""
+POSES = 61
+"""Crank angles of the rated torque in the header; its accuracy is `TORQUE_RTOL`."""
 
 
-def geometry(reducer: Reducer) -> dict[str, Any]:
-    """Return the figures of the header that need no load."""
+def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
+    """Return the figures of the header that need no load, judged by the requirements of the start form.
+
+    A diameter that is met is not judged here: `life` does so with the covers.
+    """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part of it cannot be made: the checks say which
         mass = figure("mass_kg").value(reducer)
-    return {"ratio": design.reduction, "diameter_mm": 2e3 * design.housing.outer_radius, "mass_kg": mass}
+    diameter = 2e3 * design.housing.outer_radius
+    verdicts = requirement_verdicts(required, {"ratio": design.reduction, "drive_diameter_mm": diameter})
+    if verdicts.get("diameter_mm", {}).get("judgement") == Judgement.PASSED:
+        del verdicts["diameter_mm"]
+    return {"ratio": design.reduction, "diameter_mm": diameter, "mass_kg": mass, "verdicts": verdicts}
 
 
 def errors(reducer: Reducer) -> list[dict[str, Any]]:
@@ -66,11 +76,17 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
-    """List the checks that do not hold at the load, errors before warnings, and how many there are."""
+    """Return the failures and warnings of the checks at the load, failures first, and a summary of all checks."""
     loaded = at_load(reducer)
     every = check_design(loaded.design)
-    ordered = sorted(every, key=lambda one: one.severity != "error")
-    return {"count": len(every), "failed": _broken(loaded, ordered)}
+    return {
+        "count": len(every),
+        "judgement": gravest(one.judgement for one in every),
+        "words": f"{len(every)} checks: {every.counts}"
+        if every.failures or every.warnings
+        else f"All {len(every)} checks passed",
+        "failed": _broken(loaded, (*every.failures, *every.warnings)),
+    }
 
 
 def ways(reducer: Reducer) -> dict[str, Any]:
@@ -82,8 +98,8 @@ def ways(reducer: Reducer) -> dict[str, Any]:
     }
 
 
-def statics(reducer: Reducer) -> dict[str, Any]:
-    """Return the figures of a sound design by statics, at its load; errors as `glance`."""
+def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
+    """Return the figures of a sound design by statics, at its load, judged by requirements; errors as `glance`."""
     design = reducer.design
     sheet = glance(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
@@ -98,6 +114,7 @@ def statics(reducer: Reducer) -> dict[str, Any]:
     return {
         "condition": sheet.condition,
         "backlash_arcmin": computed["backlash_arcmin"].value,
+        "verdicts": requirement_verdicts(required, {"backlash_arcmin": computed["backlash_arcmin"].value}),
         "rows": [
             {"name": name, "value": _written(computed[key]), "note": computed[key].note or figure(key).definition}
             for key, name in NAMES.items()
@@ -108,34 +125,54 @@ def statics(reducer: Reducer) -> dict[str, Any]:
     }
 
 
-def life(reducer: Reducer) -> dict[str, Any]:
-    """Return the rating of a sound design at its load: its items, its life, and the torque for the life asked for."""
-    design, asked = reducer.design, reducer.design.service.life
-    load, _ = load_of(reducer)
-    rating = rate(design, steady(load, design.drive.speed), asked)
+def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
+    """Return the rating of a sound design at its load: its items, its life, and the torque for its required life.
+
+    Figures are judged by `required`, the requirements of the start form; the life by the one of the design.
+    """
+    design, hours_required = reducer.design, reducer.design.service.life
+    rating = rating_at_load(reducer)
     ends = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(ends, default=math.inf)
     try:
-        rated, weakest = rated_torque(reducer, design.drive.speed, asked, poses=POSES, exact=EXACT)
+        rated, weakest = rated_torque(reducer, design.drive.speed, hours_required, poses=POSES, exact=TORQUE_RTOL)
         limit = weakest.name
         if (once := figure("momentary_torque_nm").value(reducer)) < rated:
-            rated, limit = once, "what is held once"
+            rated, limit = once, "emergency stop at twice the torque"
     except CycloidError as error:
         rated, limit = 0.0, str(error)
+    covered = cased(reducer)
+    diameter = covered["diameter_mm"] if covered else 2e3 * design.housing.outer_radius
+    verdicts = requirement_verdicts(required, {"drive_diameter_mm": diameter, "rated_torque_nm": rated})
+    verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
     return {
         "condition": rating.duty,
-        "asked_h": asked,
+        "required_h": hours_required,
         "rated_torque_nm": rated,
         "limited_by": limit,
         "life_h": shortest,
         "life": hours(shortest),
-        "items": [_item(item, asked) for item in rating.items.values()],
-        "cased": cased(reducer),
+        "verdicts": verdicts,
+        "items": rated_items(rating),
+        "cased": covered,
     }
 
 
+def rating_at_load(reducer: Reducer) -> Rating:
+    """Rate a sound design at its load and speed for its required life."""
+    design = reducer.design
+    load, _ = load_of(reducer)
+    return rate(design, steady(load, design.drive.speed), design.service.life)
+
+
+def rated_items(rating: Rating) -> list[dict[str, Any]]:
+    """Return the items of a rating that have a safety or a life, as rows with bars."""
+    items = rating.items.values()
+    return [rated_item(item, rating.life) for item in items if item.safety is not None or item.life is not None]
+
+
 def cased(reducer: Reducer) -> dict[str, float] | None:
-    """Return diameter and mass with covers, bearings and screws; nothing of a drive that has none."""
+    """Return diameter and mass with covers, bearings and screws; None for a drive that has none."""
     keys = {"diameter_mm": "drive_diameter_mm", "mass_kg": "drive_mass_kg"}
     try:
         return {name: figure(key, reducer=reducer).value(reducer) for name, key in keys.items()}
@@ -143,28 +180,14 @@ def cased(reducer: Reducer) -> dict[str, float] | None:
         return None
 
 
-def _item(item: RatedItem, asked: float) -> dict[str, Any]:
-    margin = item.margin(asked)
-    return {
-        "name": item.name,
-        "load": item.load,
-        "borne": item.borne,
-        "verdict": item.verdict,
-        "kind": "" if item.safety is None and item.life is None else "safety" if item.safety is not None else "life",
-        "judgement": item.judgement(asked),
-        "margin": margin if item.decisive else None,
-        "source": item.source,
-        "note": item.note,
-    }
-
-
 def _broken(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
     return [
         {
             "name": _spoken(one.name),
             "severity": one.severity,
+            "judgement": one.judgement,
             "place": PLACES.get(one.name, ""),
-            "what": in_words(f"{_plain(one.key)} is {one.got}, must be {one.limit}"),
+            "what": in_words(f"{key_in_words(one.key)} is {one.got}, must be {one.limit}"),
             "why": in_words(one.why),
             "remedy": "" if one.name in KINDS else in_words(one.remedy),  # of those the page asks for ways
             "changes": [_change(reducer, change) for change in one.changes],
@@ -193,37 +216,21 @@ def _turned(reducer: Reducer, values: Mapping[str, float]) -> str:
     for key, value in values.items():
         unit = unit_of(declared(key)).suffix
         sense = "raise" if value > value_of(reducer.design, key) else "lower"
-        alike.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(_plain(key))
+        alike.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(key_in_words(key))
     told = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in alike.items())
     return "; ".join(told).replace(f", {CLEARANCE}", ", ")
 
 
 def in_words(text: str) -> str:
     """Put the page's words and symbols for the keys of the file and the units in a sentence."""
-    text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: _plain(key[0]), text)
+    text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: key_in_words(key[0]), text)
     text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)
     return with_symbols(text)
 
 
 def _pairs(listed: re.Match[str]) -> str:
     """Name kinds of pairs that are added up."""
-    return " + ".join(_plain(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
-
-
-def _plain(key: str) -> str:
-    """Return a key of the file in the page's words, in the middle of a sentence; other words as they are."""
-    if "." not in key:
-        return key
-    word = label_of(key)
-    if word != key:
-        return f"{word[:1].lower()}{word[1:]}"
-    try:
-        unit = unit_of(declared(key)).suffix
-    except UsageError:
-        return key
-    table, _, name = key.partition(".")
-    name = name.removesuffix(f"_{unit}") if unit else name
-    return f"{name.replace('_', ' ')} ({table.replace('_', ' ')})"
+    return " + ".join(key_in_words(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
 
 
 def _written(quantity: Quantity) -> str:

@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.checks import Checks
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import tables
@@ -42,7 +43,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             settled=all(item.motion.phase == "hold" for item in reviewed),
             conditions=_conditions(reviewed),
             warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
-            unmet=[(item.name, failed) for item in reviewed if (failed := tables.unmet(item))],
+            unmet=list(_unmet(reviewed)),
             numbers=_numbers,
             magnified=min(run["mechanism"]["usual"] for run in data["runs"]),
             widest=[1e3 * run["mechanism"]["widest"] for run in data["runs"]],
@@ -56,6 +57,14 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             scripts=SCRIPTS,
         )
     )
+
+
+def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
+    """Yield the checks of each design that has failures or warnings, by the names of the runs."""
+    for item in reviewed:
+        checks = tables.design_checks(item)
+        if checks.failures or checks.warnings:
+            yield item.name, checks
 
 
 def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:

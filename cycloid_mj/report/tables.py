@@ -5,8 +5,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
-from cycloid_mj.checks import Check, check
+from cycloid_mj.checks import Checks
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
+from cycloid_mj.life.checks import check_design
 from cycloid_mj.report.reviewed import Reviewed
 
 
@@ -82,9 +83,9 @@ def provenance(item: Reviewed) -> TextTable:
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
 
 
-def unmet(item: Reviewed) -> list[Check]:
-    """List the checks that a run's design does not meet."""
-    return [one for one in check(item.motion.design) if not one.passed]
+def design_checks(item: Reviewed) -> Checks:
+    """Return every check of a run's design, life and strength included."""
+    return check_design(item.motion.design)
 
 
 def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,8 @@ import threading
 import time
 import weakref
 import zipfile
+from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,21 +23,23 @@ import psutil
 import pytest
 from designs import UNLIKE, unlike
 
-from cycloid_mj.app import artifacts, requirement, scatter, solid, summary, turn
-from cycloid_mj.app.api import draw, forces, life, loaded, long_work, statics
+from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, summary, turn
+from cycloid_mj.app.api import compared, draw, forces, life, loaded, long_work, statics
 from cycloid_mj.app.controls import knobs
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.jobs import MOST_KEPT, MOST_WAITING, Jobs, Made
 from cycloid_mj.app.state import changed, design_of, values_of
+from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
 from cycloid_mj.app.workers import BEHIND, Died, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.figures import FIGURES, figure
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import files as robot_files
-from cycloid_mj.sizing.answer import Answer, Way
+from cycloid_mj.sizing.answer import Answer, SizedDrive, Way
 from cycloid_mj.sizing.requirement import required
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
@@ -227,12 +231,137 @@ def test_every_design_has_its_figures(design: Design) -> None:
     cased = rated["cased"]
     assert cased is None or cased["diameter_mm"] >= 2e3 * design.housing.outer_radius - 1e-9
     assert cased is None or cased["mass_kg"] > figure("mass_kg").value(Reducer(design))
-    lives = [one for one in rated["items"] if one["margin"] is not None and one["kind"] == "life"]
-    weakest = min(lives, key=lambda one: one["margin"], default=None)
-    assert weakest is None or weakest["margin"] * rated["asked_h"] == pytest.approx(rated["life_h"])
+    lives = [
+        item.life
+        for item in summary.rating_at_load(Reducer(design)).items.values()
+        if item.decisive and item.life is not None
+    ]
+    assert rated["life_h"] == pytest.approx(min(lives, default=math.inf))
     found = summary.checks(Reducer(design))
     assert found["count"] > 30
     assert all(one["severity"] == "warning" for one in found["failed"])
+
+
+# --- verdicts
+
+
+def rated_for(torque: float) -> Reducer:
+    return Reducer(loaded(override(PRESETS["printed"], {"load.torque_nm": torque})))
+
+
+@pytest.mark.parametrize("torque", [0.2, 10.0])
+def test_items_of_the_life_tab_are_judged_as_by_rate(torque: float) -> None:
+    reducer = rated_for(torque)
+    rating = summary.rating_at_load(reducer)
+    rows = {row["name"]: row for row in summary.life(reducer)["items"]}
+    judged = {item.name: item for item in rating.items.values() if item.safety is not None or item.life is not None}
+    assert rows.keys() == judged.keys()
+    for name, item in judged.items():
+        assert rows[name]["judgement"] == item.judgement(rating.life)
+        assert item.verdict in rows[name]["text"]
+
+
+def test_an_item_that_outlasts_everything_is_passed_with_a_full_bar() -> None:
+    for hours in (2_697_000.0, math.inf):
+        wear = RatedItem("pin_gear_wear", "wear of the disc", 0.01, 50.0, "um", None, hours, "Archard")
+        row = rated_item(wear, 6000.0)
+        assert row["judgement"] == "passed"
+        assert row["share"] == 1.0
+    worn = RatedItem("pin_gear_wear", "wear of the disc", 10.0, 1.0, "um", None, 60.0, "Archard")
+    assert rated_item(worn, 6000.0)["judgement"] == "warning"
+    assert rated_item(worn, 6000.0)["share"] == SMALLEST_BAR
+    assert rated_item(replace(worn, life=6000.0), 6000.0)["share"] == 0.5
+
+
+def test_the_bars_of_the_page_are_drawn_by_their_judgement_alone() -> None:
+    """No figure is compared in JavaScript: marks and styles come from one table of judgements."""
+    folder = resources.files("cycloid_mj.app").joinpath("assets")
+    texts = {file.name: file.read_text() for file in folder.iterdir() if file.name.endswith(".js")}
+    assert {name for name, text in texts.items() if '"✗"' in text} == {"dom.js"}
+    for name, text in texts.items():
+        assert not re.search(r"\.margin\b|yield_mpa|rated_torque_nm [<>]|diameter_mm [<>]=? asked", text), name
+
+
+def test_warnings_are_counted_as_warnings() -> None:
+    found = summary.checks(rated_for(10.0))
+    assert found["judgement"] == "warning"
+    assert found["words"] == f"{found['count']} checks: 0 failed, {len(found['failed'])} warnings".replace(
+        "1 warnings", "1 warning"
+    )
+    assert {one["judgement"] for one in found["failed"]} == {"warning"}
+    passed = summary.checks(rated_for(0.2))
+    if not passed["failed"]:
+        assert passed["words"] == f"All {passed['count']} checks passed"
+
+
+def test_covers_count_for_the_diameter() -> None:
+    reducer = rated_for(10.0)
+    bare = summary.geometry(reducer)["diameter_mm"]
+    covered = summary.cased(reducer)
+    assert covered is not None
+    assert covered["diameter_mm"] > bare + 5.0
+    between = {"diameter_mm": bare + 1.0}
+    assert summary.geometry(reducer, between)["verdicts"] == {}, "not before the covers are known"
+    assert summary.life(reducer, between)["verdicts"]["diameter_mm"]["judgement"] == "failed"
+    wide = {"diameter_mm": covered["diameter_mm"]}
+    assert summary.life(reducer, wide)["verdicts"]["diameter_mm"]["judgement"] == "passed"
+    assert summary.geometry(reducer, {"diameter_mm": bare - 1.0})["verdicts"]["diameter_mm"]["judgement"] == "failed"
+
+
+@pytest.mark.parametrize("value", [None, "", "x", True, math.nan, math.inf, -1, [], {}])
+def test_what_is_no_requirement_is_not_judged(value: Any) -> None:
+    figures = {"ratio": 15, "drive_diameter_mm": 60.0, "rated_torque_nm": 2.0, "life_h": 100.0}
+    assert requirement_verdicts(dict.fromkeys(REQUIREMENTS, value), figures) == {}
+    assert requirement_verdicts(value, figures) == {}
+
+
+def sized(**figures: float) -> SizedDrive:
+    values = {"drive_diameter_mm": 70.0, "drive_length_mm": 50.0, "rated_torque_nm": 3.0, "life_h": 7000.0}
+    usual = {"ratio": 13, "backlash_arcmin": 3.0, **values}
+    return SizedDrive("lightest", "", PRESETS["printed"], usual | figures, {})
+
+
+def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = required(ratio=13, diameter_mm=70, torque_nm=3)
+    cases = {
+        "No drive meets all requirements; the nearest 2 drives are": [sized(drive_diameter_mm=85.0)] * 2,
+        "1 of 2 drives meets the requirements": [sized(), sized(drive_diameter_mm=85.0)],
+        "2 drives meet the requirements": [sized(), sized()],
+        "1 drive meets the requirements": [sized()],
+    }
+    for words, drives in cases.items():
+        answer = Answer(wanted, tuple(drives))
+        monkeypatch.setattr(requirement, "answered", lambda *_, answer=answer: answer)
+        told = requirement.size(lambda _: None, requirement.form_of(wanted))
+        assert told["verdict"]["words"] == words
+        for drive, shown in zip(drives, told["drives"], strict=True):
+            large = drive.figures["drive_diameter_mm"] > 70.0
+            assert shown["verdict"]["judgement"] == ("failed" if large else "passed")
+            assert ("≤ 70 mm required" in shown["verdict"]["words"]) == large
+
+
+def test_stress_below_yield_stands_next_to_the_items_that_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pin drive at its rated torque pits within hours, although no part yields in its bulk."""
+    entry = SimpleNamespace(name="stress", definition="largest", value=lambda _: 100.0)
+    monkeypatch.setattr(stressed, "figure", lambda _: entry)
+    heard: list[Any] = []
+    found = stressed.stress(heard.append, values_of(loaded(PRESETS["pin"])))
+    assert [row["judgement"] for row in found["rows"]] == ["passed"] * 5
+    judged = {row["name"]: row["judgement"] for row in found["rated"]}
+    assert judged["teeth on pins, pitting"] == "failed"
+    assert heard[0]["rated"] == found["rated"]
+
+
+def test_values_that_differ_are_listed_in_words() -> None:
+    rows = compared({"a": {"gear.face_width_mm": 12}, "b": {"ring.pins": "fixed", "material.name": "PLA"}})["rows"]
+    assert [(row["label"], row["a"], row["b"]) for row in rows] == [
+        ("face width", "12 mm", "10 mm"),
+        ("ring pins", "free to roll", "pressed in"),
+        ("material of gear and housing", "alloy steel", "PLA"),
+    ]
+    everything = compared({"a": {}, "b": values_of(PRESETS["twodisc"])})["rows"]
+    for row in everything:
+        assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]|as pin|None", f"{row['label']} {row['a']} {row['b']}"), row
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "light"])

@@ -1,7 +1,7 @@
 // The page: its state, which stands in the address, what follows a change, undo and redo, files.
 
 import { ask, newest, work, download } from "./net.js";
-import { el, byId, number, toast, fill, refill } from "./dom.js";
+import { el, byId, number, toast, fill, refill, JUDGED } from "./dom.js";
 import { Section } from "./section.js";
 import { showKnobs, markKnob } from "./knobs.js";
 import { Tabs } from "./tabs.js";
@@ -21,7 +21,7 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
   forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
-  checks: newest("checks", told => { state.checks = told; mended(); }, words => showChecks([], 0, words)),
+  checks: newest("checks", told => { state.checks = told; mended(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
   life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
   ways: newest("ways", told => { state.ways = told; mended(); }, () => {}),
 };
@@ -39,7 +39,7 @@ export async function apply(changes, { step = true } = {}) {
     pending = null;
     let told;
     try {
-      told = await ask("draw", { design: state.design, changes: asked, play: section.play });
+      told = await ask("draw", { design: state.design, changes: asked, play: section.play, asked: state.asked });
     } catch (error) {
       refuse(asked, error.message);
       continue;
@@ -55,7 +55,7 @@ function show(told) {
   state.name = told.name;
   state.shown = told;
   state.ways = null;
-  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design }); // they solve while it is drawn
+  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // they solve while it is drawn
   showKnobs(byId("knobs"), told.knobs, apply);
   section.show(told.section, told.errors);
   byId("name").value = told.name;
@@ -65,7 +65,7 @@ function show(told) {
     state.statics = state.life = state.checks = null;
     for (const one of Object.values(solved)) one.drop();
     section.forces(null);
-    showChecks(told.errors, 0);
+    showChecks(told.errors, { judgement: "failed", words: `This design cannot be built: ${told.errors.length} ${told.errors.length > 1 ? "errors" : "error"}` });
     tabs.broken(told.errors);
   } else {
     for (const place of ["head", "checks"]) byId(place).classList.add("old");
@@ -92,25 +92,26 @@ function refuse(changes, words) {
 // --- the header
 
 function showHead() {
-  const { shown, asked, statics, life } = state;
+  const { shown, statics, life } = state;
   if (!shown) return;
   const broken = shown.errors.length > 0;
   const head = shown.head, cased = life?.cased;
+  const verdicts = { ...head.verdicts, ...(broken ? {} : { ...statics?.verdicts, ...life?.verdicts }) };
   const covers = cased && cased.diameter_mm > head.diameter_mm * 1.001 ? `with covers ${number(cased.diameter_mm)} mm` : null;
   const figures = [
-    ["ratio", `${head.ratio}:1`, asked.ratio && [head.ratio === asked.ratio, `asked: ${asked.ratio}:1`]],
-    ["diameter", `${number(head.diameter_mm)} mm`, asked.diameter_mm && [head.diameter_mm <= asked.diameter_mm * 1.0001, `asked: at most ${number(asked.diameter_mm)} mm`, covers && cased.diameter_mm > asked.diameter_mm * 1.0001], covers],
-    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, null, cased && `with covers ${number(cased.mass_kg, 3)} kg`],
-    ["bears for its life", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", life && asked.torque_nm && [life.rated_torque_nm >= asked.torque_nm * 0.995, `asked: ${number(asked.torque_nm)} N m`]],
-    ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", statics && asked.backlash_arcmin && [statics.backlash_arcmin <= asked.backlash_arcmin, `asked: at most ${number(asked.backlash_arcmin)} arcmin`]],
-    [`lasts at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", life && [life.life_h === null || life.life_h >= shown.life_h, `asked: ${number(shown.life_h)} h`]],
+    ["ratio", `${head.ratio}:1`, "ratio"],
+    ["diameter", `${number(head.diameter_mm)} mm`, "diameter_mm", covers],
+    ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, "", cased && `with covers ${number(cased.mass_kg, 3)} kg`],
+    ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm"],
+    ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", "backlash_arcmin"],
+    [`life at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", "life_h"],
   ];
   byId("head").classList.toggle("old", !broken && !(statics && life));
-  fill(byId("head"), ...figures.map(([name, value, judged, also]) => {
-    const [look, mark, words] = !judged ? [""] : !judged[0] ? ["fails", " ✗", "does not hold"] : judged[2] ? ["near", " !", "holds but for its covers"] : ["holds", " ✓", "holds"];
-    return el("div", { class: `figure ${look}` },
-      el("b", {}, value, mark ? el("span", { class: "mark", "aria-label": words }, mark) : null),
-      el("small", {}, name, judged ? el("i", {}, ` · ${judged[1]}`) : null, also ? el("i", {}, ` · ${also}`) : null));
+  fill(byId("head"), ...figures.map(([name, value, field, also]) => {
+    const verdict = verdicts[field], judged = verdict && JUDGED[verdict.judgement];
+    return el("div", { class: `figure ${judged?.look ?? ""}` },
+      el("b", {}, value, judged ? el("span", { class: "mark", role: "img", "aria-label": judged.word }, ` ${judged.mark}`) : null),
+      el("small", {}, name, verdict ? el("i", {}, ` · required: ${verdict.words}`) : null, also ? el("i", {}, ` · ${also}`) : null));
   }));
 }
 
@@ -136,22 +137,20 @@ function remedies(check) {
 function mended() {
   if (!state.checks) return;
   for (const one of state.checks.failed) one.changes = state.ways?.[one.name] ?? one.changes;
-  showChecks(state.checks.failed, state.checks.count);
+  showChecks(state.checks.failed, state.checks);
 }
 
-function showChecks(failed, count, words = "") {
+function showChecks(failed, verdict, words = "") {
   const open = new Set([...byId("checks").querySelectorAll("details[open]")].map(one => one.dataset.name));
-  const errors = failed.filter(one => one.severity === "error").length;
-  const title = words ? "Checks failed to run" : !failed.length ? `All ${count} checks hold`
-    : errors ? `${errors} ${errors > 1 ? "reasons" : "reason"} why it cannot be built` : `${failed.length} of ${count} checks ${failed.length > 1 ? "do" : "does"} not hold`;
+  const { mark, look } = JUDGED[verdict.judgement];
   byId("checks").classList.remove("old");
   refill(byId("checks"),
-    el("h2", { class: errors ? "fails" : failed.length ? "near" : "holds" }, el("span", { class: "mark" }, errors ? "✗" : failed.length ? "!" : "✓"), title),
+    el("h2", { class: look }, el("span", { class: "mark" }, mark), verdict.words),
     words ? el("p", {}, words) : null,
     ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
       el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
       el("p", {}, `${one.what}: ${one.why}.`),
-      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.ways ? "Nothing that was tried mends it alone." : "Looking for what mends it …")))));
+      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.ways ? "No single change was found that resolves it." : "Searching for a change that resolves it …")))));
   section.marks(failed);
 }
 
@@ -197,7 +196,7 @@ function fromAddress() {
 async function put(entry, step = true) {
   let told;
   try {
-    told = await ask("draw", { design: entry.design, changes: {}, play: section.play });
+    told = await ask("draw", { design: entry.design, changes: {}, play: section.play, asked: entry.asked });
   } catch (error) {
     toast(error.message);
     return false;

@@ -27,6 +27,14 @@ export function refill(element, ...children) {
   ([...element.querySelectorAll("a, button, input, summary")].find(same) || element).focus({ preventScroll: true });
 }
 
+// How a judgement of the server is shown: its mark, its style and its word for screen readers.
+export const JUDGED = {
+  passed: { mark: "✓", look: "holds", word: "passed" },
+  warning: { mark: "!", look: "near", word: "warning" },
+  failed: { mark: "✗", look: "fails", word: "failed" },
+  "not applicable": { mark: "–", look: "", word: "no limit" },
+};
+
 export const byId = id => document.getElementById(id);
 
 // A number with some digits, without an exponent where people would write none.

@@ -1,7 +1,7 @@
 // The start form: what a drive is to do; the answer is drives to take, or the most that goes and ways out as buttons.
 
 import { work, stop } from "./net.js";
-import { el, number, fill, refill } from "./dom.js";
+import { el, number, fill, refill, JUDGED } from "./dom.js";
 
 const FIELDS = [
   ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Turns of the crank for one of the output"],
@@ -128,13 +128,16 @@ export class Start {
   }
 
   #drives(place, answer) {
-    const rows = [["mass_kg", "Mass", "kg"], ["drive_length_mm", "Length", "mm"], ["rated_torque_nm", "Bears for its life", "N m"], ["momentary_torque_nm", "Held once", "N m"],
-      ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin"], ["temperature_c", "Housing", "°C"]];
-    fill(place, el("h3", { class: "holds" }, `✓ ${answer.drives.length === 1 ? "One drive holds" : `${answer.drives.length} drives hold`} it`),
+    const rows = [["mass_kg", "Mass", "kg"], ["drive_diameter_mm", "Diameter with covers", "mm", "diameter_mm"], ["drive_length_mm", "Length", "mm", "length_mm"], ["rated_torque_nm", "Rated torque", "N m", "torque_nm"], ["momentary_torque_nm", "Emergency-stop torque", "N m"],
+      ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin", "backlash_arcmin"], ["temperature_c", "Housing temperature", "°C"]];
+    const { mark, look } = JUDGED[answer.verdict.judgement];
+    const judged = (drive, field) => { const verdict = drive.verdicts[field]; return verdict && verdict.judgement !== "passed" ? { class: JUDGED[verdict.judgement].look, title: `required: ${verdict.words}` } : {}; };
+    fill(place, el("h3", { class: look }, `${mark} ${answer.verdict.words}`),
       el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },
         el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
-        el("dl", {}, rows.map(([key, word, unit]) => [el("dt", {}, word), el("dd", {}, `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Lasts"), el("dd", {}, drive.life)),
-        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.#shut(); } }, "Take this one")))));
+        drive.verdict.words ? el("p", { class: JUDGED[drive.verdict.judgement].look }, `${JUDGED[drive.verdict.judgement].mark} ${drive.verdict.words}`) : null,
+        el("dl", {}, rows.map(([key, word, unit, field]) => [el("dt", {}, word), el("dd", judged(drive, field), `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Life"), el("dd", judged(drive, "life_h"), drive.life)),
+        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.#shut(); } }, "Use this drive")))));
   }
 
   #refused(place, answer, done) {

@@ -1,14 +1,15 @@
 // The tabs beside the section: figures and charts of the design, long studies, A against B, and what can be made.
 
 import { ask, newest, work, stop, download } from "./net.js";
-import { el, number, toast, refill } from "./dom.js";
+import { el, number, toast, refill, JUDGED } from "./dom.js";
 import { lines, spikes, histogram, bars } from "./charts.js";
 import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Make" };
 const AUTOMATIC = { error: "error", solid: "solid" };
 
-const said = value => (value === undefined ? "as pin" : typeof value === "number" ? number(value) : String(value));
+// Bars of judged rows; the server judges, and tells how long each bar is.
+const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
 
 export class Tabs {
   constructor(place, state, apply) {
@@ -136,14 +137,10 @@ export class Tabs {
   }
 
   #life() {
-    return this.#of("life", told => [
-      el("p", {}, `At ${told.condition}, for ${number(told.asked_h)} h. `, el("b", {}, `${number(told.rated_torque_nm, 3)} N m`), ` are borne so long: ${told.limited_by} decides.`),
-      bars(told.items.filter(one => one.margin !== null || one.kind).map(one => {
-        const margin = one.margin === null && one.kind ? (one.verdict === "unlimited" ? 1e9 : 0) : one.margin ?? 0;
-        const look = one.verdict === "unlimited" || margin >= 1.2 ? "holds" : margin >= 1 ? "near" : "fails";
-        return { name: one.name, share: Math.min(1, Math.max(0.01, 0.5 + Math.log10(Math.max(margin, 1e-9)) / 4)), text: `${look === "fails" ? "✗" : look === "near" ? "!" : "✓"} ${one.kind === "safety" ? `safety ${one.verdict}` : one.verdict}`, look, mark: true, title: `${one.load}${one.borne ? ` of ${one.borne}` : ""}. ${one.source}. ${one.note}` };
-      })),
-      el("p", { class: "soft" }, "Bars: how far from failing, on a scale of tens; the line is just enough. ✓ holds, ! holds barely, ✗ does not.")]);
+    return this.#of("life", rating => [
+      el("p", {}, `At ${rating.condition}; required life ${number(rating.required_h)} h. Rated torque `, el("b", {}, `${number(rating.rated_torque_nm, 3)} N m`), `, limited by: ${rating.limited_by}.`),
+      judgedBars(rating.items, true),
+      el("p", { class: "soft" }, "Bars show the margin on a logarithmic scale; at the line the requirement is just met. ✓ passed, ! warning, ✗ failed.")]);
   }
 
   // How far work has come, and a button that stops it: made once, and brought up to date where it stands.
@@ -171,7 +168,7 @@ export class Tabs {
       try {
         const done = await work({ kind: key, design: this.state().design, ...content() }, told => {
           this.#progress(mine, told);
-          const found = told.told?.seen || (told.told?.rows && { rows: told.told.rows });
+          const found = told.told?.seen || (told.told?.rows && { rows: told.told.rows, rated: told.told.rated });
           if (!found || JSON.stringify(found) === seen) return;
           seen = JSON.stringify(found);
           this.last[key] = { told: found };
@@ -200,8 +197,10 @@ export class Tabs {
   }
 
   #stress() {
-    return [el("p", { class: "soft" }, "A run in MuJoCo for one turn at the load, then finite elements part by part, on coarse grids: some 15 s of processor time or more."),
-      ...this.#study("stress", "Compute stresses", () => ({}), told => bars(told.rows.map(one => ({ name: one.name, share: one.mpa / one.yield_mpa, text: `${one.mpa < one.yield_mpa ? "✓" : "✗"} ${number(one.mpa, 3)} of ${number(one.yield_mpa, 3)} MPa`, look: one.mpa < one.yield_mpa ? "holds" : "fails", title: one.note }))))];
+    return [el("p", { class: "soft" }, "Contact and fatigue stress by the rating, and the largest bulk stress of each part by finite elements on coarse grids, from a MuJoCo run of one crank turn at the load. Takes 15 s of processor time or more."),
+      ...this.#study("stress", "Compute stresses", () => ({}), found => [
+        el("h3", {}, "Contact and fatigue (rating)"), judgedBars(found.rated, true),
+        el("h3", {}, "Bulk stress and yield strength (finite elements)"), judgedBars(found.rows, false)])];
   }
 
   #solid() {
@@ -212,22 +211,33 @@ export class Tabs {
     });
   }
 
+  // The values in which A and B differ, in words: asked for when the designs are others.
+  #differences(a, b) {
+    const key = JSON.stringify([a, b]);
+    if (this.differing?.key !== key) {
+      this.differing = { key, rows: null };
+      const mine = this.differing;
+      ask("compare", { a, b }).then(answer => { mine.rows = answer.rows; }, error => { toast(error.message); })
+        .finally(() => { if (this.differing === mine && this.open === "compare") this.#draw(); });
+    }
+    return this.differing.rows;
+  }
+
   #compare() {
     const { shown, statics, life, design, asked } = this.state();
     const mine = { name: shown?.name, head: shown?.head, statics, life, design: { ...design }, asked: { ...asked } };
-    const keep = el("button", { class: "strong", onclick: () => { this.other = mine; this.#draw(); } }, this.other ? "Keep this one as A instead" : "Keep this design as A");
-    if (!this.other) return [el("p", {}, "Keep the design as it is now; change it, and both stand side by side here."), keep];
-    const rows = [["Ratio", one => one.head?.ratio, ":1"], ["Diameter", one => one.head?.diameter_mm, "mm"], ["Mass", one => one.head?.mass_kg, "kg"], ["Bears for its life", one => one.life?.rated_torque_nm, "N m"], ["Lasts", one => one.life?.life_h, "h"]];
+    const keep = el("button", { class: "strong", onclick: () => { this.other = mine; this.#draw(); } }, this.other ? "Keep this design as A instead" : "Keep this design as A");
+    if (!this.other) return [el("p", {}, "Keep the present design as A, then change it: both are compared here."), keep];
+    const rows = [["Ratio", one => one.head?.ratio, ":1"], ["Diameter", one => one.head?.diameter_mm, "mm"], ["Mass", one => one.head?.mass_kg, "kg"], ["Rated torque", one => one.life?.rated_torque_nm, "N m"], ["Life", one => one.life?.life_h, "h"]];
     const named = row => one => Number.parseFloat(one.statics?.rows.find(other => other.name === row.name)?.value);
     for (const row of statics?.rows || this.other.statics?.rows || []) rows.push([row.name, named(row), row.value.replace(/^[^ ]+ /, "")]);
-    const keys = [...new Set([...Object.keys(this.other.design), ...Object.keys(design)])].filter(key => JSON.stringify(this.other.design[key]) !== JSON.stringify(design[key]));
-    const knob = key => shown?.knobs.find(one => one.key === key);
+    const differing = this.#differences(this.other.design, design);
     return [
       el("table", { class: "figures both" }, el("thead", {}, el("tr", {}, el("th", {}), el("th", { scope: "col" }, `A: ${this.other.name}`), el("th", { scope: "col" }, `B: ${mine.name}`), el("th", { scope: "col" }, "B / A"))),
         el("tbody", {}, rows.map(([name, value, unit]) => { const [a, b] = [value(this.other), value(mine)]; return el("tr", {}, el("th", { scope: "row" }, `${name} [${unit}]`), el("td", {}, number(a)), el("td", {}, number(b)), el("td", { class: "soft" }, a && b ? number(b / a, 3) : "–")); }),
-          keys.length ? el("tr", {}, el("th", { colspan: "4", class: "heading" }, "What differs")) : null,
-          keys.map(key => el("tr", {}, el("th", { scope: "row", title: key }, knob(key)?.label || key), [this.other.design, design].map(one => el("td", {}, said(one[key]))), el("td", {}))))),
-      el("div", { class: "go" }, keep, el("button", { onclick: async () => { const a = this.other; this.other = mine; await this.swap(a); } }, "Take A, keep B"))];
+          differing?.length ? el("tr", {}, el("th", { colspan: "4", class: "heading" }, "Values that differ")) : null,
+          (differing || []).map(one => el("tr", {}, el("th", { scope: "row", class: "sentence", title: one.key }, one.label), el("td", {}, one.a), el("td", {}, one.b), el("td", {}))))),
+      el("div", { class: "go" }, keep, el("button", { onclick: async () => { const a = this.other; this.other = mine; await this.swap(a); } }, "Swap A and B"))];
   }
 
   #make() {

@@ -1,0 +1,97 @@
+"""Verdicts of the page, all by `cycloid_mj.base.judgement`: JavaScript shows them and judges nothing."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from cycloid_mj.base.judgement import Judgement, judge
+from cycloid_mj.life.item import RatedItem
+
+TORQUE_RTOL = 5e-3
+"""Relative accuracy of the rated torque in the header of the page."""
+
+SIZE_RTOL = 1e-4
+"""Relative tolerance of the other requirements: values in the address of the page are rounded."""
+
+BAR_DECADES = 2.0
+"""Decades of a margin on each side of the middle of its bar."""
+
+SMALLEST_BAR = 0.01
+
+
+class Requirement(NamedTuple):
+    """A field of the start form, the figure that it limits, and how."""
+
+    figure: str
+    sense: str
+    unit: str
+    rtol: float = SIZE_RTOL
+
+
+REQUIREMENTS: Mapping[str, Requirement] = {
+    "ratio": Requirement("ratio", "", ":1"),
+    "diameter_mm": Requirement("drive_diameter_mm", "≤ ", "mm"),
+    "length_mm": Requirement("drive_length_mm", "≤ ", "mm"),
+    "torque_nm": Requirement("rated_torque_nm", "≥ ", "N m", TORQUE_RTOL),
+    "life_h": Requirement("life_h", "≥ ", "h"),
+    "backlash_arcmin": Requirement("backlash_arcmin", "≤ ", "arcmin"),
+}
+"""Fields of the start form; diameter and length are those of the drive with its covers."""
+
+Verdicts = dict[str, dict[str, str]]
+
+
+def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdicts:
+    """Judge the figures of a drive by the requirements of the start form.
+
+    Parameters
+    ----------
+    required
+        Fields of the form; what is no positive number is no requirement.
+    figures
+        Figures by their keys; what is missing is not judged.
+
+    Returns
+    -------
+    dict
+        Field -> ``judgement``, and ``words`` for the requirement, such as "≤ 70 mm".
+    """
+    verdicts: Verdicts = {}
+    for field, one in REQUIREMENTS.items():
+        limit = required.get(field) if isinstance(required, Mapping) else None
+        if not isinstance(limit, int | float) or isinstance(limit, bool) or not 0.0 < limit < math.inf:
+            continue
+        if one.figure in figures:
+            margin = _margin(figures[one.figure], float(limit), one.sense) * (1.0 + one.rtol)
+            verdicts[field] = verdict(judge(margin), f"{one.sense}{limit:.6g} {one.unit}".replace(" :", ":"))
+    return verdicts
+
+
+def verdict(judgement: Judgement, words: str) -> dict[str, str]:
+    """Return a verdict as JSON has it."""
+    return {"judgement": judgement, "words": words}
+
+
+def _margin(value: float, limit: float, sense: str) -> float:
+    """Return how many times a value may grow, or shrink, until it violates its limit; without a sense 1 or 0."""
+    if not sense:
+        return float(value == limit)
+    return limit / value if sense.startswith("≤") else value / limit
+
+
+def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
+    """Return an item of a rating as a row with a bar, judged for a required life [h].
+
+    The bar is full at `BAR_DECADES` decades more than required, and half where it is just enough.
+    """
+    margin = item.margin(life)
+    decades = math.log10(max(margin, 1e-9)) / (2.0 * BAR_DECADES) if math.isfinite(margin) else 1.0
+    limit = f" of {item.borne}" if item.borne else ""
+    return {
+        "name": item.name,
+        "text": f"safety {item.verdict}" if item.safety is not None else item.verdict,
+        "judgement": item.judgement(life),
+        "margin": margin,
+        "share": min(1.0, max(SMALLEST_BAR, 0.5 + decades)),
+        "title": ". ".join(filter(None, (f"{item.load}{limit}", item.source, item.note))),
+    }
