@@ -1,41 +1,93 @@
 """A part as a binary glTF 2.0 file (GLB), with smooth normals where faces meet flatly."""
 
+import json
+import struct
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from cycloid_mj.scene.shading import shaded
 from cycloid_mj.scene.shape import Piece
 
 MEDIA_TYPE = "model/gltf-binary"
-CREASE = np.radians(30.0)
-"""Angle between two faces up to which they look like one curved surface [rad]."""
 
 TO_Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """glTF's y is up, and viewers turn it to their z; this turns the part's frame the other way."""
 
+METALLIC, ROUGHNESS = 0.1, 0.6
+"""Factors of the material: dull, so that no part mirrors the light."""
+
+_FLOAT, _UNSIGNED, _VERTICES, _INDICES = 5126, 5125, 34962, 34963
+"""Types of components and targets of buffer views, by glTF 2.0, 3.6 and 3.7."""
+
 
 def glb(pieces: Sequence[Piece]) -> bytes:
     """Encode the file of a part: its meshes [m], in the part's frame, with their colours."""
-    from trimesh import Scene
-
-    scene = Scene()
+    file = _File()
     for piece in pieces:
-        scene.add_geometry(smoothed(piece), node_name=piece.name, geom_name=piece.name, transform=TO_Y_UP)
-    return bytes(scene.export(file_type="glb", include_normals=True))
+        mesh = shaded(piece.mesh)
+        file.add(piece, mesh.vertices.astype("<f4"), mesh.normals.astype("<f4"), mesh.faces.astype("<u4"))
+    return file.encode()
 
 
-def smoothed(piece: Piece) -> Any:
-    """Return a piece as a ``trimesh.Trimesh`` with a vertex, and its normal, for each smooth surface a point is on."""
-    from trimesh import Trimesh
-    from trimesh.graph import smooth_shade
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
+class _File:
+    """The description and the buffer of a glTF file, piece after piece."""
 
-    mesh = smooth_shade(Trimesh(piece.mesh.vertices, piece.mesh.faces, process=False), angle=CREASE, facet_minarea=None)
+    def __init__(self) -> None:
+        self._buffer = b""
+        self._of: dict[str, list[Any]] = {
+            key: [] for key in ("nodes", "meshes", "materials", "accessors", "bufferViews")
+        }
+
+    def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
+        """Add a mesh: points and normals (n, 3), 32-bit floats, and faces (m, 3), 32-bit integers."""
+        attributes = {"POSITION": self._accessor(points, "VEC3"), "NORMAL": self._accessor(normals, "VEC3")}
+        indices = self._accessor(faces.ravel(), "SCALAR")
+        number = len(self._of["meshes"])
+        primitive = {"attributes": attributes, "indices": indices, "material": number, "mode": 4}
+        self._of["meshes"].append({"name": piece.name, "primitives": [primitive]})
+        self._of["materials"].append(_material(piece))
+        self._of["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
+
+    def encode(self) -> bytes:
+        """Return the file: header, JSON chunk, binary chunk."""
+        described = {
+            "asset": {"version": "2.0", "generator": "cycloid_mj"},
+            "scene": 0,
+            "scenes": [{"nodes": list(range(len(self._of["nodes"])))}],
+            **self._of,
+            "buffers": [{"byteLength": len(self._buffer)}],
+        }
+        text = json.dumps(described, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I4s", len(text), b"JSON") + text
+        chunks += struct.pack("<I4s", len(self._buffer), b"BIN\x00") + self._buffer
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+    def _accessor(self, values: Any, kind: str) -> int:
+        """Append an array to the buffer and return the number of its accessor."""
+        is_index = kind == "SCALAR"
+        view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
+        self._of["bufferViews"].append(view | {"target": _INDICES if is_index else _VERTICES})
+        self._buffer += values.tobytes()
+        limits = values.reshape(len(values), -1)
+        self._of["accessors"].append(
+            {
+                "bufferView": len(self._of["bufferViews"]) - 1,
+                "componentType": _UNSIGNED if is_index else _FLOAT,
+                "count": len(values),
+                "type": kind,
+                "min": limits.min(axis=0).tolist(),
+                "max": limits.max(axis=0).tolist(),
+            }
+        )
+        return len(self._of["accessors"]) - 1
+
+
+def _material(piece: Piece) -> dict[str, Any]:
+    """Describe the material of a piece; glTF's colours are linear, those of a piece sRGB."""
     *colour, opacity = piece.colour
     linear = [((part + 0.055) / 1.055) ** 2.4 if part > 0.04045 else part / 12.92 for part in colour]
-    looks = {"baseColorFactor": [*linear, opacity], "metallicFactor": 0.1, "roughnessFactor": 0.6}
-    material = PBRMaterial(name=piece.name, alphaMode="BLEND" if opacity < 1.0 else None, **looks)
-    mesh.visual = TextureVisuals(material=material)
-    return mesh
+    looks = {"baseColorFactor": [*linear, opacity], "metallicFactor": METALLIC, "roughnessFactor": ROUGHNESS}
+    return {"name": piece.name, "pbrMetallicRoughness": looks} | ({"alphaMode": "BLEND"} if opacity < 1.0 else {})

@@ -15,8 +15,8 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
-from cycloid_mj.scene.glb import smoothed
 from cycloid_mj.scene.pose import poses
+from cycloid_mj.scene.shading import shaded
 from cycloid_mj.scene.shape import Piece, shapes
 
 TIMELINE = "time"
@@ -71,9 +71,13 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapp
 
 
 def _mesh(rr: Any, piece: Piece) -> Any:
-    mesh, shade = smoothed(piece), _bytes(piece.colour)
-    points, normals = mesh.vertices, mesh.vertex_normals
-    return rr.Mesh3D(vertex_positions=points, vertex_normals=normals, triangle_indices=mesh.faces, albedo_factor=shade)
+    mesh, shade = shaded(piece.mesh), _bytes(piece.colour)
+    return rr.Mesh3D(
+        vertex_positions=mesh.vertices,
+        vertex_normals=mesh.normals,
+        triangle_indices=mesh.faces,
+        albedo_factor=shade,
+    )
 
 
 def _bytes(colour: Colour) -> list[int]:

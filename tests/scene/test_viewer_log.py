@@ -30,9 +30,10 @@ from cycloid_mj.parts import carried, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
-from cycloid_mj.scene.glb import CREASE, glb
+from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.layout import layout
 from cycloid_mj.scene.messages import FORCES, FRAMES, PARTS, ROOT
+from cycloid_mj.scene.shading import CREASE
 from cycloid_mj.scene.shape import CHORD_ERROR, shapes
 
 DATA = Path(__file__).parents[1] / "data"
