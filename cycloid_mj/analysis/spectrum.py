@@ -142,8 +142,6 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     Orders or None
         None where there is not one whole cycle.
     """
-    from scipy.interpolate import CubicSpline
-
     swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * REACH or (np.diff(swept) <= 0.0).any():
         return None
@@ -152,7 +150,7 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     if cycles < 1:
         return None
     points = int(np.ceil(cycles / sampled * len(swept)))
-    places = CubicSpline(swept, np.arange(len(swept)))(cycles * np.arange(points) / points)
+    places = _inverse(swept, cycles * np.arange(points) / points)
     even = between_samples(values, places)
     taper = np.hanning(points + 1)[:-1]
     amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), PADDING * points)) / np.sum(taper)
@@ -161,6 +159,22 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     kept = (order > 0.0) & (order <= highest)
     band = LOWEST * base / cycles, highest
     return Orders(base, order[kept], amplitude[kept], band, cycles, HANN_BANDWIDTH * PADDING)
+
+
+def _inverse(rising: Array, targets: Array) -> Array:
+    """Return at which sample number, between samples, rising values (n,) reach targets (k,): by Lagrange's cubic.
+
+    The crank angle of a run is so smooth that this is right to 1e-5 samples; to import SciPy's splines for it takes
+    longer than to judge a run.
+    """
+    first = np.clip(np.searchsorted(rising, targets) - 2, 0, len(rising) - 4)
+    nodes = rising[first + np.arange(4)[:, np.newaxis]]
+    numbers = np.zeros(len(targets))
+    for node in range(4):
+        others = [other for other in range(4) if other != node]
+        weight = np.prod([(targets - nodes[other]) / (nodes[node] - nodes[other]) for other in others], axis=0)
+        numbers += weight * (first + node)
+    return numbers
 
 
 def between_samples(values: Array, places: Array) -> Array:
