@@ -10,22 +10,23 @@ scales of their own, [N/m] in the entities' metadata.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
 from cycloid_mj.design import Design
-from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.scene.encoding import Build, encoded, varint
 from cycloid_mj.scene.force import (
     ARROW,
     FORCE_COLOURS,
@@ -53,6 +54,9 @@ MOST_FRAMES = 1500
 
 HIGHEST_RATE = 1e5
 ROOT = "reducer"
+ENTITIES_TAG = b"\x12"
+"""Key of field 2 of ``foxglove.SceneUpdate``, its entities, before the length of each."""
+
 FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 
@@ -65,10 +69,6 @@ def frame_rate(reducer: Reducer) -> float:
     by_angle = FRAMES_A_TURN * abs(design.drive.speed) / (2.0 * math.pi)
     at_most = MOST_FRAMES / (design.drive.ramp + design.drive.hold)
     return min(max(design.settings.scene_rate, min(by_angle, at_most)), HIGHEST_RATE)
-
-
-_Arrows = tuple[str, list[list[float]]]
-"""A kind of pairs, and of each of its arrows x, y and z of the tail [m], angle [rad] and length [m]."""
 
 
 @dataclass(frozen=True)
@@ -133,47 +133,85 @@ class Scene:
         columns
             Name -> values, shape (k,), in SI units.
         """
-        place = poses(self.reducer, columns)
-        parts, by_time = list(place), np.stack(list(place.values()), axis=1)
-        sums: list[float] = by_time.sum(axis=(1, 2)).tolist()
-        arrows = self._arrows(on_gear(self.reducer, columns))
-        for now, whole, at, shown in zip(time.tolist(), sums, by_time.tolist(), arrows, strict=True):
-            if math.isfinite(whole):
-                stamp = _nanoseconds(now)
-                yield FRAMES, stamp, _transforms(stamp, zip(parts, at, strict=True))
-                yield FORCES, stamp, self._update(stamp, shown)
+        place = np.stack(list((by_part := poses(self.reducer, columns)).values()), axis=1)
+        rows = np.flatnonzero(np.isfinite(place.sum(axis=(1, 2))))
+        stamps = np.rint(1e9 * time).astype(np.int64)[rows]
+        transforms = self._transforms(list(by_part), place[rows], stamps)
+        forces = self._forces(on_gear(self.reducer, columns), rows, stamps)
+        for stamp, frame, update in zip(stamps.tolist(), transforms, forces, strict=True):
+            yield FRAMES, stamp, frame
+            yield FORCES, stamp, update
 
-    def _arrows(self, acting: ContactForces) -> Iterator[list[_Arrows]]:
-        """Yield the arrows of each time, those of a kind together."""
+    def _transforms(self, parts: list[str], place: Array, stamps: Integers) -> list[bytes]:
+        """Return the transforms of parts in poses (k, parts, 3) [m, rad]."""
+        turn = 0.5 * place[..., 2]
+        values = np.stack([place[..., 0], place[..., 1], np.sin(turn), np.cos(turn)], axis=-1)
+
+        def build(values: Sequence[float], stamp: int) -> bytes:
+            message = FrameTransforms()
+            for number, part in enumerate(parts):
+                transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
+                transform.timestamp.FromNanoseconds(stamp)
+                moved, turned = transform.translation, transform.rotation
+                moved.x, moved.y, turned.z, turned.w = values[4 * number : 4 * number + 4]
+            return bytes(message.SerializeToString(deterministic=True))
+
+        return encoded(build, values.reshape(len(stamps), -1), stamps)
+
+    def _forces(self, acting: ContactForces, rows: Integers, stamps: Integers) -> list[bytes]:
+        """Return the updates of the arrows of some rows: an entity for each kind of pairs, an arrow for each force."""
+        tails, angles, lengths = self._arrows(acting)
+        updates = [b""] * len(rows)
+        for kind in dict.fromkeys(acting.kinds):
+            of_kind = np.array([row for row, this in enumerate(acting.kinds) if this == kind])
+            of_rows = np.ix_(rows, of_kind)
+            loaded = lengths[of_rows] > 0.0
+            arrows = self._arrow_records(
+                kind, tails[of_rows][loaded], angles[of_rows][loaded], lengths[of_rows][loaded]
+            )
+            ends = np.cumsum(loaded.sum(axis=1)).tolist()
+            heads = encoded(self._entity(kind), np.zeros((len(rows), 0)), stamps)
+            for number, (start, end, head) in enumerate(zip([0, *ends], ends, heads, strict=False)):
+                entity = head + b"".join(arrows[start:end])
+                updates[number] += ENTITIES_TAG + varint(len(entity)) + entity
+        return updates
+
+    def _arrows(self, acting: ContactForces) -> tuple[Array, Array, Array]:
+        """Compute tails (n, k, 3) [m], angles (n, k) [rad] and lengths (n, k) [m] of the arrows of all pairs."""
         scale = np.array([self._scales[kind] for kind in acting.kinds])
         tail = acting.point - acting.force * scale[:, np.newaxis]
         angle = np.arctan2(acting.force[..., 1], acting.force[..., 0])
         height = np.broadcast_to([self._heights[disc] for disc in acting.discs], angle.shape)
-        arrows = np.stack([tail[..., 0], tail[..., 1], height, angle, acting.size * scale], axis=-1)
-        rows = {kind: [row for row, this in enumerate(acting.kinds) if this == kind] for kind in acting.kinds}
-        for now in arrows:
-            yield [(kind, now[of_kind][now[of_kind, -1] > 0.0].tolist()) for kind, of_kind in rows.items()]
+        return np.concatenate([tail, height[..., np.newaxis]], axis=-1), angle, acting.size * scale
 
-    def _update(self, stamp: int, shown: list[_Arrows]) -> bytes:
-        update = SceneUpdate()
-        for kind, arrows in shown:
-            entity = update.entities.add(frame_id=ROOT, id=kind)
+    def _entity(self, kind: str) -> Build:
+        """Return what encodes the entity of a kind of pairs, without its arrows."""
+
+        def build(_: Sequence[float], stamp: int) -> bytes:
+            entity = SceneEntity(frame_id=ROOT, id=kind)
             entity.timestamp.FromNanoseconds(stamp)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
-            for x, y, z, angle, length in arrows:
-                self._add_arrow(entity.arrows.add(), (x, y, z), angle, length, FORCE_COLOURS[kind])
-        return bytes(update.SerializeToString(deterministic=True))
+            return bytes(entity.SerializeToString(deterministic=True))
 
-    def _add_arrow(
-        self, arrow: Any, tail: tuple[float, float, float], angle: float, length: float, colour: Colour
-    ) -> None:
-        """Fill in an arrow along `angle` [rad] from its `tail` [m]."""
+        return build
+
+    def _arrow_records(self, kind: str, tails: Array, angles: Array, lengths: Array) -> list[bytes]:
+        """Return n arrows of a kind as fields of their entity, from tails (n, 3) [m], angles [rad] and lengths [m]."""
         thickness = THICKNESS * self.design.ring.pin_circle_radius
-        head = min(3.0 * thickness, 0.5 * length)
-        arrow.shaft_length, arrow.head_length = length - head, head
-        arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
-        arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = colour
-        _place(arrow.pose.position, arrow.pose.orientation, tail, angle)
+        heads = np.minimum(3.0 * thickness, 0.5 * lengths)
+        columns = [np.sin(0.5 * angles), np.cos(0.5 * angles), lengths - heads, heads]
+
+        def build(values: Sequence[float], _: int) -> bytes:
+            entity = SceneEntity()
+            arrow = entity.arrows.add()
+            position, turned = arrow.pose.position, arrow.pose.orientation
+            position.x, position.y, position.z, turned.z, turned.w = values[:5]
+            arrow.shaft_length, arrow.head_length = values[5:]
+            arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
+            arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
+            return bytes(entity.SerializeToString(deterministic=True))
+
+        return encoded(build, np.column_stack([tails, *columns]), np.zeros(len(tails), np.int64))
 
     @cached_property
     def _heights(self) -> tuple[float, ...]:
@@ -184,21 +222,6 @@ class Scene:
         """Length of an arrow for each newton of force [m/N], by kind of pair."""
         longest = ARROW * self.design.ring.pin_circle_radius
         return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
-
-
-def _transforms(stamp: int, place: Iterable[tuple[str, list[float]]]) -> bytes:
-    message = FrameTransforms()
-    for part, (x, y, angle) in place:
-        transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
-        transform.timestamp.FromNanoseconds(stamp)
-        _place(transform.translation, transform.rotation, (x, y, 0.0), angle)
-    return bytes(message.SerializeToString(deterministic=True))
-
-
-def _place(position: Any, orientation: Any, at: tuple[float, float, float], angle: float) -> None:
-    """Fill in a place and a rotation about z [rad]."""
-    position.x, position.y, position.z = at
-    orientation.z, orientation.w = math.sin(0.5 * angle), math.cos(0.5 * angle)
 
 
 def _nanoseconds(time: float) -> int:
