@@ -7,7 +7,9 @@ and indexes (MCAP specification, mcap.dev/spec).
 import struct
 import zlib
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -31,11 +33,26 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from cycloid_mj.log.container import HEAD, MAGIC, MESSAGE_HEAD, Bytes
+from cycloid_mj.log.container import HEAD, LEAST_MESSAGE, MAGIC, MESSAGE_HEAD, Bytes
 
 INDEX_ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
+_MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 _FOOTER = struct.Struct("<BQQQ")
 _FOOTER_LENGTH = 20
+
+
+@dataclass(frozen=True)
+class ChannelMessage:
+    """A single message: its channel, time [ns], number on the channel, and content."""
+
+    channel: int
+    time: int
+    sequence: int
+    content: bytes
+
+
+NOTHING: Mapping[int, Sequence[ChannelMessage]] = MappingProxyType({})
+"""No messages between samples."""
 
 
 class BlockWriter:
@@ -96,37 +113,61 @@ class BlockWriter:
         )
         self._put(record)
 
-    def add_message(self, channel: int, time: int, sequence: int, content: bytes) -> None:
-        """Add one message of a time [ns]."""
-        self.add_samples(
-            [channel], np.array([time], np.uint64), sequence, [np.frombuffer(content, np.uint8)[np.newaxis]]
+    def add_message(self, message: ChannelMessage) -> None:
+        """Add one message."""
+        head = _MESSAGE_HEAD.pack(
+            Opcode.MESSAGE,
+            LEAST_MESSAGE + len(message.content),
+            message.channel,
+            message.sequence & 0xFFFFFFFF,
+            message.time,
+            message.time,
         )
+        self._list(message.channel)
+        self._places[message.channel].append((message.time, self._filled))
+        self._counts[message.channel] += 1
+        self._fill(head + message.content)
 
     def add_samples(
-        self, channels: list[int], times: npt.NDArray[np.uint64], sequence: int, contents: list[Bytes]
+        self,
+        channels: list[int],
+        times: npt.NDArray[np.uint64],
+        sequence: int,
+        contents: list[Bytes],
+        between: Mapping[int, Sequence[ChannelMessage]] = NOTHING,
     ) -> None:
         """Add a message for each of some channels at each of some times (k,) [ns], and then for the next time.
 
-        Contents have shape (k, size) for each channel; `sequence` is the number of the first time.
+        Contents have shape (k, size) for each channel; `sequence` is the number of the first time. Messages `between`
+        come before the row that is their key.
         """
         heads = len(times), MESSAGE_HEAD.itemsize
         blocks, offsets, width = [], [], 0
         for channel, content in zip(channels, contents, strict=True):
             head = np.zeros(len(times), MESSAGE_HEAD)
             head["opcode"], head["channel"] = Opcode.MESSAGE, channel
-            head["length"] = MESSAGE_HEAD.itemsize - HEAD.size + content.shape[1]
+            head["length"] = LEAST_MESSAGE + content.shape[1]
             head["sequence"] = (sequence + np.arange(len(times))) & 0xFFFFFFFF
             head["log_time"] = head["publish_time"] = times
             blocks += [head.view(np.uint8).reshape(heads), content]
             offsets.append(width)
             width += MESSAGE_HEAD.itemsize + content.shape[1]
+        data = np.concatenate(blocks, axis=1).tobytes()
+        starts, done = np.empty(len(times), np.int64), 0
+        for row in [*sorted(between), len(times)]:
+            starts[done:row] = self._filled + width * np.arange(row - done)
+            self._fill(data[width * done : width * row])
+            if row > done:
+                self._list(*channels)
+            for message in between.get(row, ()):
+                self.add_message(message)
+            done = row
         for channel, offset in zip(channels, offsets, strict=True):
             entries = np.empty(len(times), INDEX_ENTRY)
             entries["time"] = times
-            entries["offset"] = self._filled + offset + width * np.arange(len(times))
+            entries["offset"] = starts + offset
             self._entries[channel].append(entries)
             self._counts[channel] += len(times)
-        self._fill(np.concatenate(blocks, axis=1).tobytes())
 
     def flush(self) -> None:
         """End the chunk, if it has a message, and push all to the operating system."""
@@ -166,6 +207,12 @@ class BlockWriter:
         self._parts: list[bytes] = []
         self._filled = 0
         self._entries: dict[int, list[npt.NDArray[np.void]]] = defaultdict(list)
+        self._places: dict[int, list[tuple[int, int]]] = defaultdict(list)
+
+    def _list(self, *channels: int) -> None:
+        """List channels in the index of the chunk, in the order of their first messages, as mcap's writer does."""
+        for channel in channels:
+            self._entries.setdefault(channel, [])
 
     def _fill(self, content: bytes) -> None:
         self._parts.append(content)
@@ -176,6 +223,8 @@ class BlockWriter:
         self._stream.write(content)
 
     def _end_chunk(self) -> None:
+        for channel, places in self._places.items():
+            self._entries[channel].append(np.array(places, INDEX_ENTRY))
         if not self._entries:
             return
         entries = {channel: np.concatenate(found) for channel, found in self._entries.items()}
@@ -197,7 +246,7 @@ class BlockWriter:
         self._put(record)
         behind = self._stream.tell()
         indexes = {channel: _message_index(channel, found) for channel, found in entries.items()}
-        places = np.cumsum([0, *map(len, indexes.values())])
+        starts = np.cumsum([0, *map(len, indexes.values())])
         self._put(b"".join(indexes.values()))
         index = ChunkIndex(
             message_start_time=first,
@@ -205,9 +254,9 @@ class BlockWriter:
             chunk_start_offset=start,
             chunk_length=len(record),
             message_index_offsets={
-                channel: behind + int(place) for channel, place in zip(indexes, places, strict=False)
+                channel: behind + int(offset) for channel, offset in zip(indexes, starts, strict=False)
             },
-            message_index_length=int(places[-1]),
+            message_index_length=int(starts[-1]),
             compression="zstd",
             compressed_size=len(compressed),
             uncompressed_size=len(data),

@@ -2,7 +2,7 @@
 
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path, PurePath
@@ -17,7 +17,7 @@ from cycloid_mj.base.atomic_write import storable
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.record import Run
-from cycloid_mj.log.blocks import BlockWriter
+from cycloid_mj.log.blocks import BlockWriter, ChannelMessage
 from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble
@@ -122,10 +122,10 @@ class LogWriter:
         self._check(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
+        shown = self._shown(time, values)
         start = 0
         while start < time.size:
             stop = min(time.size, start + self._chunk - self.samples % self._chunk)
-            shown = self._shown(time[start:stop], {topic: table[start:stop] for topic, table in values.items()})
             self._append(nanoseconds[start:stop], [block[start:stop] for block in messages], shown)
             self._last = float(time[stop - 1])
             start = stop
@@ -196,29 +196,25 @@ class LogWriter:
     def _append(
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], shown: Mapping[int, list[Message]]
     ) -> None:
-        """Append samples that fit into the chunk being filled, each after the viewers' messages of it."""
-        stops = [*np.flatnonzero(np.isin(nanoseconds, list(shown))).tolist(), len(nanoseconds)]
-        start = 0
+        """Append samples that fit into the chunk being filled, each after the viewers' messages of its time."""
+        between = {
+            row: [self._numbered(message) for message in shown[time]]
+            for row, time in enumerate(nanoseconds.tolist())
+            if time in shown
+        }
         try:
-            for stop in stops:
-                rows = slice(start, stop)
-                if stop > start:
-                    self._mcap.add_samples(
-                        self._channels, nanoseconds[rows], self.samples, [block[rows] for block in messages]
-                    )
-                    self.samples += stop - start
-                if stop < len(nanoseconds):
-                    self._show(shown[int(nanoseconds[stop])])
-                start = stop
+            self._mcap.add_samples(self._channels, nanoseconds, self.samples, messages, between)
+            self.samples += len(nanoseconds)
         except OSError as problem:
             raise self._failed(problem) from problem
         if self.samples % self._chunk == 0:
             self.flush()
 
-    def _show(self, messages: Iterable[Message]) -> None:
-        for topic, time, content in messages:
-            self._mcap.add_message(self._viewer_channels[topic], time, self._frames[topic], content)
-            self._frames[topic] += 1
+    def _numbered(self, message: Message) -> ChannelMessage:
+        """Return a viewers' message with its channel and its number there."""
+        topic, time, content = message
+        self._frames[topic] += 1
+        return ChannelMessage(self._viewer_channels[topic], time, self._frames[topic] - 1, content)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         topics = [group.topic for group in self._groups]

@@ -32,6 +32,8 @@ def encoded(build: Build, values: Array, stamps: Integers) -> list[bytes]:
     number of times as a ``google.protobuf.Timestamp``. Where it writes none, the stamps are zeros.
     """
     messages = [b""] * len(values)
+    if not messages:
+        return messages
     seconds, nanoseconds = np.divmod(stamps, SECOND)
     lengths = _varint_lengths(nanoseconds)
     present = values.view(np.int64) != 0  # protobuf leaves out +0.0 alone

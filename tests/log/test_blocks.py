@@ -5,7 +5,7 @@ from io import BytesIO
 import numpy as np
 from mcap.writer import Writer
 
-from cycloid_mj.log.blocks import BlockWriter
+from cycloid_mj.log.blocks import BlockWriter, ChannelMessage
 
 
 def test_blocks_are_the_bytes_of_mcaps_own_writer() -> None:
@@ -25,10 +25,14 @@ def test_blocks_are_the_bytes_of_mcaps_own_writer() -> None:
     for chunk in range(3):
         times = (np.arange(5) + 5 * chunk + 1).astype(np.uint64) * 100
         contents = [random.integers(0, 256, (5, size)).astype(np.uint8) for size in (18, 7)]
-        block.add_message(channels[2], int(times[0]), chunk, b"shown")
-        single.add_message(channels[2], int(times[0]), b"shown", int(times[0]), chunk)
-        block.add_samples(channels[:2], times, sequence, contents)
+        single.add_message(channels[2], int(times[0]), b"shown", int(times[0]), 2 * chunk)
+        shown = ChannelMessage(channels[2], int(times[0]), 2 * chunk, b"shown")
+        later = ChannelMessage(channels[2], int(times[3]), 2 * chunk + 1, b"later")
+        block.add_message(shown)
+        block.add_samples(channels[:2], times, sequence, contents, {3: [later]})
         for row, time in enumerate(times.tolist()):
+            if row == 3:
+                single.add_message(channels[2], time, b"later", time, 2 * chunk + 1)
             for channel, content in zip(channels[:2], contents, strict=True):
                 single.add_message(channel, time, content[row].tobytes(), time, (sequence + row) & 0xFFFFFFFF)
         sequence += 5
