@@ -47,12 +47,16 @@ def two_discs() -> Design:
 def two_disc_files() -> dict[str, bytes]:
     """Collect every file of models/twodisc, with its README."""
     generated = model_files(Reducer(two_discs()), COARSE)
-    manifest = json.loads(generated[MANIFEST])
+    return {**generated, "README.md": two_disc_readme(json.loads(generated[MANIFEST])).encode()}
+
+
+def two_disc_readme(manifest: dict[str, Any]) -> str:
+    """Return the README of models/twodisc for its manifest."""
     rows = [
         f"| {name} | {figures['parts']} | {figures['max_overfill_um']:.3g} | {figures['max_underfill_um']:.3g} |"
         for name, figures in manifest["surfaces"].items()
     ]
-    text = TWO_DISCS.read_text(encoding="utf-8").format(
+    return TWO_DISCS.read_text(encoding="utf-8").format(
         rows="\n".join(rows),
         spacing=1e3 * two_discs().gear.disc_spacing,
         chord=1e6 * COARSE.chord_error,
@@ -61,7 +65,6 @@ def two_disc_files() -> dict[str, bytes]:
         step=1e6 * manifest["timestep_s"],
         mujoco=manifest["versions"]["mujoco"],
     )
-    return {**generated, "README.md": text.encode()}
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
@@ -77,8 +80,8 @@ def readme(name: str, manifest: dict[str, Any], plain: dict[str, dict[str, Any]]
     titles = {"teeth": "gear teeth, sliced (this model)", "lobe": "internal gear, sliced (this model)"}
     rows = [_row(titles[key], value) for key, value in surfaces.items()]
     rows += [_row(title, value) for title, value in plain.items() if title.startswith("gear") or name == "nonpin"]
-    bearings = ", ".join(
-        f"{key} {value['parts']} ({value['max_underfill_um']:.3g} um at the corners)"
+    bearings = "\n".join(
+        f"- {key}: {value['parts']} pieces, {value['max_underfill_um']:.3g} um"
         for key, value in manifest["surfaces"].items()
         if key not in surfaces
     )
@@ -145,17 +148,17 @@ def _free_row(name: str, run: dict[str, float]) -> str:
 
 
 def _ratios(rows: list[dict[str, Any]]) -> str:
-    """Tell how much slower mesh contact is, by the step and by what is simulated."""
+    """Return a sentence on how much slower mesh contact is, per step and per simulated second."""
     lines = []
     for name in MODELLED:
         mesh, exact = (
             [row["us_per_step"] for row in rows if (row["design"], row["contact"]) == (name, contact)]
             for contact in ("mesh", "profile")
         )
-        lines.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times for {name}")
+        lines.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times as long for {name}")
     return (
-        f"A step in mesh contact takes {' and '.join(lines)} as long as one in profile contact; for the same time "
-        "simulated, by a step of 2 us against one of 1 us, half of that."
+        f"A step takes {' and '.join(lines)} with mesh contact. A simulated second\n"
+        "takes half of that factor, with steps of 2 us instead of 1 us."
     )
 
 
