@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent / "scripts")]
 
-import drawings  # noqa: E402  (found beside this file)
+import charts  # noqa: E402  (in this folder)
+import drawings  # noqa: E402
 import reference  # noqa: E402
+import sketches  # noqa: E402
 from pydantic import BaseModel  # noqa: E402
 
 import cycloid_mj  # noqa: E402
@@ -78,4 +80,5 @@ def setup(app: Any) -> None:
     """Write the references and the drawings before the pages are read."""
     app.connect("autodoc-process-signature", without_defaults)
     app.connect("builder-inited", lambda app: reference.write(HERE / "_reference"), priority=100)
-    app.connect("builder-inited", lambda app: drawings.write(HERE / "_drawings"), priority=100)
+    for module in (drawings, sketches, charts):
+        app.connect("builder-inited", lambda app, module=module: module.write(HERE / "_drawings"), priority=100)

@@ -1,4 +1,4 @@
-"""Write the tables of docs/bench.md on the printed drive and its twin, from what is kept of their fits.
+"""Write the tables of docs/printed-drive.md from the kept fits of the printed drive and its twin.
 
 python scripts/docs_bench.py           # from tests/data/bench/fitted.json
 python scripts/docs_bench.py --fit          # fits, predicts, and solves the parts first: a quarter of an hour of CPU
@@ -10,21 +10,21 @@ python scripts/docs_bench.py --fit --quick  # the same but for contacts that rub
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.base.result import Table
+from docs_page import DOCS, markdown_table, replace_sections
 
 ROOT = Path(__file__).parent.parent
-PAGE, BENCH = ROOT / "docs" / "bench.md", ROOT / "tests" / "data" / "bench"
+PAGE, BENCH = DOCS / "printed-drive.md", ROOT / "tests" / "data" / "bench"
 KEPT = BENCH / "fitted.json"
-MARK = "<!-- {word} of {name}: scripts/docs_bench.py writes what stands here -->"
+SCRIPT = "scripts/docs_bench.py"
 LOOPS = {"pin": ("play_loop", "stiffness_loop"), "nonpin": ("nonpin_play_loop", "nonpin_stiffness_loop")}
 AUTHORS = {"play_deg": ("1.24", "0.90"), "stiffness_nm_per_rad": ("310", "292"), "coulomb_nm": ("3.94", "4.26")}
 FIGURES = {
     "play_deg": "play [deg]",
-    "width_deg": "width of the play loop at no torque [deg]",
+    "width_deg": "width of the play loop at zero torque [deg]",
     "stiffness_nm_per_rad": "stiffness [N m/rad]",
     "coulomb_nm": "Coulomb friction [N m]",
 }
@@ -32,9 +32,9 @@ PARTS = {
     "gear": "disc",
     "ring": "ring and housing",
     "output": "output pins and carrier",
-    "pin_1": "the ring's pins",
-    "studs": "output pins in their plates",
-    "far_plate": "second plate, held by these pins alone",
+    "pin_1": "ring pins",
+    "studs": "output pins in the plates",
+    "far_plate": "second plate, on these pins",
     "crank": "crank in its seats",
 }
 MOUNTS = BENCH / "mounts.toml"
@@ -158,13 +158,13 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
 
 def measured(content: Mapping[str, Any]) -> str:
     """Return what the authors state beside what the points show."""
-    head = ("", "the authors", "measured, by the definitions above", "nonpin twin, authors", "nonpin twin, measured")
+    head = ("", "Baseline, authors", "Baseline, measured", "Twin, authors", "Twin, measured")
     both = [content[kind]["measured"] for kind in LOOPS]
     rows = [
         (FIGURES[key], stated[0], _interval(both[0][key]), stated[1], _interval(both[1][key]))
         for key, stated in AUTHORS.items()
     ]
-    return _table(head, rows)
+    return markdown_table(head, rows)
 
 
 def fit_table(content: Mapping[str, Any]) -> str:
@@ -174,12 +174,12 @@ def fit_table(content: Mapping[str, Any]) -> str:
         (f"`{key}` [{one['unit']}]", _estimate(one), _estimate(nonpin["parameters"][key]))
         for key, one in pin["parameters"].items()
     ]
-    for name, key in (("", "shares"), (", with no offset of torque", "shares_without_offset")):
+    for name, key in (("", "shares"), (", no torque offset", "shares_without_offset")):
         for place, loop in enumerate(("play loop", "stiffness loop")):
             rows.append(
-                (f"rms of the {loop}, of its height{name}", *(f"{one[key][place]:.1%}" for one in (pin, nonpin)))
+                (f"rms, {loop}, share of its height{name}", *(f"{one[key][place]:.1%}" for one in (pin, nonpin)))
             )
-    return _table(("", "pin, 95 %", "nonpin, 95 %"), rows)
+    return markdown_table(("", "Baseline (95 %)", "Twin (95 %)"), rows)
 
 
 def predicted_table(content: Mapping[str, Any]) -> str:
@@ -197,8 +197,8 @@ def predicted_table(content: Mapping[str, Any]) -> str:
     ]
     for place, loop in enumerate(("play loop", "stiffness loop")):
         own, other = pin["predicted_shares"][place], nonpin["predicted_shares"][place]
-        rows.append((f"rms of the {loop}, of its height", "", f"{own:.1%}", f"{other:.1%}", ""))
-    return _table(("", "pin, measured", "pin, fitted", "nonpin, predicted", "nonpin, measured"), rows)
+        rows.append((f"rms, {loop}, share of its height", "", f"{own:.1%}", f"{other:.1%}", ""))
+    return markdown_table(("", "Baseline, measured", "Baseline, fitted", "Twin, predicted", "Twin, measured"), rows)
 
 
 def parts_table(content: Mapping[str, Any]) -> str:
@@ -208,31 +208,31 @@ def parts_table(content: Mapping[str, Any]) -> str:
         (label, *(_number(1e3 * one["parts"][key]) if key in one["parts"] else "" for one in told))
         for key, label in PARTS.items()
     ]
-    rows.append(("together", *(_number(1e3 * sum(one["parts"].values())) for one in told)))
+    rows.append(("sum", *(_number(1e3 * sum(one["parts"].values())) for one in told)))
     stiffness = [{"value": 1.0 / sum(one["parts"].values()), "ci95": one["interval"]} for one in told]
-    rows.append(("stiffness, predicted (by the modulus's limits) [N m/rad]", *map(_interval, stiffness)))
-    return _table(("turn of the output per torque [mrad/(N m)]", "ring of pins", "internal gear"), rows)
+    rows.append(("stiffness, predicted (limits of the modulus) [N m/rad]", *map(_interval, stiffness)))
+    return markdown_table(("Rotation of the output per torque [mrad/(N m)]", "Ring pins", "Internal gear"), rows)
 
 
 def rubbing_table(content: Mapping[str, Any]) -> str:
-    """Return the fits of contacts that rub, a row for each angle of the crank and shaft that was held."""
+    """Return the fits with friction in the contacts, a row for each crank angle and locked shaft."""
     head = (
-        "crank [deg], held",
-        *(f"`{key}`" for key in RUBBING),
-        "play [deg]",
-        "rms, play loop",
-        "rms, stiffness loop",
+        "Crank angle [deg], locked shaft",
+        "Friction coefficient",
+        "Play [deg]",
+        "Rms, play loop",
+        "Rms, large loop",
     )
     rows = [
         (
             held,
-            *(_estimate(one["parameters"][key]) for key in RUBBING),
-            f"{one['play']:.2f}",
-            *(f"{share:.1%}" for share in one["shares"]),
+            _estimate(fit["parameters"]["friction"]),
+            f"{fit['play']:.2f}",
+            *(f"{share:.1%}" for share in fit["shares"]),
         )
-        for held, one in content["rubbing"]["held"].items()
+        for held, fit in content["rubbing"]["held"].items()
     ]
-    return _table(head, rows)
+    return markdown_table(head, rows)
 
 
 def losses_table(content: Mapping[str, Any]) -> str:
@@ -246,7 +246,7 @@ def losses_table(content: Mapping[str, Any]) -> str:
         )
         for one in content["rubbing"]["losses"]
     ]
-    return _table(("losses", "fitted", "rms, play loop", "rms, stiffness loop"), rows)
+    return markdown_table(("Losses", "Fitted", "Rms, play loop", "Rms, large loop"), rows)
 
 
 def preload_table(content: Mapping[str, Any]) -> str:
@@ -254,26 +254,15 @@ def preload_table(content: Mapping[str, Any]) -> str:
     rows = content["preload"]
     names = {
         "play": ("play [deg]", ".3f"),
-        "friction": ("friction by it, at the output [N m]", ".2f"),
-        "friction of a run": ("the same in runs", ".2f"),
+        "friction": ("friction at the output, statics [N m]", ".2f"),
+        "friction of a run": ("friction at the output, runs [N m]", ".2f"),
         "stiffness": ("stiffness [N m/rad]", ".0f"),
     }
     lines = [
         (label, *("" if (value := row[key]) is None else format(value, form) for row in rows.values()))
         for key, (label, form) in names.items()
     ]
-    return _table(("preload [arcmin]", *rows), lines)
-
-
-def written(page: str, texts: Mapping[str, str]) -> str:
-    """Return a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
-    for name, text in texts.items():
-        begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
-        if begin not in page or end not in page:
-            raise ValueError(f"the page lacks {begin} or {end}")
-        before, after = page.split(begin)[0], page.split(end)[1]
-        page = f"{before}{begin}\n\n{text}\n\n{end}{after}"
-    return page
+    return markdown_table(("Preload [arcmin]", *rows), lines)
 
 
 def _number(value: float) -> str:
@@ -289,10 +278,6 @@ def _estimate(one: Mapping[str, Any]) -> str:
     return _interval(one) + ("" if one["identified"] else ": not identified")
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
-
-
 def main(arguments: Sequence[str]) -> int:
     """Write the page; give the exit code."""
     if "--fit" in arguments:
@@ -300,7 +285,7 @@ def main(arguments: Sequence[str]) -> int:
         again = {} if "--quick" in arguments else {"rubbing": rubbing()}
         KEPT.write_text(json.dumps(kept | fitted() | again, indent=1) + "\n", encoding="utf-8")
     content = json.loads(KEPT.read_text(encoding="utf-8"))
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), sections(content)), encoding="utf-8")
+    PAGE.write_text(replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT), encoding="utf-8")
     return 0
 
 

@@ -89,6 +89,9 @@ CLI = (sys.executable, "-m", "cycloid_mj")
 PYTHON = sys.executable
 LOADED = ("--load-nm", "36", "--ramp-s", "0", "--hold-s", "0.06")
 
+PAPER_PICTURES = ("speed", "path", "velocity", "pin", "torque")
+"""Pictures of the page on the paper."""
+
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
 PRESETS = ("pin", "nonpin")
 
@@ -127,6 +130,13 @@ ARTEFACTS: Mapping[str, Artefact] = {
         ("statics pin",),
         0.5,
     ),
+    "doors": Artefact(
+        tuple(f"docs/doors/{name}.png" for name in ("print", "design", "robot")),
+        {},
+        ((PYTHON, "scripts/picture.py", "doors"),),
+        ("statics pin",),
+        0.1,
+    ),
     "tutorial": Artefact(
         (
             "docs/tutorial.md#printed",
@@ -143,6 +153,20 @@ ARTEFACTS: Mapping[str, Artefact] = {
         ((PYTHON, "scripts/picture.py", "walk", "{walk}"),),
         ("files of the app",),
         1.5,
+    ),
+    "validation": Artefact(
+        ("docs/data/validation.csv",),
+        {"validate": Step((*CLI, "validate", "--json", "--quiet"), stdout=True)},
+        ((PYTHON, "scripts/docs_validation.py", "{validate}"),),
+        ("statics pin", "statics nonpin", "run free", "run nonpin"),
+        1.5,
+    ),
+    "solvers": Artefact(
+        ("docs/data/solvers.csv",),
+        {},
+        ((PYTHON, "scripts/docs_solvers.py", "--run"),),
+        ("run free", "run nonpin"),
+        10.0,
     ),
     "models": Artefact(
         ("models/agreement.json", "models/free_running.json", "models/plain_coacd.json"),
@@ -169,10 +193,10 @@ ARTEFACTS: Mapping[str, Artefact] = {
         3.0,
     ),
     "paper": Artefact(
-        ("tests/data/reproduce.json",),
+        ("tests/data/reproduce.json", *(f"docs/paper/{name}.png" for name in PAPER_PICTURES)),
         {"reproduce": Step((*CLI, "reproduce", "--quick", "--out", "{out}"))},
         (
-            (PYTHON, "scripts/docs_results.py", "{reproduce}/reproduce.json"),
+            (PYTHON, "scripts/docs_results.py", "{reproduce}"),
             (PYTHON, "scripts/docs_measured.py"),
         ),
         ("statics pin", "statics nonpin", "run free", "run nonpin", "numbers of the paper"),
@@ -181,7 +205,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
     "authors": Artefact(
         ("tests/data/authors.json",),
         {"authors": Step((*CLI, "reproduce", "--quick", "--as-the-authors", "--out", "{out}"))},
-        ((PYTHON, "scripts/docs_results.py", "{authors}/reproduce.json"),),
+        ((PYTHON, "scripts/docs_results.py", "{authors}"),),
         ("statics pin", "statics nonpin", "run free", "run nonpin", "numbers of the paper"),
         8.0,
     ),

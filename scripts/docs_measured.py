@@ -1,4 +1,4 @@
-"""Write the tables of docs/results.md: pin against nonpin by `compare`, and what `measure` says of the two designs.
+"""Write the tables of docs/results.md: `compare` of pin and nonpin, and the results of `measure` for both.
 
 python scripts/docs_measured.py                   # from tests/data/measured.json and compared.json
 python scripts/docs_measured.py FOLDER            # keeps there first what the `measure` files in a folder say
@@ -14,12 +14,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from docs_page import replace_sections
+
 from cycloid_mj.comparison.starts import StartSpread, order
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
 COMPARED, REPRODUCED = (ROOT / "tests" / "data" / name for name in ("compared.json", "reproduce.json"))
-MARK = "<!-- {word} of {name}: scripts/docs_measured.py writes what stands here -->"
+SCRIPT = "scripts/docs_measured.py"
 DESIGNS = ("pin", "nonpin")
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
 
@@ -28,22 +30,22 @@ Quantities = Mapping[str, Mapping[str, Any]]
 
 ROWS = (
     ("backlash of the output, mean [arcmin]", ("backlash/backlash",)),
-    ("lost motion at +-3 % of the rated torque [arcmin]", ("lost-motion/lost_motion",)),
+    ("lost motion at ±3 % of the nominal torque [arcmin]", ("lost-motion/lost_motion",)),
     ("torsional stiffness without friction [N m/arcmin]", ("lost-motion/stiffness_ideal",)),
     ("torsional stiffness with friction [N m/arcmin]", ("lost-motion/stiffness",)),
     (
         "transmission error of the output, peak to peak, loaded [arcsec]",
         ("te/output_peak_to_peak_loaded_forward_speed",),
     ),
-    ("output torque at 1.048 N m in [N m]", ("torque/output_torque",)),
+    ("output torque at 1.048 N m on the crank [N m]", ("torque/output_torque",)),
     ("efficiency [%]", ("efficiency/efficiency",)),
     ("back-driving efficiency [%]", ("efficiency/back_driving_efficiency",)),
     ("largest force on a tooth [N]", ("loads/pin_gear_peak_force", "loads/tooth_peak_force")),
-    ("its Hertz pressure [MPa]", ("loads/pin_gear_pressure", "loads/tooth_pressure")),
+    ("Hertz pressure of that tooth [MPa]", ("loads/pin_gear_pressure", "loads/tooth_pressure")),
     ("largest force on an output pin [N]", ("loads/output_peak_force",)),
     ("largest force of the cam [N]", ("loads/cam_peak_force",)),
-    ("torque at which a tooth first yields below its surface [N m]", ("loads/capacity",)),
-    ("torque up to which the contacts shake down [N m]", ("loads/capacity_shakedown",)),
+    ("output torque at first yield below a tooth surface [N m]", ("loads/capacity",)),
+    ("output torque at shakedown [N m]", ("loads/capacity_shakedown",)),
 )
 """Label, and the keys of which a design has one."""
 
@@ -51,12 +53,12 @@ LEVELS = (
     ("gear speed [rad/s]", "gear speed error, rms", ("fluctuation", "gear_speed_rad_s")),
     (
         "path of q, without its steady shift [um]",
-        "q path error, rms, without steady shifts",
+        "q path error, rms, without its steady shifts",
         ("fluctuation", "q_path_um"),
     ),
     (
         "velocity of q, without its steady shift [mm/s]",
-        "q velocity error, rms, without steady shifts",
+        "q velocity error, rms, without its steady shifts",
         ("fluctuation", "q_velocity_mm_s"),
     ),
     (
@@ -111,11 +113,11 @@ def comparison(data: Mapping[str, Any]) -> str:
     runs = data["runs"]
     loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
     names = [run["design"].replace("-", " ") for run in runs]
-    steps = ", ".join(f"{run['timestep_us']:.3g}" for run in runs)
+    steps = ", ".join(dict.fromkeys(f"{run['timestep_us']:.3g}" for run in runs))
     starts = max(run["starts"] for run in runs)
     condition = (
-        f"`compare pin nonpin` at {data['speed_rpm']:g} rpm with steps of {steps} us in the order of the columns; rms "
-        f"of the errors against the closed form, at no load least to largest over {starts} independent starts (mean):"
+        f"`compare pin nonpin` at {data['speed_rpm']:g} rpm. Rms of the differences from the closed form.\n"
+        f"Without load: smallest to largest of {starts} independent starts, and mean. Time steps: {steps} us."
     )
     lines = ["| | " + " | ".join(map("{}, {}".format, loads, names)) + " |", "|---" * (len(runs) + 1) + "|"]
     lines += [
@@ -134,8 +136,8 @@ def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
     loaded = {run["design"]: run["figures"] for run in data["runs"] if run["load_nm"]}
     ratios = {claim["key"]: claim["ours"]["spread"] for claim in claims}
     head = (
-        *("the rougher one", "pin over nonpin under load", "no load, by `compare`", "no load, by `reproduce`"),
-        *("no load: nonpin or nonpin like pin", "no load: pin or nonpin like pin"),
+        *("Larger fluctuation", "Under load, pin / nonpin", "No load, `compare`", "No load, `reproduce`"),
+        *("No load: nonpin or nonpin like pin", "No load: pin or nonpin like pin"),
     )
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     for (label, *_), key in zip(LEVELS, CLAIMS, strict=True):
@@ -180,24 +182,18 @@ def table(quantities: Mapping[str, Quantities]) -> str:
 def _cell(quantity: Mapping[str, Any]) -> str:
     value, error, reference = (quantity[name] for name in ("value", "numerical_error", "reference"))
     text = f"{value:.4g}"
-    text += f" +- {error:.1g}" if error else ""
+    text += f" ± {error:.1g}" if error else ""
     return text if reference is None else f"{text} ({reference:.4g})"
 
 
-def written(page: str, name: str, text: str) -> str:
-    """Replace one of the page's tables; raise ValueError if it lacks the marks."""
-    begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
-    if begin not in page or end not in page:
-        raise ValueError(f"the page lacks {begin} or {end}")
-    before, rest = page.split(begin)
-    return f"{before}{begin}\n\n{text}\n\n{end}{rest.split(end)[1]}"
-
-
-def whole(page: str) -> str:
-    """Write the page with the tables of all that is kept."""
-    page = written(page, "measured", table(_read(KEPT)))
-    page = written(page, "compared", comparison(_read(COMPARED)))
-    return written(page, "orders", orders(_read(COMPARED), _read(REPRODUCED)["claims"]))
+def written_page(page: str) -> str:
+    """Return the page with the tables of all kept results."""
+    sections = {
+        "measured": table(_read(KEPT)),
+        "compared": comparison(_read(COMPARED)),
+        "orders": orders(_read(COMPARED), _read(REPRODUCED)["claims"]),
+    }
+    return replace_sections(page, sections, SCRIPT)
 
 
 def _read(path: Path) -> Any:
@@ -218,7 +214,7 @@ def main() -> int:
         _keep(KEPT, {name: measured(options.folder, name) for name in DESIGNS})
     if options.compared:
         _keep(COMPARED, compared(_read(options.compared)))
-    PAGE.write_text(whole(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(written_page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 

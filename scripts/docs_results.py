@@ -1,149 +1,215 @@
-"""Write the results of docs/paper.md from the numbers of `cycloid-mj reproduce`.
+"""Write the tables of docs/paper.md from the results of `cycloid-mj reproduce`.
 
-`python scripts/docs_results.py` writes them from tests/data/reproduce.json and authors.json; with the path of another
-reproduce.json it keeps there first what the pages show: of a run of `--as-the-authors` its tables, else claims and
-errata.
+python scripts/docs_results.py           # from tests/data/reproduce.json and authors.json
+python scripts/docs_results.py FOLDER    # from the output folder of `cycloid-mj reproduce`, of which JSON and pictures
+                                         # are kept first; with --as-the-authors its tables, else claims and errata
 """
 
+import csv
+import io
 import json
-import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.base.result import Table
+from docs_page import DATA, DOCS, markdown_table, replace_sections
+from picture import keep_small
 
-ROOT = Path(__file__).parent.parent
-PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"
+from cycloid_mj.base.atomic_write import write_whole
+
+PAGE, PICTURES = DOCS / "paper.md", DOCS / "paper"
+SCRIPT = "scripts/docs_results.py"
+KEPT = DOCS.parent / "tests" / "data" / "reproduce.json"
 AUTHORS = KEPT.with_name("authors.json")
-MARK = "<!-- {word} of {name}: scripts/docs_results.py writes what stands here -->"
+CLAIMS, HYPOTHESIS = DATA / "paper-claims.csv", DATA / "paper-hypothesis.csv"
+"""Tables for download: every claim, and the runs with the contact that the authors may have used."""
+
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
 
+SECTIONS = {
+    "steel": ("poisson",),
+    "speed": ("gear_speed_mean_pin", "gear_speed_mean_nonpin", "gear_speed"),
+    "path": ("transmission_error_pin", "transmission_error_nonpin", "q_path"),
+    "velocity": ("q_velocity", "gear_centre_acceleration", "output_acceleration"),
+    "pin": ("pin_1_sway", "pin_1_spin", "pin_1_turns", "pin_1_slides", "stress_cycle_pin_1"),
+    "height": (
+        *(f"stress_height_{part}_{design}" for part in ("shaft", "ring", "gear") for design in ("pin", "nonpin")),
+        *("stress_order_of_parts_pin", "stress_order_of_parts_nonpin", "stress_peaks_shaft_pin"),
+        *("stress_output_pin", "stress_output_nonpin"),
+    ),
+    "order": tuple(
+        f"stress_{kind}_{part}"
+        for part in ("shaft", "ring", "gear")
+        for kind in ("order_of_designs", "mean", "fluctuation")
+    ),
+    "torque": (
+        *(f"output_torque_{kind}_{design}" for design in ("pin", "nonpin") for kind in ("simulated", "measured")),
+        "output_torque_order",
+    ),
+    "lines": ("double_contact_precision", "double_contact_capacity"),
+}
+"""Sections of the page with the keys of their claims; each claim is in one of them."""
 
-def sections(content: dict[str, Any], with_soft_contact: dict[str, Any]) -> dict[str, str]:
-    """Collect the generated sections of the page by name, from both runs of the command."""
-    return {
-        "authors": authors(with_soft_contact),
-        "results": results(content),
-        "errata": errata(content["errata"]),
-    }
+SHOWN = {
+    "fig6_gear_speed_unloaded": "speed",
+    "fig7_q_path_unloaded": "path",
+    "fig8_q_velocity_unloaded": "velocity",
+    "fig9_pin_1_pin_unloaded": "pin",
+    "fig19_torque_pin": "torque",
+}
+"""Pictures of the command that the page shows, with their names there."""
+
+CLAIM_COLUMNS = (
+    *("Figure", "Design", "Load", "Claim of the paper", "Paper", "Model at that load", "Numerical error"),
+    *("Verdict", "Decided by", "Model at the rated load"),
+)
+
+MAX_CELL = 110
+"""Longest text of a result on the page; the rest is in the table for download."""
 
 
-def authors(content: dict[str, Any]) -> str:
-    """Return the tables of `--as-the-authors`, and its sentence on the peaks of the cam's force."""
-    tables = [Table(one["title"], tuple(one["columns"]), tuple(map(tuple, one["rows"]))) for one in content["tables"]]
-    titled = [f"{table.title[0].upper()}{table.title[1:]}:\n\n{table.as_markdown()}" for table in tables]
-    return "\n\n".join([content["note"], *titled])
+def sections(content: Mapping[str, Any]) -> dict[str, str]:
+    """Return the generated sections of the page by name."""
+    claims = {claim["key"]: claim for claim in content["claims"]}
+    if lacking := sorted(claims.keys() ^ {key for keys in SECTIONS.values() for key in keys}):
+        raise ValueError(f"these claims are not on the page once: {', '.join(lacking)}")
+    tables = {name: figure_table([claims[key] for key in keys]) for name, keys in SECTIONS.items()}
+    return {"tally": tally(content), **tables, "errata": errata(content["errata"])}
 
 
-def results(content: dict[str, Any]) -> str:
-    """Return the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
-    claims, summary = content["claims"], tally(content)
-    head = (
-        *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
-        *("verdict", "decided by", "beside it: ours at the rated load"),
-    )
-    return f"{summary}\n\n{_table(head, [_row(claim) for claim in claims])}"
+def figure_table(claims: Sequence[Mapping[str, Any]]) -> str:
+    """Return the claims of a section: design, claim, the paper's result, the model's, verdict."""
+    head = ("Design", "Claim of the paper", "Paper", "Model", "Verdict")
+    rows = [
+        (
+            claim["design"],
+            claim["paper"]["claim"],
+            claim["paper"]["text"],
+            _shortened(claim["ours"]["text"]),
+            f"**{claim['verdict']}**",
+        )
+        for claim in claims
+    ]
+    return markdown_table(head, rows)
 
 
-def tally(content: dict[str, Any]) -> str:
-    """Tell how many claims there are, and what becomes of them."""
+def _shortened(text: str) -> str:
+    """Return a result without what it has in brackets and behind a semicolon, as far as it is too long."""
+    if len(text) <= MAX_CELL:
+        return text
+    return text.partition(" (")[0].partition(";")[0].partition(", the most")[0]
+
+
+def tally(content: Mapping[str, Any]) -> str:
+    """Return the number of claims with each verdict, as a sentence."""
     claims = content["claims"]
     counts = ", ".join(
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if content["quick"] else "cycloid-mj reproduce"
-    return (
-        f"`{command}` holds {len(claims)} claims of the paper against this model, each at the paper's own condition: "
-        f"{counts}."
-    )
+    return f"`{command}` compares {len(claims)} claims of the paper with the model: {counts}."
 
 
-def load(condition: dict[str, float]) -> str:
-    """Format the load of a claim's condition in words."""
+def claim_rows(content: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return the rows of the table for download, in the order of `CLAIM_COLUMNS`."""
+    return [_row(claim) for claim in content["claims"]]
+
+
+def load(condition: Mapping[str, float]) -> str:
+    """Return the load of a claim's condition in words."""
     if "input_torque_nm" in condition:
         return f"{condition['input_torque_nm']:g} N m in"
     return f"{condition['load_nm']:g} N m" if condition["load_nm"] else "none"
 
 
-def _row(one: dict[str, Any]) -> tuple[str, ...]:
-    error, rated = one["numerical_error"], one["at_rated_load"]
+def _row(claim: Mapping[str, Any]) -> tuple[str, ...]:
+    error, rated = claim["numerical_error"], claim["at_rated_load"]
     unit = "" if error["unit"] == "1" else f" {error['unit']}"
     error_text = f"{error['value']:.2g}{unit} ({error['source']})" if error["value"] is not None else error["source"]
     return (
-        *(one["figure"], one["design"], load(one["condition"]), one["paper"]["claim"], one["paper"]["text"]),
-        *(one["ours"]["text"], error_text, one["verdict"], one["decided_by"], rated["text"] if rated else ""),
+        *(claim["figure"], claim["design"], load(claim["condition"]), claim["paper"]["claim"], claim["paper"]["text"]),
+        *(claim["ours"]["text"], error_text, claim["verdict"], claim["decided_by"], rated["text"] if rated else ""),
     )
 
 
-def errata(entries: Sequence[dict[str, Any]]) -> str:
-    """Return the errata: printed and corrected, and by how much each misses what its proof holds it against."""
-    head = ("Eq.", "printed", "right", "relative error as printed", "corrected", "held against")
+def errata(entries: Sequence[Mapping[str, Any]]) -> str:
+    """Return the errata: printed and corrected, with the relative errors of both against a proof."""
+    head = ("Eq.", "Printed", "Correct", "Error as printed", "Error corrected", "Compared with")
     rows = [
         (
             entry["equation"],
             entry["printed"],
             entry["right"],
             "none" if entry["harmless"] else f"{entry['printed_error']:.2g}",
-            _bounded(entry["right_error"]),
+            _upper_bound(entry["right_error"]),
             entry["proof"],
         )
         for entry in entries
     ]
-    return _table(head, rows)
+    return markdown_table(head, rows)
 
 
-def written(page: str, texts: Mapping[str, str]) -> str:
-    """Return a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
-    for name, text in texts.items():
-        begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
-        if begin not in page or end not in page:
-            raise ValueError(f"the page lacks {begin} or {end}")
-        between = re.compile(f"{re.escape(begin)}.*{re.escape(end)}", re.DOTALL)
-        before, after = between.split(page)
-        page = f"{before}{begin}\n\n{text}\n\n{end}{after}"
-    return page
+def _upper_bound(error: float) -> str:
+    """Return the power of ten below which an error lies: its digits are rounding errors of this machine."""
+    return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
 
 
-def kept(content: dict[str, Any]) -> dict[str, Any]:
-    """Collect what of the command's JSON the page stands on; raise ValueError if a stage broke or was left out."""
-    stages = {stage["key"]: stage["error"] for stage in content["stages"]}
-    if broken := [key for key, error in stages.items() if error]:
-        raise ValueError(f"the page is not written from a run with a broken stage: {', '.join(broken)}")
-    if missing := [key for key in STAGES if key not in stages]:
-        raise ValueError(f"the page is not written from a run of some stages alone; missing: {', '.join(missing)}")
+def hypothesis_csv(content: Mapping[str, Any]) -> str:
+    """Return the tables of `--as-the-authors` as one CSV text, each behind a line with its title."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    for table in content["tables"]:
+        writer.writerows([[table["title"]], table["columns"], *table["rows"]])
+    return text.getvalue()
+
+
+def claims_csv(content: Mapping[str, Any]) -> str:
+    """Return the claims as CSV text."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([CLAIM_COLUMNS, *claim_rows(content)])
+    return text.getvalue()
+
+
+def kept(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of the command's JSON that the page needs; raise ValueError if a stage failed or is missing."""
+    errors = {stage["key"]: stage["error"] for stage in content["stages"]}
+    if failed := [key for key, error in errors.items() if error]:
+        raise ValueError(f"the page needs a run without a broken stage: {', '.join(failed)}")
+    if missing := [key for key in STAGES if key not in errors]:
+        raise ValueError(f"the page needs a run of all stages; missing: {', '.join(missing)}")
     return {key: content[key] for key in ("quick", "claims", "errata")}
 
 
-def kept_authors(content: dict[str, Any]) -> dict[str, Any]:
-    """Collect what the page shows of the stage as the authors may have run it; raise ValueError if it broke."""
+def kept_authors(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a run with `--as-the-authors`; raise ValueError if it failed."""
     (stage,) = content["stages"]
     if stage["error"]:
         raise ValueError(f"the page is not written from a broken stage: {stage['error']}")
     return {"note": stage["notes"][0], "tables": stage["tables"]}
 
 
-def _bounded(error: float) -> str:
-    """Return the decade below which an error lies: its digits are rounding, another machine has others."""
-    return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
+def keep(folder: Path) -> None:
+    """Keep what the page needs of the output folder of `cycloid-mj reproduce`."""
+    content = json.loads((folder / "reproduce.json").read_text(encoding="utf-8"))
+    if [stage["key"] for stage in content["stages"]] == ["authors"]:
+        path, chosen = AUTHORS, kept_authors(content)
+    else:
+        path, chosen = KEPT, kept(content)
+        for name, shown in SHOWN.items():
+            keep_small(folder / "figures" / f"{name}.png", PICTURES / f"{shown}.png")
+    path.write_text(json.dumps(chosen, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the page; give the exit code."""
+    """Write the page and its tables for download; return the exit code."""
     if arguments:
-        given = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
-        of_authors = [stage["key"] for stage in given["stages"]] == ["authors"]
-        path, chosen = (AUTHORS, kept_authors(given)) if of_authors else (KEPT, kept(given))
-        path.write_text(json.dumps(chosen, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    content, with_soft_contact = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
-    page = written(PAGE.read_text(encoding="utf-8"), sections(content, with_soft_contact))
-    PAGE.write_text(page, encoding="utf-8")
+        keep(Path(arguments[0]))
+    content, hypothesis = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
+    page = replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT)
+    texts = {PAGE: page, CLAIMS: claims_csv(content), HYPOTHESIS: hypothesis_csv(hypothesis)}
+    write_whole({path: text.encode() for path, text in texts.items()})
     return 0
 
 

@@ -1,24 +1,21 @@
-"""The tables of docs/bench.md are those of what is kept of the fits."""
+"""The tables of docs/printed-drive.md agree with the kept fits."""
 
-import importlib.util
 import json
-from pathlib import Path
 
+import docs_bench
 import pytest
+from docs_page import replace_sections
 
-ROOT = Path(__file__).resolve().parents[1]
 
-
-def test_the_page_is_what_the_script_writes() -> None:
-    spec = importlib.util.spec_from_file_location("docs_bench", ROOT / "scripts" / "docs_bench.py")
-    assert spec
-    assert spec.loader
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    page, content = script.PAGE.read_text(encoding="utf-8"), json.loads(script.KEPT.read_text(encoding="utf-8"))
-    texts = script.sections(content)
-    assert script.written(page, texts) == page
+def test_the_page_has_the_tables_that_the_script_writes() -> None:
+    page = docs_bench.PAGE.read_text(encoding="utf-8")
+    content = json.loads(docs_bench.KEPT.read_text(encoding="utf-8"))
+    sections = docs_bench.sections(content)
+    assert replace_sections(page, sections, docs_bench.SCRIPT) == page
     content["pin"]["parts"]["gear"] = 1.0
-    assert script.written(page, script.sections(content)) != page
+    assert replace_sections(page, docs_bench.sections(content), docs_bench.SCRIPT) != page
+
+
+def test_a_page_without_marks_is_refused() -> None:
     with pytest.raises(ValueError, match="lacks"):
-        script.written("nothing", texts)
+        replace_sections("nothing", {"fit": ""}, docs_bench.SCRIPT)

@@ -34,7 +34,7 @@ PAGES = {
         *sorted((ROOT / "models").rglob("*.md")),
     ]
 }
-LANGUAGES = {"sh", "console", "text", "python"}
+LANGUAGES = {"sh", "console", "text", "python", "bibtex"}
 """Of code blocks. What is ``sh`` runs as it stands; the others have placeholders, or are Python."""
 
 WHOLE = "docs/tutorial.md"
@@ -68,10 +68,12 @@ def blocks(text: str) -> list[tuple[str, str]]:
 
 
 def lines(text: str, *languages: str) -> Iterator[str]:
-    """Yield the shell's lines of a page, one for each program that is called, without prompts and comments."""
+    """Yield the commands of a page, one for each program that is called, without prompts, comments and output."""
     for language, block in blocks(text):
         if language in languages:
             for line in block.replace("\\\n", " ").splitlines():
+                if language == "console" and not line.startswith("$ "):
+                    continue  # output
                 yield from line.removeprefix("$ ").split("  #")[0].strip().split(" && ")
 
 

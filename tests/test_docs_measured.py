@@ -24,7 +24,7 @@ def script() -> ModuleType:
 def test_the_page_says_what_was_measured(script: ModuleType) -> None:
     page = script.PAGE.read_text(encoding="utf-8")
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    assert script.whole(page) == page
+    assert script.written_page(page) == page
     for design, quantities in found.items():
         for label, keys in script.ROWS:
             assert sum(key in quantities for key in keys) == 1, (design, label)
@@ -39,7 +39,8 @@ def test_the_page_says_what_was_compared(script: ModuleType) -> None:
     spreads = [{"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in script.LEVELS]
     runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
     told = script.comparison(script.compared({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs}))
-    assert "at 1640 rpm with steps of 3.1, 3.1 us" in told
+    assert "at 1640 rpm." in told
+    assert "Time steps: 3.1 us." in told
     assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
     assert "| gear speed [rad/s] | 114 to 157 (0.013) | 0.002 |" in told
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
@@ -72,11 +73,11 @@ def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands(s
 def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) -> None:
     one = {"value": 1.23456, "unit": "m", "numerical_error": 0.0123, "reference": 1.2}
     table = script.table({"pin": dict.fromkeys([key for _, keys in script.ROWS for key in keys], one)})
-    assert "| 1.235 +- 0.01 (1.2) |" in table
+    assert "| 1.235 ± 0.01 (1.2) |" in table
     bare = {**one, "numerical_error": None, "reference": None}
     assert "| 1.235 |" in script.table({"pin": dict.fromkeys([key for _, keys in script.ROWS for key in keys], bare)})
 
 
 def test_a_page_without_marks_is_refused(script: ModuleType) -> None:
     with pytest.raises(ValueError, match="lacks"):
-        script.written("nothing", "measured", "")
+        script.written_page("nothing")

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from docs_page import replace_sections
 from given import Given, ideal_runs
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
@@ -355,21 +356,24 @@ def test_every_stage_has_a_name_and_a_time():
 # --- the page of the documentation
 
 
-def test_the_page_says_what_the_json_says(script):
-    found, soft = (json.loads(path.read_text(encoding="utf-8")) for path in (script.KEPT, script.AUTHORS))
+def test_the_page_agrees_with_the_json(script):
+    content, hypothesis = (json.loads(path.read_text(encoding="utf-8")) for path in (script.KEPT, script.AUTHORS))
     page = script.PAGE.read_text(encoding="utf-8")
-    assert script.written(page, script.sections(found, soft)) == page
-    assert script.tally(found) in page
-    assert all(f"| {script.load(claim['condition'])} |" in page for claim in found["claims"])
-    found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
-    assert script.written(page, script.sections(found, soft)) != page
+    assert replace_sections(page, script.sections(content), script.SCRIPT) == page
+    assert script.CLAIMS.read_text(encoding="utf-8") == script.claims_csv(content)
+    assert script.HYPOTHESIS.read_text(encoding="utf-8") == script.hypothesis_csv(hypothesis)
+    assert script.tally(content) in page
+    content["claims"][0]["verdict"] = "disagrees" if content["claims"][0]["verdict"] == "agrees" else "agrees"
+    assert replace_sections(page, script.sections(content), script.SCRIPT) != page
+    with pytest.raises(ValueError, match="not on the page once: poisson"):
+        script.sections(content | {"claims": content["claims"][1:]})
 
 
-def test_the_page_shows_the_tables_of_the_run_as_the_authors(script):
+def test_the_tables_of_the_hypothesis_are_kept(script):
     stage = {"key": "authors", "error": "", "notes": ["two maxima", "a hypothesis"]}
     stage["tables"] = [{"title": "what brings it", "columns": ["feature", "by"], "rows": [["Fig. 12", "soft"]]}]
-    told = script.authors(script.kept_authors({"stages": [stage]}))
-    assert told == "two maxima\n\nWhat brings it:\n\n| feature | by |\n| --- | --- |\n| Fig. 12 | soft |"
+    kept = script.kept_authors({"stages": [stage]})
+    assert script.hypothesis_csv(kept) == "what brings it\nfeature,by\nFig. 12,soft\n"
     with pytest.raises(ValueError, match="broken stage: ZeroDivisionError"):
         script.kept_authors({"stages": [stage | {"error": "ZeroDivisionError"}]})
 
@@ -400,13 +404,14 @@ def test_a_row_of_the_page_names_its_load(script):
         **{"at_rated_load": {"text": "2.3 to 1"}, "decided_by": "friction"},
     }
     loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
-    told = script.results({"quick": True, "claims": [claim, loaded]})
-    assert "`cycloid-mj reproduce --quick` holds 2 claims" in told
-    assert "0 agree, 0 depend, 0 disagree, 2 are not determined" in told
-    rows = told.splitlines()[-2:]
-    assert rows[0].startswith("| Fig. 6 | both | none | more with pins | pin > nonpin | 0.4 to 1 | 0.12 pin / nonpin (")
-    assert rows[0].endswith("| not determined | friction | 2.3 to 1 |")
-    assert "| 1.048 N m in |" in rows[1]
+    content = {"quick": True, "claims": [claim, loaded]}
+    assert script.tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
+    assert "0 agree, 0 depend, 0 disagree, 2 are not determined" in script.tally(content)
+    rows = script.claim_rows(content)
+    assert rows[0][:6] == ("Fig. 6", "both", "none", "more with pins", "pin > nonpin", "0.4 to 1")
+    assert rows[0][6].startswith("0.12 pin / nonpin (")
+    assert rows[0][7:] == ("not determined", "friction", "2.3 to 1")
+    assert rows[1][2] == "1.048 N m in"
 
 
 def test_the_errata_of_the_json_are_those_of_the_code(script):
@@ -424,8 +429,3 @@ def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
         script.kept(found | {"stages": whole[:-1]})
     with pytest.raises(ValueError, match="broken stage: torque"):
         script.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
-
-
-def test_a_page_without_marks_is_refused(script):
-    with pytest.raises(ValueError, match="lacks"):
-        script.written("# empty", {"results": "none"})

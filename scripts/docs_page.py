@@ -1,0 +1,45 @@
+"""Replace the generated sections of the documentation's pages; the other `docs_*.py` scripts use this module.
+
+A generated section lies between two comments, which name the section and the script that writes it.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from cycloid_mj.base.result import Table
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+DATA = DOCS / "data"
+"""Folder of the tables that the pages offer for download."""
+
+MARK = "<!-- {word} of {name}: {script} writes what stands here -->"
+
+
+def replace_sections(page: str, sections: Mapping[str, str], script: str) -> str:
+    """Return the text of a page with its generated sections replaced.
+
+    Parameters
+    ----------
+    page
+        Text of the page.
+    sections
+        New text of each section, by the name in its marks.
+    script
+        Path of the calling script from the root of the repository, as the marks name it.
+
+    Raises
+    ------
+    ValueError
+        The page lacks the marks of a section.
+    """
+    for name, text in sections.items():
+        begin, end = (MARK.format(word=word, name=name, script=script) for word in ("Begin", "End"))
+        if begin not in page or end not in page:
+            raise ValueError(f"the page lacks {begin} or {end}")
+        page = f"{page.partition(begin)[0]}{begin}\n\n{text}\n\n{end}{page.partition(end)[2]}"
+    return page
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
