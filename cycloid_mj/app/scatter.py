@@ -79,7 +79,7 @@ def _seen(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Sum up the drives that are balanced so far."""
     jams, charts = jams_of(columns), list[dict[str, Any]]()
     for key, values in columns.items():
-        row, fits = figure(key), values[~jams]
+        row, fits = figure(key), values[~jams & np.isfinite(values)]
         if row.unit not in UNITS or len(fits) < 2:
             continue
         counts, edges = np.histogram(fits, BINS)

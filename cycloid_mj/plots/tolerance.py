@@ -1,5 +1,6 @@
 """What tolerances do: which of them to tighten first, and how the figures of the samples are distributed."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -15,6 +16,9 @@ from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, folded, keys, sh
 MOST_BINS = 60
 NAME_WIDTH = 34
 """Letters of a line of a figure's name."""
+
+CONSTANT_RTOL = 1e-9
+"""Relative spread up to which a figure counts as constant: rounding errors of the balance."""
 
 REACH = 0.001
 """Share of the samples at either end that a histogram may leave out: jams and outliers are far away."""
@@ -60,7 +64,10 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
     keys_of = list(tolerances.figures)
     rows = -(-len(keys_of) // 3)
     figure = sheet(1.75 * rows + 0.4)
-    for axes, key in zip(np.ravel(figure.subplots(rows, 3)), keys_of, strict=False):
+    panels = np.ravel(figure.subplots(rows, 3))
+    for axes in panels[len(keys_of) :]:
+        axes.remove()
+    for axes, key in zip(panels, keys_of, strict=False):
         _histogram(
             axes,
             key,
@@ -75,14 +82,16 @@ def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -
     axes.set_title(folded(row_of(key).name, NAME_WIDTH), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
-    axes.set_xlabel(f"[{row_of(key).unit}]")
-    axes.locator_params(axis="x", nbins=4)
-    if values.size < 2:
-        axes.text(0.5, 0.5, "no sample", ha="center", va="center", transform=axes.transAxes)
+    unit = row_of(key).unit
+    axes.set_xlabel("" if unit == "1" else f"[{unit}]")
+    axes.locator_params(axis="x", nbins=3)
+    values = values[np.isfinite(values)]
+    low, high = np.quantile(values, [REACH, 1.0 - REACH]) if values.size else (math.nan, math.nan)
+    if not high - low > CONSTANT_RTOL * max(abs(low), abs(high)):
+        words = f"constant: {low:.4g}" if values.size else "no value"
+        axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
+        axes.set_xticks([])
         return
-    low, high = np.quantile(values, [REACH, 1.0 - REACH])
-    if not high > low:
-        low, high = low - 0.5 * abs(low) - 1e-9, high + 0.5 * abs(high) + 1e-9
     axes.hist(values, bins=min(MOST_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
     for limit in limits:
         axes.axvline(limit.bound, color=VERMILION, linewidth=1.2)
