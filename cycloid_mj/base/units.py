@@ -25,10 +25,14 @@ MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 
 
 def unit_suffix(unit: str) -> str:
-    """Return a unit as it ends a key or the name of a column: ``nm_arcmin`` for "N m/arcmin"; of a number nothing."""
+    """Return a unit as it ends a key or the name of a column: ``nm_per_arcmin`` for "N m/arcmin"; of a number nothing.
+
+    Only quotients with a torque have the word "per": those of length and time are written as in a log, ``mm_s``.
+    """
     if unit in ("", "1"):
         return ""
-    spelt = unit.replace("N m", "nm").replace("%", "percent").lower()
+    spelt = unit.replace("N m/", "nm per ").replace("/(N m)", " per nm").replace("N m", "nm")
+    spelt = spelt.replace("%", "percent").lower()
     return "_".join(re.findall(r"[a-z0-9]+", spelt))
 
 

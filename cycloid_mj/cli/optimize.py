@@ -182,6 +182,7 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
         headline=dict(islice(numbers.items(), MOST_FIGURES)),
         summary=[optimum.words, *optimum.ran_into, f"the best: {best}"],
         tables=tables(optimum),
+        warnings=optimum.warnings,
         notes=optimum.notes,
         pictures={picture: partial(drawn, tradeoff_figure(optimum))},
         formats=("png",),

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claimed, deliver, write
 from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
@@ -73,25 +73,28 @@ def tolerance(
 ) -> int:
     """Draw samples within tolerances: yield and an error budget.
 
-    Tolerances stand in the table [tolerance] of the design file, as "normal 2",
-    "uniform 5", "between -1 4" (um), as a grade "IT6", or for clearances as a fit
-    "H7/g6"; waves of the gear's profile by order, "2: normal 1, 35: uniform 2".
-    Every sample is balanced at 360 crank angles: to both stops, and under the
-    rated torque without friction. The budget shares the variance of the first
-    limit's figure (else of the backlash) out to the tolerances, by Sobol indices:
-    the one to tighten first comes first. A sample jams where its parts press each
-    other without a load, teeth, output pins or cam: it is in the yield alone. Where
-    the first 200 samples all jam, that is the end: which pair interferes by how
-    much is told. The five worst of those that go together are written as design
-    files; --verify runs them at speed under the rated torque, with friction and
-    inertia, and tells how far statics are from that. The samples' CSV has what was
-    drawn, in um beside the design's value (drawn_cam_um, drawn_pin_position_1_x_um),
-    and the figures. Ctrl-C writes what the samples so far give, as fewer --samples
-    would have.
+    Tolerances are read from the table [tolerance] of the design file: "normal 2",
+    "uniform 5" or "between -1 4" (in um), a grade "IT6", or for clearances a fit
+    "H7/g6"; waves of the disc's profile by order, "2: normal 1, 35: uniform 2".
+    Every sample is balanced at 360 crank angles: against both stops, and under the
+    rated torque without friction. A sample jams if its parts press each other without
+    a load (teeth, output pins or cam): it counts in the yield only. If 99 % or more of
+    the first 200 samples jam, the study ends with exit code 1 and an error that names
+    the pair that interferes, and by how much.
+
+    The error budget ("tighten first") states the share of each tolerance in the
+    variance of the first limit's figure, or of the backlash, by Sobol indices. It takes
+    64 samples or more; below, its confidence intervals would not hold.
+
+    The five worst samples that do not jam are written as design files; --verify runs
+    them at speed under the rated torque, with friction and inertia, and compares the
+    result with statics. The CSV file lists for each sample the departures from the
+    design in um (drawn_cam_um, drawn_pin_position_1_x_um) and the figures. Ctrl-C
+    writes the samples balanced so far, which are those of a smaller --samples.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.limit import limit as read
-    from cycloid_mj.explore.tolerances import AllJam, Unfinished
+    from cycloid_mj.explore.tolerances import TooManyJams, Unfinished
     from cycloid_mj.explore.tolerances import tolerance as found_in
 
     if not 2 <= samples <= MOST_SAMPLES:
@@ -110,9 +113,13 @@ def tolerance(
     except Unfinished as stop:
         deliver(_outcome(stop.tolerances), place, delivery)
         raise RunError(f"stopped by {cause(stop)}; {stop.tolerances.samples_text} are in {place.folder}") from stop
-    except AllJam as jam:
-        deliver(_outcome(jam.tolerances), place, delivery)
-        raise RunError(f"{jam}; they are in {place.folder}") from jam
+    except TooManyJams as jam:
+        outcome = _outcome(jam.tolerances)
+        if delivery.json:
+            deliver(outcome, place, delivery)
+        else:  # the error says it all: a table of a yield of 0 % would say it again
+            write(outcome, place, delivery)
+        raise RunError(f"{jam}; these samples are in {place.folder}") from jam
     return deliver(_outcome(tolerances), place, delivery)
 
 

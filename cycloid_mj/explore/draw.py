@@ -38,6 +38,9 @@ SOURCES = (
 WAVE = "profile_"
 """Start of the name of a wave of the profile; its order follows."""
 
+BUDGET_STREAM = 1 << 32
+"""Number of the random stream of the budget's first set, after those of all blocks; its second set has the next."""
+
 _INSIDE = 2.0**-54
 """How near to 0 and 1 a share may be: a normal zone has no ends."""
 
@@ -90,9 +93,9 @@ class Batch:
     first
         How many samples of the block come before these.
     compared
-        Whether they are a set that the error budget compares: from a Sobol sequence, by the first half of its axes.
+        Whether they are a set of the error budget; it is drawn from random streams of its own.
     second
-        Tolerances that are drawn from the second half instead: all of them in the second set, else one or none.
+        Tolerances that have the values of the budget's second set: all of them, one, or none.
     """
 
     number: int
@@ -131,25 +134,12 @@ def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Ba
 
 def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
     """Compute for each number that is drawn the share of parts that lie below it, by tolerance."""
-    shapes = {key: _shape(reducer, key) for key in zones}
-    if not block.compared:
-        whole = block.first + block.count
-        return {
-            key: _inside(np.random.default_rng([seed, _stream(key), block.number]).random((whole, *shape)))[
-                block.first :
-            ]
-            for key, shape in shapes.items()
-        }
-    from scipy.stats.qmc import Sobol
-
-    axes = int(sum(np.prod(shape, dtype=int) for shape in shapes.values()))
-    points = _inside(Sobol(2 * axes, rng=np.random.default_rng([seed, len(SOURCES)])).random(block.count))
-    shares, first = {}, 0
-    for key, shape in shapes.items():
-        start = first + (axes if key in block.second else 0)
-        wide = int(np.prod(shape, dtype=int))
-        shares[key] = points[:, start : start + wide].reshape(block.count, *shape)
-        first += wide
+    whole = block.first + block.count
+    shares = {}
+    for key in zones:
+        number = block.number if not block.compared else BUDGET_STREAM + (key in block.second)
+        generator = np.random.default_rng([seed, _stream(key), number])
+        shares[key] = _inside(generator.random((whole, *_shape(reducer, key)))[block.first :])
     return shares
 
 

@@ -24,6 +24,9 @@ PRESSED = {"preload_n": "a tooth", "output_preload_n": "an output pin", "cam_pre
 SEEN, ANGLES = 6, 6
 """Samples whose jam is looked into, and crank angles at which."""
 
+MAX_JAM_SHARE = 0.99
+"""Share of jammed samples at which a study stops after its first block: what is left has no distribution."""
+
 ACTIVE = 0.05
 """Least share in the forces of a pair that counts among those that interfere."""
 
@@ -43,28 +46,48 @@ def pressed_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
     return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
 
 
-def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, samples: int) -> str:
-    """Say why the first samples of a study that all jam do, in a sentence: which pair interferes by how much.
+def jams_too_often(jams: Mask) -> bool:
+    """Return whether so many samples of a first block, shape (samples,), jam that the study stops."""
+    return bool(np.mean(jams) >= MAX_JAM_SHARE)
 
-    Parts are rigid there, and lie where the least is pressed. Each tolerance is taken away alone, to see whether all of
-    these samples then go together.
+
+def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) -> str:
+    """Explain in a sentence why samples of the first block jam: which pairs interfere, and by how much.
+
+    The first `SEEN` jammed samples are examined with rigid parts, in the position of least interference. Each tolerance
+    is left out on its own, to see whether the parts of all these samples then fit.
+
+    Parameters
+    ----------
+    reducer, zones, seed
+        The study.
+    jams
+        Which samples of its first block jam, shape (samples,); one at least.
     """
-    seen = min(samples, SEEN)
-    drawn = departures(reducer, zones, seed, Batch(0, seen))
+    rows = np.flatnonzero(jams)[:SEEN]
+    first = departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
+    drawn = {key: values[rows] for key, values in first.items()}
     depths, shares = _interference(reducer, drawn)
     if max(depths) <= 0.0:
-        return "rigid parts go together in the first of them: contacts press without a load, or find no balance"
+        return (
+            f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
+            "balance was found"
+        )
     pairs = sorted((pair for pair, share in shares.items() if share > ACTIVE), key=lambda pair: -shares[pair])
-    alone = [
+    sufficient = [
         f"tolerance.{key}"
         for key in zones
         if max(_interference(reducer, {other: drawn[other] for other in zones if other != key})[0]) <= 0.0
     ]
-    cured = f"without {' or '.join(alone)} alone they go together" if alone else "no one tolerance is the cause alone"
+    remedy = (
+        f"without {' or '.join(sufficient)} the parts of these samples fit"
+        if sufficient
+        else "no single tolerance is the cause"
+    )
     return (
-        f"in the first {seen} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
-        f"{MICROMETRES * min(depths):.3g} to {MICROMETRES * max(depths):.3g} um, parts rigid and where they have the "
-        f"most room; {cured}"
+        f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
+        f"{MICROMETRES * max(min(depths), 0.0):.3g} to {MICROMETRES * max(depths):.3g} um (rigid parts, in the "
+        f"position of least interference); {remedy}"
     )
 
 

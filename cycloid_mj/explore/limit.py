@@ -1,7 +1,7 @@
 """Limits on figures, as a user writes them: ``backlash_arcmin<=1``."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,3 +56,26 @@ def limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = C
     except UsageError as error:
         raise UsageError(f"--limit {text!r}: {error}") from error
     return FigureLimit(match[1], match[2] == "<=", bound)
+
+
+def require_consistent(limits: Iterable[FigureLimit]) -> None:
+    """Require that some value of each figure satisfies all its limits.
+
+    Raises
+    ------
+    UsageError
+        Two limits contradict each other.
+    """
+    lowest: dict[str, FigureLimit] = {}
+    highest: dict[str, FigureLimit] = {}
+    for each in limits:
+        kept = highest if each.at_most else lowest
+        other = kept.get(each.key)
+        if other is None or (each.bound < other.bound) == each.at_most:
+            kept[each.key] = each
+    for key in lowest.keys() & highest.keys():
+        if lowest[key].bound > highest[key].bound:
+            raise UsageError(
+                f"--limit '{lowest[key]}' contradicts --limit '{highest[key]}': no value of {key} satisfies both; "
+                "change or leave out one of them"
+            )

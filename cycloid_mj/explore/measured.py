@@ -69,12 +69,12 @@ def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
 
 
 def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
-    """Compute the sheet: its quantities under the columns that they always had, and under the catalogue's keys."""
+    """Compute the quantities of the static sheet, under the catalogue's keys."""
     from cycloid_mj.statics.sheet import sheet
 
     figures = sheet(reducer)
     named = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
-    return _of_quantities((*figures.quantities.values(), *named), assumptions=figures.assumptions)
+    return _of_quantities(named, assumptions=figures.assumptions)
 
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:

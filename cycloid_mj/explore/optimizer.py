@@ -23,7 +23,7 @@ from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, evaluated, problem
 from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.search import NEED, Point, searched
-from cycloid_mj.explore.tolerances import tolerance
+from cycloid_mj.explore.tolerances import TooManyJams, tolerance
 from cycloid_mj.explore.verify import verified
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import Sheet, sheet
@@ -150,7 +150,10 @@ def explored(
 def checked(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
     """Check the best design of an optimisation: full statics, dynamics, and tolerances where it has some."""
     best = optimum.design()
-    ranges = tolerance(best, SAMPLES, optimum.seed, progress=progress) if tolerances(Reducer(best)) else None
+    try:
+        ranges = tolerance(best, SAMPLES, optimum.seed, progress=progress) if tolerances(Reducer(best)) else None
+    except TooManyJams as jam:
+        ranges = jam.tolerances
     return Optimum(
         optimum.task,
         optimum.rows,

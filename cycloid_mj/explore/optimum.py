@@ -24,6 +24,9 @@ from cycloid_mj.statics.sheet import Sheet
 AT_END = 0.01
 """Share of a range, or of a limit's bound, within which a point lies at it."""
 
+UNMOVED = 1e-9
+"""Relative range of an objective up to which it counts as constant: rounding errors are below."""
+
 TINY = 1e-12
 """Bound below which a limit counts as one of 0."""
 
@@ -215,6 +218,20 @@ class Optimum(Tabular):
             f"{aims}{limits}: {len(self.feasible)} of {self.evaluations} points keep all{front}; "
             f"start {self.task.reducer.design.name}, seed {self.seed}"
         )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Objectives that do not change from point to point, a sentence each."""
+        known = [row for row in self.rows if all(key in row.values for key in self.task.wanted)]
+        unmoved = []
+        for key in (objective.key for objective in self.task.objectives):
+            values = [value for row in known if math.isfinite(value := float(row.values[key]))]
+            if len(values) > 1 and max(values) - min(values) <= UNMOVED * max(map(abs, values)):
+                unmoved.append(
+                    f"the objective {key} does not depend on {', '.join(self.task.keys)}: it is {values[0]:.6g} at all "
+                    f"{len(values)} points, so the best point is arbitrary. Vary other keys or choose another objective"
+                )
+        return tuple(unmoved)
 
     @property
     def notes(self) -> tuple[str, ...]:

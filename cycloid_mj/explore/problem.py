@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, Us
 from cycloid_mj.checks import WALLS, check, soundness
 from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
-from cycloid_mj.explore.limit import FigureLimit, limit
+from cycloid_mj.explore.limit import FigureLimit, limit, require_consistent
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.row import PointResult, one_line
 from cycloid_mj.figures import COMPUTED, compute, figure
@@ -147,7 +147,8 @@ def problem(
     Raises
     ------
     UsageError
-        There is no such key or figure, a range or formula is none, or there are no or too many objectives.
+        There is no such key or figure, a range or formula is not valid, limits contradict each other, or there are no
+        or too many objectives.
     """
     if not vary:
         raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
@@ -163,6 +164,7 @@ def problem(
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)
     asked = tuple(limit(text, reducer) for text in limits)
+    require_consistent(asked)
     following_keys = following(reducer, follow, vary)
     followers = (*following_keys, *by_themselves(following_keys, vary))
     task = Problem(reducer, ranges, choices, objectives, asked, strict, followers)

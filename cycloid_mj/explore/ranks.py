@@ -8,13 +8,15 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.result import Table
 from cycloid_mj.explore.sweeps import Sweep
+from cycloid_mj.figures import figure
 
 FEWEST = 3
 """Points of which a rank correlation says anything."""
 
 HEADLINES = (
     "backlash_arcmin",
-    "stiffness_ideal_nm_arcmin",
+    "stiffness_nm_per_arcmin",
+    "te_loaded_forward_arcsec",
     "output_peak_to_peak_loaded_forward_speed_arcsec",
     "efficiency_percent",
     "capacity_nm",
@@ -66,6 +68,7 @@ def shown(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
     """
     numbers = sweep.frame.numbers
     there = [name for name in sweep.quantities if name in numbers]
+    wanted = tuple(name if name in there else _catalogue_key(name) for name in wanted)
     if unknown := [name for name in wanted if name not in there]:
         raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
     if wanted:
@@ -74,6 +77,15 @@ def shown(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
     first = {name: place for place, name in enumerate(HEADLINES)}
     ranked = sorted(changing, key=lambda name: first.get(name.rpartition(".")[2], len(first)))
     return tuple(ranked[:MOST_SHOWN])
+
+
+def _catalogue_key(name: str) -> str:
+    """Return a column by the catalogue's key where it is an older name of a figure: ``stiffness_ideal_nm_arcmin``."""
+    measure, dot, key = name.rpartition(".")
+    try:
+        return f"{measure}{dot}{figure(key).key}"
+    except UsageError:
+        return name
 
 
 def ranks(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:

@@ -17,11 +17,8 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.budget import MOST_SAMPLES as BUDGET_SAMPLES
-from cycloid_mj.explore.budget import Share, budget_blocks, budget_samples, shares
+from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
 from cycloid_mj.explore.draw import (
-    BEGINNING,
-    SOURCES,
     Batch,
     as_design,
     blocks,
@@ -34,8 +31,8 @@ from cycloid_mj.explore.draw import (
     sample_design,
     tolerances,
 )
-from cycloid_mj.explore.jam import PRELOADS, cause, jams_of, pressed_pairs
-from cycloid_mj.explore.limit import FigureLimit, limit
+from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, cause, jams_of, jams_too_often, pressed_pairs
+from cycloid_mj.explore.limit import FigureLimit, limit, require_consistent
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
@@ -46,6 +43,12 @@ from cycloid_mj.statics.samples import Samples, alike
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
+
+UNVARIED = 1e-9
+"""Range of a figure, relative to its largest value, up to which it counts as constant: rounding errors are below."""
+
+WIDE_INTERVAL = 0.2
+"""Width of the widest 95 % interval of a budget above which the study recommends more samples."""
 
 WORST = 5
 """Samples that are kept as designs."""
@@ -83,11 +86,13 @@ class Tolerances(Tabular):
     jams
         Which samples go together under force only, shape (samples,).
     jammed_by
-        Why all of them jam, a sentence; empty where some do not.
+        Why so many of them jam that the study stopped, a sentence; empty where it did not.
     limits
         What was asked for.
     budget
-        Of the figure `budget_of`, the largest share first; none where it was stopped before.
+        Shares in the variance of the figure `budget_of`, the largest first.
+    no_budget
+        Why there are none.
     worst
         Designs of the samples that are furthest out in `budget_of`, the worst first, of those that do not jam.
     left_out
@@ -108,6 +113,7 @@ class Tolerances(Tabular):
     limits: tuple[FigureLimit, ...]
     budget_of: str
     budget: tuple[Share, ...]
+    no_budget: str
     worst: tuple[Design, ...]
     left_out: tuple[str, ...]
     verified: tuple[Verified, ...] = ()
@@ -166,29 +172,51 @@ class Tolerances(Tabular):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Why all samples jam, where they do."""
-        return (f"all samples jam: {self.jammed_by}",) if self.jammed_by else ()
+        """Why the study has no figures, where too many samples jam."""
+        return (self.jam_words,) if self.jammed_by else ()
+
+    @property
+    def jam_words(self) -> str:
+        """How many samples jam, why, and what to do, in a sentence."""
+        return (
+            f"{int(self.jams.sum())} of the first {self.samples} samples jam ({MAX_JAM_SHARE:.0%} or more end a "
+            f"study): {self.jammed_by}; increase the clearances (table [clearance]) or reduce the tolerances (table "
+            "[tolerance])"
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of the samples, a sentence each."""
         lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
-        stopped = ["no error budget: the study was stopped before its samples were balanced"]
         pressed = pressed_pairs(self.figures)
         jammed = [f"pressed without a load: {', '.join(f'{pair} in {share:.2%}' for pair, share in pressed.items())}"]
         each = [key for key in self.figures if figure(key).sampled is None]
+        fit = int(np.sum(~self.jams))
         alone = [f"{', '.join(each)}: of each sample as a design of its own, at the load of the design"] if each else []
         return (
-            *([] if self.budget or self.jammed_by else stopped),
+            *([] if fit > 1 else [f"no distributions: {fit} of {self.samples} samples do not jam"]),
+            *self._budget_notes(),
             *(jammed if pressed else []),
             *alone,
             *self.left_out,
             *lost,
         )
 
+    def _budget_notes(self) -> list[str]:
+        """Why there is no error budget, or that its intervals are wide."""
+        if self.no_budget:
+            return [f"no error budget: {self.no_budget}"]
+        widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
+        if widest > WIDE_INTERVAL and self.samples < SOBOL.max_samples:
+            return [
+                f"the error budget is uncertain (95 % intervals up to {widest:.2f} wide): draw more samples, "
+                f"--samples {SOBOL.max_samples}"
+            ]
+        return []
+
     @property
     def distributions(self) -> dict[str, Distribution]:
-        """The distribution of every figure over the samples that do not jam; no number where all do."""
+        """The distribution of every figure over the samples that do not jam; NaN where fewer than two do not."""
         return {key: _distribution(values[~self.jams], figure(key).unit) for key, values in self.figures.items()}
 
     def tables(self) -> tuple[Table, ...]:
@@ -215,7 +243,8 @@ class Tolerances(Tabular):
             (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
             for one in self.budget
         )
-        tables = [Table(f"{self.design}: {self.samples_text}", header, rows)]
+        fit = int(np.sum(~self.jams))
+        tables = [Table(f"{self.design}: {self.samples_text}", header, rows)] if fit > 1 else []
         if shares:
             tables.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
         if compared := tuple(row for one in self.verified for row in table_rows(one)):
@@ -242,6 +271,7 @@ class Tolerances(Tabular):
             "quantities": {key: vars(distribution) for key, distribution in self.distributions.items()},
             "budget_of": self.budget_of,
             "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
+            "no_budget": self.no_budget,
             "verified": [{**vars(one), "differences": one.differences} for one in self.verified],
         }
 
@@ -254,11 +284,11 @@ class Unfinished(KeyboardInterrupt):
         self.tolerances = tolerances
 
 
-class AllJam(RunError):
-    """No sample of the beginning of a study goes together: `found` is what came of them."""
+class TooManyJams(RunError):
+    """Nearly all samples of the first block jam; `tolerances` holds their figures."""
 
     def __init__(self, tolerances: Tolerances) -> None:
-        super().__init__(f"all of the first {tolerances.samples} samples jam: {tolerances.jammed_by}")
+        super().__init__(tolerances.jam_words)
         self.tolerances = tolerances
 
 
@@ -297,11 +327,11 @@ def tolerance(
     Raises
     ------
     UsageError
-        The design has no tolerances, or a limit is none.
+        The design has no tolerances, a limit is not valid, or limits contradict each other.
     DesignError
         A tolerance is not of a known form.
-    AllJam
-        The first `BEGINNING` samples all jam, of more: it has their figures.
+    TooManyJams
+        99 % or more of the first 200 samples jam, or of all, where there are fewer; it holds their figures.
     Unfinished
         Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
@@ -317,12 +347,13 @@ def tolerance(
     if not 0 <= verify <= WORST:
         raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
     asked = tuple(limit(one, reducer) if isinstance(one, str) else one for one in limits)
+    require_consistent(asked)
     study = _Study(reducer, zones, samples, seed, asked)
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, Verified] = {}
     try:
         if not _balance(study, done, progress, engine):
-            raise AllJam(study.result({0: done[0]}))
+            raise TooManyJams(study.result({0: done[0]}))
         result = study.result(done)
         checked.update(engine.stream(partial(verified, solver=solver), [Reducer(one) for one in result.worst[:verify]]))
     except KeyboardInterrupt as stop:
@@ -337,7 +368,7 @@ def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progr
 
     Returns
     -------
-    Whether all is done: the study ends where its beginning jams as a whole.
+    Whether all is done: the study ends where too many samples of its first block jam.
     """
     whole, count = sum(block.count for block, _ in study.work), 0
     work = partial(balanced, study.reducer, study.zones, study.seed, ANGLES)
@@ -345,7 +376,7 @@ def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progr
         done[place] = figures
         count += study.work[place][0].count
         progress(count, whole)
-        if place == 0 and study.samples > BEGINNING and jams_of(figures).all():
+        if place == 0 and jams_too_often(jams_of(figures)):
             return False
     return True
 
@@ -375,8 +406,8 @@ class _Study:
 
     @cached_property
     def compared(self) -> dict[str, Batch]:
-        count = budget_samples(self.samples, BUDGET_SAMPLES)
-        return budget_blocks(self.zones, count) if len(self.zones) > 1 else {}
+        count = budget_samples(self.samples)
+        return budget_blocks(self.zones, count) if count and len(self.zones) > 1 else {}
 
     @cached_property
     def work(self) -> list[tuple[Batch, tuple[str, ...]]]:
@@ -395,7 +426,9 @@ class _Study:
         main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
         figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in self.keys}
         jams, parts = jams_of(figures), [departures(self.reducer, self.zones, self.seed, block) for block in main]
+        stopped = len(main) == 1 and jams_too_often(jams)
         changed = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
+        budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.of][~jams])
         has_file = filed(self.reducer, put(self.reducer, alike(self.reducer, jams.size), changed))
         outwards = 1.0 if not self.limits or self.limits[0].at_most else -1.0
         ranked = np.argsort(-outwards * figures[self.of], kind="stable")
@@ -409,23 +442,36 @@ class _Study:
             figures=figures,
             drawn=drawn_columns(changed),
             jams=jams,
-            jammed_by=cause(self.reducer, self.zones, self.seed, jams.size) if jams.all() else "",
+            jammed_by=cause(self.reducer, self.zones, self.seed, jams) if stopped else "",
             limits=self.limits,
             budget_of=self.of,
-            budget=() if jams.all() else self._budget(done),
+            budget=budget,
+            no_budget=no_budget,
             worst=tuple(sample_design(self.reducer, self.zones, self.seed, number) for number in worst),
             left_out=left_out(self.reducer, self.zones, int(np.sum(~jams & ~has_file))),
         )
 
-    def _budget(self, done: Mapping[int, Mapping[str, Array]]) -> tuple[Share, ...]:
-        """Share out the variance; nothing where a set is missing."""
+    def _budget(self, done: Mapping[int, Mapping[str, Array]], values: Array) -> tuple[tuple[Share, ...], str]:
+        """Return the error budget, or none and the reason; `values` are those of the samples that do not jam."""
+        if values.size > 1 and np.ptp(values) <= UNVARIED * np.abs(values).max():
+            return (), f"{self.of} does not vary with these tolerances: it is {values[0]:.6g} in every sample"
+        if len(self.zones) == 1 and values.size > 1:
+            return (Share(next(iter(self.zones)), 1.0, 1.0, (1.0, 1.0)),), ""
+        if not self.compared:
+            return (), f"it takes {SOBOL.min_samples} samples or more (--samples)"
         places = range(len(self.main), len(self.work))
         if any(place not in done for place in places):
-            return ()
-        seen = {name: done[place] for name, place in zip(self.compared, places, strict=True)}
-        values = {name: np.where(jams_of(one), np.nan, one[self.of]) for name, one in seen.items()}
-        sets = [departures(self.reducer, self.zones, self.seed, self.compared[name]) for name in "AB" if values]
-        return shares(self.zones, sets, values, np.random.default_rng([self.seed, len(SOURCES), 1]))
+            return (), "the study was stopped before its samples were balanced"
+        balanced = {name: done[place] for name, place in zip(self.compared, places, strict=True)}
+        sets = {name: np.where(jams_of(figures), np.nan, figures[self.of]) for name, figures in balanced.items()}
+        drawn = [departures(self.reducer, self.zones, self.seed, self.compared[name]) for name in "AB"]
+        if found := shares(self.zones, drawn, sets):
+            return found, ""
+        used, count = usable_rows(sets).size, self.compared["A"].count
+        return (), (
+            f"{used} of its {count} samples fit in all sets that it compares, and it takes {SOBOL.min_samples}: reduce "
+            "the tolerances" + ("" if count == SOBOL.max_samples else ", or draw more samples (--samples)")
+        )
 
 
 def balanced(

@@ -17,6 +17,9 @@ from cycloid_mj.design.fits import clearances, grade_width
 ZONE_SIGMAS = 6.0
 """Standard deviations in a zone that a process keeps: 3 parts in 1000 lie beyond."""
 
+LARGEST_ZONE_UM = 1e6
+"""Largest deviation that a tolerance may state [um]: a metre, beyond which a number is a slip and overflows follow."""
+
 FORMS = '"normal 2", "uniform 5", "between -1 4" (in um), "IT6", or for a clearance "H7/g6"'
 
 
@@ -64,19 +67,27 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
         match [word.lower() for word in words]:
             case [] | ["0"]:
                 return None
-            case ["normal", sigma] if float(sigma) >= 0.0:
-                return Zone("normal", 0.0, 1e-6 * float(sigma))
-            case ["uniform", half] if float(half) >= 0.0:
-                return Zone("uniform", 0.0, 1e-6 * float(half))
-            case ["between", low, high] if float(low) <= float(high):
-                return Zone("uniform", 0.5e-6 * (float(low) + float(high)), 0.5e-6 * (float(high) - float(low)))
+            case ["normal", sigma] if _finite(sigma) >= 0.0:
+                return Zone("normal", 0.0, 1e-6 * _finite(sigma))
+            case ["uniform", half] if _finite(half) >= 0.0:
+                return Zone("uniform", 0.0, 1e-6 * _finite(half))
+            case ["between", low, high] if _finite(low) <= _finite(high):
+                return Zone("uniform", 0.5e-6 * (_finite(low) + _finite(high)), 0.5e-6 * (_finite(high) - _finite(low)))
         if match := re.fullmatch(r"IT(\d+)", text.strip()):
             return Zone("normal", 0.0, 0.5 * grade_width(int(match[1]), size) / ZONE_SIGMAS)
         if clearance is not None and "/" in text:
             return _fit(text, size, clearance)
     except ValueError as error:
         raise DesignError(f"tolerance.{key} = {text!r}: {error}; write {FORMS}") from error
-    raise DesignError(f"tolerance.{key} = {text!r} is no tolerance; write {FORMS}")
+    raise DesignError(f"tolerance.{key} = {text!r} is not a valid tolerance; write {FORMS}")
+
+
+def _finite(text: str) -> float:
+    """Convert a number [um] of at most `LARGEST_ZONE_UM` in size; raise ValueError for any other text."""
+    value = float(text)
+    if not abs(value) <= LARGEST_ZONE_UM:
+        raise ValueError(f"{text} is out of range, which is -{LARGEST_ZONE_UM:g} to {LARGEST_ZONE_UM:g} um")
+    return value
 
 
 def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:

@@ -85,7 +85,7 @@ def _figure(
         need=Need.STATICS,
         function=lambda reducer: quantities(reducer, part)[of_sheet].value,
         sampled=sampled,
-        aliases=tuple(dict.fromkeys(one for one in (of_sheet, column) if one != key)),
+        aliases=tuple(dict.fromkeys(one for one in (of_sheet, column, column.replace("_per_", "_")) if one != key)),
         exists=exists,
     )
 

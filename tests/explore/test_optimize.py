@@ -101,6 +101,20 @@ def test_whole_numbers_are_tried_one_by_one_and_holes_follow() -> None:
     assert set(found.task.follows) == {"output.hole_radius_mm", "drive.torque_nm"}
 
 
+def test_an_objective_that_does_not_move_is_reported() -> None:
+    found = optimize(PIN, {"friction.cam": "0.01:0.02"}, "mass_kg", evaluations=12, starts=1, **SERIAL)
+    (warning,) = found.warnings
+    assert warning.startswith("the objective mass_kg does not depend on friction.cam: it is ")
+    moved = optimize(PIN, {"gear.face_width_mm": "8:12"}, "mass_kg", evaluations=12, starts=1, **SERIAL)
+    assert moved.warnings == ()
+
+
+def test_limits_that_contradict_each_other_are_refused_before_any_point() -> None:
+    limits = ["mass_kg<=1", "mass_kg>=2"]
+    with pytest.raises(UsageError, match=r"'mass_kg>=2' contradicts --limit 'mass_kg<=1'"):
+        optimize(PIN, {"gear.face_width_mm": "8:12"}, "backlash_arcmin", [], limits, **SERIAL)
+
+
 def test_the_end_of_a_range_and_the_limit_that_it_ran_into_are_told() -> None:
     """A wider face makes a heavier gear: the least mass is at the lower end, or where a limit holds it."""
     vary = {"gear.face_width_mm": "8:12"}
