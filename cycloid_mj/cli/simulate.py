@@ -1,7 +1,7 @@
 """``cycloid-mj simulate``: run a design, log it as it goes, and hold the run against the closed form."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from json import dumps
@@ -285,12 +285,13 @@ def run_into_log(
     if not shown:
         scene, files = None, {DESIGN_FILE: files[DESIGN_FILE]}
     with _first(names, lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)) as log:
-        _record(blocks(compiled, reducer), log, progress)
+        note = "; ".join(_record(blocks(compiled, reducer), log, progress))
         wall = time.perf_counter() - start
         progress.judging()
         log.flush()
-        findings = _judgement(log) if shown else LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
-        log.close(attachments={} if isinstance(findings, CycloidError) else _attached(findings))
+        unjudged = LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
+        findings = _judgement(log, note) if shown else unjudged
+        log.close(note, attachments={} if isinstance(findings, CycloidError) else _attached(findings))
     return Ran(log.path, plan.steps, wall, findings)
 
 
@@ -307,14 +308,14 @@ def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "Log
     raise taken
 
 
-def _judgement(log: "LogWriter") -> "Findings | CycloidError":
+def _judgement(log: "LogWriter", note: str) -> "Findings | CycloidError":
     """Judge a log that is whole but for its end; it may have another name until it is closed."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
     try:
         run = read(log.path, without=(FORCES,))
-        return analyze(replace(run, complete=True, note=""), log=str(log.name))
+        return analyze(replace(run, complete=True, note=note), log=str(log.name))
     except CycloidError as problem:
         return problem
 
@@ -332,13 +333,25 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
         )
 
 
-def _record(samples: "Iterable[SampleBlock]", log: "LogWriter", progress: Progress) -> None:
-    """Write blocks of samples as they come; close the log as incomplete if the run fails or is stopped."""
+def _record(
+    samples: "Generator[SampleBlock, None, tuple[str, ...]]", log: "LogWriter", progress: Progress
+) -> tuple[str, ...]:
+    """Write blocks of samples as they come; close the log as incomplete if the run fails or is stopped.
+
+    Returns the warnings of the run that are known at its end alone.
+    """
+    late: tuple[str, ...] = ()
+
+    def stepped() -> "Iterator[SampleBlock]":
+        nonlocal late
+        late = yield from samples
+
     try:
-        for block in samples:
+        for block in stepped():
             with unbroken():
                 log.write(block.time, block.values)
             progress.reached(float(block.time[-1]))
+        return late
     except KeyboardInterrupt as stop:
         raise _broken_off(log, f"stopped by {cause(stop)}") from stop
     except RunError as error:

@@ -50,7 +50,7 @@ from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
-from cycloid_mj.dynamics.planar.stepper import Stepper
+from cycloid_mj.dynamics.planar.stepper import MAX_CONTACT_SEARCHES, Stepper
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.dynamics.timestep import Step, timestep
@@ -236,7 +236,13 @@ def simulate(
     compiled = compiled or build(reducer.design)
     groups = columns(compiled, reducer)
     samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
-    for block in blocks(compiled, reducer, course):
+    late: tuple[str, ...] = ()
+
+    def stepped() -> Iterator[SampleBlock]:
+        nonlocal late
+        late = yield from blocks(compiled, reducer, course)
+
+    for block in stepped():
         run.append(block)
         progress(sum(len(one.time) for one in run), samples)
     time = own(np.concatenate([block.time for block in run]))
@@ -250,7 +256,7 @@ def simulate(
         columns=values,
         units=units,
         provenance=provenance(reducer, contact_of(compiled), compiled.timestep, solver_of(compiled))
-        | warned(warnings(compiled, reducer, course)),
+        | warned((*warnings(compiled, reducer, course), *late)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
@@ -308,8 +314,12 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     return Deferred(files | {name: partial(bytes, content) for name, content in assets.items()})
 
 
-def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> Generator[SampleBlock, None, None]:
-    """Run a model over a course, by default the design's own, and give its samples block by block.
+def blocks(
+    compiled: Model, reducer: Reducer, course: Course | None = None
+) -> Generator[SampleBlock, None, tuple[str, ...]]:
+    """Run a model over a course, by default the design's own, and yield its samples block by block.
+
+    The generator returns the warnings that are known only at the end of the run, which it has issued as well.
 
     Raises
     ------
@@ -346,6 +356,9 @@ def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> G
                 yield taken
             if problem:
                 raise RunError(problem)
+    late = stepping.late_warnings(recorder.noted, plan)
+    warn(reducer.design.name, late)
+    return late
 
 
 def _advance(
@@ -370,11 +383,31 @@ def _advance(
 
 @dataclass(frozen=True)
 class _Stepping:
-    """What takes a run's steps; how a warning of it is told, and the iterations that it must stay below."""
+    """What takes a run's steps.
+
+    Attributes
+    ----------
+    steps
+        Takes the steps and samples them.
+    warning
+        Describes the first warning of MuJoCo, which ends the run; None for the planar solver.
+    most_iterations
+        Number of iterations at which the solver has not converged.
+    """
 
     steps: EachStep | Stepper
-    warning: Callable[[], str] = str
+    warning: Callable[[], str] | None = None
     most_iterations: float = math.inf
+
+    def late_warnings(self, unconverged: int, plan: Schedule) -> tuple[str, ...]:
+        """Return the warnings of a run that has ended, with the number of steps of `unconverged` contact geometry."""
+        if self.warning or not unconverged:
+            return ()
+        return (
+            f"in {unconverged} of {plan.steps} time steps the planar solver's contact geometry did not converge in "
+            f"{MAX_CONTACT_SEARCHES} searches: contact forces at these times may be wrong; shorten "
+            f"settings.timestep_us (now {1e6 * plan.timestep:g})",
+        )
 
 
 def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
@@ -399,6 +432,7 @@ class _Recorder:
         groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
         self.steps, self._warning = stepping.steps, stepping.warning
+        self.noted = 0
         self._read, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
         self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
@@ -419,6 +453,7 @@ class _Recorder:
     def advance(self, samples: int) -> tuple[Array, str]:
         """Return the rows of the next samples, up to the first with which something is wrong, and what that is."""
         rows = self.steps.advance(samples)
+        self.noted += int(rows[:, self.steps.solver][:, 5].sum())
         checks = list(self._checks(rows))
         wrong = np.any([failed for failed, _ in checks], axis=0)
         if not wrong.any():
@@ -446,7 +481,8 @@ class _Recorder:
         sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
         unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
         yield ~sound, lambda sample: unsound
-        yield warnings > 0.0, lambda sample: self._warning()
+        if warning := self._warning:
+            yield warnings > 0.0, lambda sample: warning()
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
         lost, pressed = pairs[:, :, 4].sum(axis=1), pairs[:, :, 5].sum(axis=1)
         taken = means_of_last(lost, self._lost)

@@ -1,15 +1,18 @@
 """The planar solver against MuJoCo, its own energy and its own order; and the witness of `validate`, which it is."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cycloid_mj.analysis import analyze
 from cycloid_mj.base import names
-from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.errors import CycloidWarning, RunError, UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.statistics import rms
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.cli.app import main
+from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.course import braked_output, locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
@@ -17,6 +20,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS, for_accelerations
 from cycloid_mj.dynamics.run import Model, model_for, simulate
 from cycloid_mj.geometry.kinematics import CrankLaw
+from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import witness
 from cycloid_mj.validate.rig import FIXED, FREE, SETTLED, reducer_of, without_friction
@@ -125,6 +129,31 @@ def test_means_agree_with_mujoco(layout: str, share: float) -> None:
         sizes = [np.linalg.norm(run.forces(kind), axis=-1).mean() for run in (ours, theirs)]
         assert sizes[0] == pytest.approx(sizes[1], rel=bound)
     assert ours["penetration"].mean() == pytest.approx(theirs["penetration"].mean(), rel=2.0 * bound)
+
+
+def test_contact_geometry_that_does_not_converge_is_a_warning_of_the_run() -> None:
+    """At 200 us, 50 times the step chosen for MuJoCo, sleeves jump between both sides of their play within a step."""
+    design = override(design_of("sleeves on a ring"), ["settings.timestep_us=200"])
+    with pytest.warns(CycloidWarning, match=r"in \d+ of \d+ time steps .* contact geometry did not converge"):
+        run = simulate(design, planar_model(Reducer(design)))
+    assert any("contact geometry did not converge" in text for text in run.warnings)
+
+
+def test_contact_geometry_converges_at_the_chosen_steps() -> None:
+    for layout in ("free", "sleeves on a ring", "nonpin", "wide play"):
+        design = design_of(layout)
+        run = simulate(design, planar_model(Reducer(design)))
+        assert not [text for text in run.warnings if "geometry" in text]
+
+
+def test_a_log_keeps_the_warning_of_contact_geometry(tmp_path: Path) -> None:
+    design = override(design_of("sleeves on a ring"), ["settings.timestep_us=200"])
+    path = tmp_path / "drive.toml"
+    path.write_text(dump(design))
+    main(["simulate", "--design", str(path), "--solver", "planar", "--out", str(tmp_path), "--quiet"])
+    run = read(tmp_path / f"{design.name}.mcap")
+    assert run.complete
+    assert any("contact geometry did not converge" in text for text in analyze(run).warnings)
 
 
 @pytest.mark.slow

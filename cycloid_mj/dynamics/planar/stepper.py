@@ -26,8 +26,9 @@ from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.reducer import impact
 from cycloid_mj.statics.kernel import newton
 
-MOST_LOOKS = 4
-"""Times that contacts are looked for in a step."""
+MAX_CONTACT_SEARCHES, UNRELAXED_SEARCHES = 16, 4
+"""Largest number of contact searches in a step, a fixed-point iteration of the speeds; and after how many of them each
+goes only half the way to the speeds found, which ends oscillations between two sets of contacts."""
 
 FAR = 2e-2
 """Way of a moving pin from where its contacts were looked for, as a share of its play, from which on they are looked
@@ -152,26 +153,30 @@ def _compiled() -> Any:
         size, half = len(equations.right), 0.5 * step
         middle, near, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MOST_TOUCHES, STRIDE // 8))
-        sample, most = 0, 0
+        sample, most, unconverged = 0, 0, 0
         for taken in range(len(commands)):
             _foresee(motion, size, near)
             count, rounds = 0, 0
-            for _ in range(MOST_LOOKS):
+            for search in range(MAX_CONTACT_SEARCHES):
                 _go(motion.q, half, near, q)
                 count = find(system, lobes, q, near, half, scratch, contacts)
                 at, command = motion.q, commands[taken]
                 rounds = solve(system, contacts, count, equations, at, motion.v, near, command, step, pin_span, middle)
                 if not _is_far(system, half, near, middle, size):
                     break
-                _go(middle, 0.0, middle, near)
+                _relax(near, middle, 1.0 if search < UNRELAXED_SEARCHES else 0.5)
+            else:
+                unconverged += 1
             most = max(most, rounds)
             _note(contacts, count, sums, motion.peak)
             due -= 1
             if due == 0:
                 due = every
                 _go(motion.q, half, middle, q)
-                _write_sample(system, contacts, count, motion, q, middle, commands[taken], most, rows[sample])
-                sample, most = sample + 1, 0
+                _write_sample(
+                    system, contacts, count, motion, q, middle, commands[taken], most, unconverged, rows[sample]
+                )
+                sample, most, unconverged = sample + 1, 0, 0
             _end(motion, size, step, pin_span, middle)
 
     return advance
@@ -191,6 +196,13 @@ def _go(start: Array, time: float, speeds: Array, end: Array) -> None:
     """Compute where speeds lead from a start in some time [s]."""
     for i in range(len(end)):
         end[i] = start[i] + time * speeds[i]
+
+
+@njit
+def _relax(near: Array, middle: Array, share: float) -> None:
+    """Move the speeds `near` which contacts are searched a share of the way to those found, `middle`."""
+    for i in range(len(near)):
+        near[i] += share * (middle[i] - near[i])
 
 
 @njit
@@ -242,11 +254,13 @@ def _write_sample(
     v: Array,
     command: Array,
     rounds: int,
+    unconverged: int,
     row: Array,
 ) -> None:
-    """Write the sample of a step: what moves, energies, what the solver did, pairs and drags.
+    """Write the sample of a step: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `rounds` are the most that a step since the last sample took at its last look for contacts.
+    `rounds` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
+    `unconverged` is the number of steps since then whose contact geometry did not converge.
     """
     discs, size = len(system.cams), len(system.inertia)
     output, crank = size - 2, size - 1
@@ -291,6 +305,7 @@ def _write_sample(
     row[at], row[at + 1], row[at + 2], row[at + 3] = active, deepest, largest, rounds
     for i in range(len(v)):
         row[at + 4] += v[i]
+    row[at + 5] = unconverged
     at = pairs + OF_PAIR * len(motion.peak)
     for shaft in (1, 0):
         limit = system.drag[shaft, 0]
