@@ -24,6 +24,7 @@ def spoiled_lifts() -> dict[str, Callable[[], str]]:
         "nuser_geom": places.nuserdata,
         "contacts": places.contacts + 4,
         "reference": steps.efc_vel,
+        "accelerations": steps.userdata,
         "stride": places.stride + 8,
         "dim": places.row,
         "row": places.dim,

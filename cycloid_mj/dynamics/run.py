@@ -415,13 +415,19 @@ def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedu
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
-    steps = EachStep(compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts)
+    sources, orbits = addresses(data, reducer), disc_freedoms(compiled.model, reducer)
+    steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits)
 
     def warning() -> str:
         first = int(np.argmax(data.warning.number > 0))
         return f"MuJoCo warned: {mujoco.mju_warningText(first, data.warning[first].lastinfo)}"
 
     return _Stepping(steps, warning, compiled.model.opt.iterations)
+
+
+def disc_freedoms(model: Any, reducer: Reducer) -> list[int]:
+    """Return the index of the degree of freedom along x of each disc; those along y and of its rotation follow."""
+    return [int(model.joint(disc.joints[0]).dofadr[0]) for disc in reducer.mechanism.discs]
 
 
 class _Recorder:

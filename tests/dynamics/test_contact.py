@@ -194,11 +194,14 @@ def inject(model, data, compiled, design) -> None:
         mujoco.mj_addContact(model, data, contact)
 
 
-def take_off_lift(data) -> None:
+def take_off_lift(model, data) -> None:
     """Lower the reference of each contact that slides by what MuJoCo's cone will lift it (`contact.lift`)."""
+    accelerations = np.zeros(data.nefc)
+    mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)  # of the step before
+    remaining = data.efc_aref - accelerations
     for contact in data.contact:
         if contact.dim == 3:
-            normal, *sliding = data.efc_aref[contact.efc_address : contact.efc_address + 3]
+            normal, *sliding = remaining[contact.efc_address : contact.efc_address + 3]
             lift = contact.friction[0] * np.linalg.norm(sliding) - contact.mu**2 * max(normal, 0.0)
             data.efc_aref[contact.efc_address] -= max(lift, 0.0)
 
@@ -216,7 +219,7 @@ def injected_step(model, data, compiled, design) -> None:
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
     mujoco.mj_fwdVelocity(model, data)
-    take_off_lift(data)
+    take_off_lift(model, data)
     mujoco.mj_fwdActuation(model, data)
     mujoco.mj_fwdAcceleration(model, data)
     mujoco.mj_fwdConstraint(model, data)

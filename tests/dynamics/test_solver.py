@@ -10,9 +10,11 @@ from designs import unlike
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.each_step import EachStep
+from cycloid_mj.dynamics.contact.forces import pair_index
 from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build, unused
-from cycloid_mj.dynamics.run import schedule, simulate
+from cycloid_mj.dynamics.run import disc_freedoms, schedule, simulate
 from cycloid_mj.reducer import Reducer
 
 NEWTON, CG = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG
@@ -119,9 +121,13 @@ def test_what_is_left_out_changes_nothing(name: str) -> None:
     course, plan = ramp_and_hold(compiled, Reducer(design)), schedule(Reducer(design))
     data = initial_state(compiled, Reducer(design), course)
     last = (plan.samples - 1) * plan.stride
+    # what corrects the references of circling discs needs to know which freedoms these have
+    index = pair_index(compiled.model, compiled.pairs)
+    kept = EachStep(compiled.model, data, index, orbits=disc_freedoms(compiled.model, Reducer(design)))
     with installed():
         for command in course.commands(plan.timestep * np.arange(last + 1)):
             data.ctrl[:] = command
             mujoco.mj_step(compiled.model, data)
     assert run["gear_angle"][-1] == data.sensor("gear_angle").data[0]
     assert run["crank_torque"][-1] == data.sensor("crank_torque").data[0]
+    del kept  # MuJoCo has its address

@@ -31,7 +31,7 @@ from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_
 from cycloid_mj.dynamics.contact.kept import KEPT, Kept, kept_at
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
-from cycloid_mj.dynamics.contact.lift import places, take_off
+from cycloid_mj.dynamics.contact.lift import bind_multiplication, correct_references, multiply_jacobian, places
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.reducer import impact
@@ -43,7 +43,8 @@ SENSOR, IMPACT_SENSOR = "each_step", "impact"
 OF_SOLVER = 6
 """Numbers of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
 largest force of one contact [N], most iterations of the solver in an island; a sum of all accelerations, which is a
-number if each is one; and warnings that MuJoCo has given."""
+number if each is one; and the number of warnings that MuJoCo has issued, or, of the planar solver, of the steps since
+the last sample whose contact geometry did not converge."""
 
 _FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
 _spring, _damper = njit(impact.spring), njit(impact.damper)
@@ -66,8 +67,6 @@ _STAGES = [
     )
 ]
 _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
-_times_jacobian = types.ExternalFunction(_PREFIX + "mj_mulJacVec", types.void(*[types.intp] * 4))
-"""Speeds of the constraints' rows, to the third address, from those of the joints at the fourth."""
 
 
 def add_sensor(spec: Any, impact: bool = False) -> None:
@@ -108,6 +107,9 @@ class EachStep:
         Rows of the constraints that brake joints.
     impacts
         The law IMPACT of each pair; none where contacts follow the model's own.
+    orbits
+        Index of the degree of freedom along x of each disc that circles about the axis; that along y comes next. Their
+        positions are those of the discs' centres.
     """
 
     def __init__(
@@ -119,12 +121,14 @@ class EachStep:
         sources: Sequence[int] = (),
         drags: Sequence[int] = (),
         impacts: Sequence[ImpactLaw] = (),
+        orbits: Sequence[int] = (),
     ) -> None:
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)
         self._drags = np.array(drags, dtype=np.int32)
         self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
+        self._orbits, self._circling = np.array(orbits, dtype=np.int32), np.zeros(model.nv)
         self._step = np.array([model.opt.timestep])
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
@@ -178,6 +182,7 @@ class EachStep:
             "actuators": len(data.ctrl),
             "copied": self._sources.size,
             "braked": self._drags.size,
+            "discs": self._orbits.size,
             "islands": data.solver_niter.size,
             "kinds": data.warning.number.size,
             "apart": data.warning.number.strides[0],
@@ -191,6 +196,9 @@ class EachStep:
             "geom_xmat": data.geom_xmat,
             "accelerations": data.qacc,
             "moving": data.qvel,
+            "positions": data.qpos,
+            "orbits": self._orbits,
+            "circling": self._circling,
             "half": self._half,
             "before": self._speeds,
             "step": self._step,
@@ -254,8 +262,9 @@ _installation = Shared(_install, _uninstall)
 def _compiled() -> Any:
     layout = discover_steps()
     at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, kept, lift, memory, teeth)
-    lifted = places()
-    for stage in (*_STAGES, _times_jacobian):
+    offsets = places()
+    bind_multiplication()
+    for stage in _STAGES:
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
@@ -276,7 +285,7 @@ def _compiled() -> Any:
             _position(model, data)
             _strike(run)
             _velocity(model, data)
-            take_off(lifted, model, data)
+            correct_references(offsets, model, data)
             _actuation(model, data)
             _acceleration(model, data)
             _constraint(model, data)
@@ -293,7 +302,7 @@ def _end_step(model: int, data: int, run: Kept) -> None:
     if run.due == 0:
         run.due = run.every
         _half_a_step_on(run)
-        _times_jacobian(model, data, read_address(run.speeds), run.moving)
+        multiply_jacobian(model, data, read_address(run.speeds), run.moving)
         _place_energy(model, data)
         _motion_energy(model, data)
         _sample(run)

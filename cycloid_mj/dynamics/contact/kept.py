@@ -11,6 +11,7 @@ Kept = Any
 
 _STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat")
 _MOTION = ("accelerations", "moving", "before", "half", "freedoms")
+_CIRCLING = ("positions", "orbits", "discs", "circling")
 _IMPACT = ("impact", "step", "places", "weights", "inverse", "constants")
 _CONTACT = ("stride", "pos", "frame", "dim", "geom", "row")
 _PAIRS = ("surface", "pair", "surfaces", "mating", "origin", "reach", "teeth", "numbers", "sum", "peak")
@@ -19,7 +20,10 @@ _SOLVER = ("iterations", "islands", "warnings", "kinds", "apart")
 _SAMPLES = ("sources", "copied", "drags", "braked", "left", "due", "every", "rows", "width")
 
 KEPT = np.dtype(
-    [(name, np.int64) for name in _STEP + _MOTION + _IMPACT + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES]
+    [
+        (name, np.int64)
+        for name in _STEP + _MOTION + _CIRCLING + _IMPACT + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES
+    ]
 )
 """Addresses of arrays of these names in ``MjData``, in the ``PairIndex`` and in the run's own; and:
 
@@ -29,6 +33,9 @@ count
     Address of the number of contacts.
 moving, before, half
     Addresses of the joints' speeds, of room to keep them, and of half a step [s].
+positions, orbits, discs, circling
+    Addresses of the joints' positions and of the index of each disc's degree of freedom along x; how many discs there
+    are; and the address of room for the accelerations of all joints when the discs circle.
 freedoms, surfaces, mating, actuators, islands, kinds, copied, braked
     How many accelerations, surfaces, mating pairs, commands, iterations, warnings, sources and drags there are.
 impact, step

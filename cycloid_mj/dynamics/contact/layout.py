@@ -57,9 +57,9 @@ class Layout:
 class StepLayout:
     """What a step leaves: where it stands in ``mjData``, in an ``mjContact``, and the size of user data in ``mjModel``.
 
-    `contact`, `efc_...` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number there,
-    `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are offsets in
-    it; its distance is at 0.
+    `contact`, `efc_...`, `qacc` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number
+    there, `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are
+    offsets in it; its distance is at 0.
     """
 
     contact: int
@@ -70,6 +70,7 @@ class StepLayout:
     efc_R: int
     efc_D: int
     efc_KBIP: int
+    qacc: int
     userdata: int
     ncon: int
     nuserdata: int
@@ -120,12 +121,20 @@ def discover_steps() -> StepLayout:
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
     data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
-    if not (contacts and all(rows.values()) and numbers and data and sizes) or first.fields != second.fields:
-        raise _strange("the contacts, their forces or the user data were not found")
+    accelerations = sorted(first.qacc & second.qacc)
+    found = contacts and all(rows.values()) and numbers and accelerations and data and sizes
+    if not found or first.fields != second.fields:
+        raise _strange("the contacts, their forces, the accelerations or the user data were not found")
     offsets = {name: places[0] for name, places in rows.items()}
     of_contact = dict(zip(("stride", *FIELDS), first.fields, strict=True))
     return StepLayout(
-        contact=contacts[-1], userdata=data[-1], ncon=numbers[0], nuserdata=sizes[0], **offsets, **of_contact
+        contact=contacts[-1],
+        qacc=accelerations[0],
+        userdata=data[-1],
+        ncon=numbers[0],
+        nuserdata=sizes[0],
+        **offsets,
+        **of_contact,
     )
 
 
@@ -135,6 +144,7 @@ class _StepPlaces:
 
     contact: frozenset[int]
     rows: Mapping[str, frozenset[int]]
+    qacc: frozenset[int]
     userdata: frozenset[int]
     ncon: frozenset[int]
     nuserdata: frozenset[int]
@@ -155,6 +165,7 @@ class _StepPlaces:
                 name: frozenset(_places(data._address, start, getattr(data, name).ctypes.data, _DATA_SPAN))
                 for name in ROWS
             },
+            "qacc": frozenset(_places(data._address, start, data.qacc.ctypes.data, _DATA_SPAN)),
             "userdata": frozenset(_places(data._address, start, data.userdata.ctypes.data, _DATA_SPAN)),
             "nuserdata": frozenset(_numbers(model._address, _SIZES, user)),
         }
