@@ -1,6 +1,7 @@
 """A calibration: the design that a measured loop is that of, how sure each of its values is, and what stays open."""
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
@@ -16,10 +17,21 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
+from cycloid_mj.bench.model_selection import (
+    WRITTEN,
+    LoopStretch,
+    Variant,
+    candidates,
+    fit_candidates,
+    preferred,
+    stretches,
+    variants,
+)
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
-from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, Parameter, parameters, rub
+from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, parameters, rub
 from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
-from cycloid_mj.bench.search import STEP, FitProblem, Trials
+from cycloid_mj.bench.search import DISCREPANCY, STEP, FitProblem, Trials
+from cycloid_mj.bench.spread import COVERED
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Held, Losses
@@ -51,6 +63,12 @@ RESIDUAL = (
 )
 """How the residual of a calibration is read."""
 
+INTERVALS = (
+    f"the intervals of 95 % include an assumed model error of {DISCREPANCY:.0%} of each loop's ranges (rms), whatever "
+    "its course, and do not become narrower with less noise; those of noise alone assume that the model is exact"
+)
+"""What the intervals of the values cover."""
+
 STOPPED = (
     "stopped before the end of the fit: the values are the likeliest so far, and intervals are those of the straight "
     "neighbourhood where no search had widened them"
@@ -73,12 +91,13 @@ class Estimate:
     Attributes
     ----------
     value, unit, meaning
-        What it came out as, and what it is.
-    ci95
-        The ends of its interval of 95 %.
+        The value and its definition.
+    ci95, noise95
+        Ends of its intervals of 95 %: with the assumed model error (`INTERVALS`), and of the measurement's noise alone
+        about the likeliest value; no numbers for a value at its bound.
     identified
-        Whether the loop determines it: both ends of the interval are told by the loop, not by the bounds of what is
-        looked for, nor for the most part by the drawing, and it is no wider than the value.
+        Whether the loop determines it: both ends of `ci95` follow from the loop, not from the bounds of the search, nor
+        for the most part from the drawing, and the interval is no wider than the value.
     drawn, deviation, source
         What is known of it without the loops: where the search began, its standard deviation, inf where nothing is
         known, and what says so.
@@ -88,29 +107,16 @@ class Estimate:
     unit: str
     meaning: str
     ci95: tuple[float, float]
+    noise95: tuple[float, float]
     identified: bool
     drawn: float
     deviation: float
     source: str
 
 
-@dataclass(frozen=True)
-class Variant:
-    """The fit of other losses to the same loops: rms over height of each loop, Bayes's criterion, and its values.
-
-    The criterion compares with those of the other variants alone.
-    """
-
-    key: str
-    meaning: str
-    shares: tuple[float, ...]
-    criterion: float
-    values: dict[str, float]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Presented):
-    """What a calibration found.
+    """A calibrated design, and how well the measured loops determine it.
 
     Attributes
     ----------
@@ -119,15 +125,18 @@ class Calibration(Presented):
     design
         The calibrated design.
     estimates
-        By key.
+        Fitted values by key.
     alike
-        Pairs of keys that the loop cannot tell apart, with their correlation.
+        Pairs of keys that the loop cannot distinguish, with their correlation.
     measured, modelled
-        What the measured loops show, and the fitted model's at the same torques, by the same definitions.
+        Figures of the measured loops, and of the fitted model's at the same torques, by the same definitions.
     variants
-        Fits with other losses, if they were asked for.
+        Fits with other losses, if they were requested (`compare_losses`).
+    candidates
+        Fits of the candidate models (`model_selection.CANDIDATES`); none where other values than the default were
+        fitted.
     notes
-        What was noticed, a sentence each.
+        Remarks, a sentence each.
     complete
         Whether the fit was not stopped before its end.
     """
@@ -139,6 +148,7 @@ class Calibration(Presented):
     measured: LoopReading
     modelled: LoopReading
     variants: tuple[Variant, ...] = ()
+    candidates: tuple[Variant, ...] = ()
     notes: tuple[str, ...] = ()
     complete: bool = True
 
@@ -160,9 +170,10 @@ class Calibration(Presented):
 
     @property
     def line(self) -> str:
-        """Design, how far the model misses the loops, and the fitted values."""
+        """Name of the design, residual, the fitted values, and which of them the loops do not determine."""
         values = ", ".join(f"{key} {one.value:.4g} {one.unit}" for key, one in self.estimates.items())
-        return f"{self.design.name}, off by {self.rms / DEGREE:.3g} deg rms; {values}"
+        unknown = f"; not determined by the loops: {', '.join(self.unidentified)}" if self.unidentified else ""
+        return f"{self.design.name}, residual {self.rms / DEGREE:.3g} deg rms; {values}{unknown}"
 
     @property
     def rms(self) -> float:
@@ -177,6 +188,35 @@ class Calibration(Presented):
         return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
 
     @property
+    def stretches(self) -> tuple[LoopStretch, ...]:
+        """How far the fitted model is from each stretch of each loop."""
+        return stretches(self.fitted)
+
+    @property
+    def preferred(self) -> Variant | None:
+        """The candidate model that the loops support best; None where there are no candidates."""
+        return preferred(self.candidates) if self.candidates else None
+
+    @property
+    def misfits(self) -> tuple[str, ...]:
+        """Where the fitted model cannot follow the loops, and which model does better; a sentence each."""
+        best, sentences = self.preferred, [one.sentence for one in self.stretches if not one.followed]
+        if best is None or best.key == WRITTEN:
+            return tuple(sentences)
+        own = next(one for one in self.candidates if one.key == WRITTEN)
+        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in own.values)
+        better = (
+            f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
+            f"{own.meaning}: Bayesian criterion lower by {own.criterion - best.criterion:.3g}, residual "
+            f"{_percent(best.shares)} instead of {_percent(own.shares)} of the heights"
+        )
+        remedy = (
+            "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
+            f"--fit {','.join(best.values)}"
+        )
+        return (*sentences, better + (remedy if best.key == "load" else ""))
+
+    @property
     def measure_next(self) -> tuple[str, ...]:
         """What loop would tell most of what these leave open, a sentence each."""
         return _next_loops(self.fitted, self.unidentified, self.alike)
@@ -188,8 +228,9 @@ class Calibration(Presented):
                 key,
                 estimate.value,
                 f"{estimate.ci95[0]:.4g} to {estimate.ci95[1]:.4g}",
+                f"{estimate.noise95[0]:.4g} to {estimate.noise95[1]:.4g}" if np.isfinite(estimate.noise95[0]) else "-",
                 estimate.unit,
-                "" if estimate.identified else "no",
+                "yes" if estimate.identified else "no",
                 f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else "",
             )
             for key, estimate in self.estimates.items()
@@ -220,7 +261,15 @@ class Calibration(Presented):
         tables = [
             Table(
                 f"{self.design.name}: fitted values",
-                ("value", "fitted", "95 %", "unit", "determined by the loop", "known without it (one sigma)"),
+                (
+                    "value",
+                    "fitted",
+                    f"95 %, with a model error of {DISCREPANCY:.0%}",
+                    "95 %, noise alone",
+                    "unit",
+                    "determined by the loop",
+                    "known without it (one sigma)",
+                ),
                 rows,
             ),
             Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), figures),
@@ -238,29 +287,36 @@ class Calibration(Presented):
                 loops,
             ),
         ]
-        if self.variants:
-            least = min(variant.criterion for variant in self.variants)
-            header = (
-                "losses",
-                *(f"{loop.name}: rms of height" for loop in self.fitted.loops),
-                "BIC above best",
-                "values",
+        tables.append(
+            Table(
+                "where the fitted model misses the loops",
+                (
+                    "loop",
+                    "stretch",
+                    "torque [N m]",
+                    "measured less model, mean [deg]",
+                    "rms [deg]",
+                    "rms of the height",
+                ),
+                tuple(
+                    (
+                        one.loop,
+                        one.stretch,
+                        f"{one.first:+.3g} to {one.last:+.3g}",
+                        one.mean / DEGREE,
+                        one.rms / DEGREE,
+                        f"{one.share:.1%}",
+                    )
+                    for one in self.stretches
+                ),
             )
-            tables.append(
-                Table(
-                    "which losses explain the loops",
-                    header,
-                    tuple(
-                        (
-                            variant.meaning,
-                            *(f"{share:.1%}" for share in variant.shares),
-                            variant.criterion - least,
-                            ", ".join(f"{key} {value:.3g}" for key, value in variant.values.items()),
-                        )
-                        for variant in self.variants
-                    ),
-                )
-            )
+        )
+        for title, compared in (
+            ("candidate models of the loops", self.candidates),
+            ("which losses explain the loops", self.variants),
+        ):
+            if compared:
+                tables.append(_comparison_table(title, self.fitted.loops, compared))
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
@@ -275,6 +331,7 @@ class Calibration(Presented):
                     "value": estimate.value,
                     "unit": estimate.unit,
                     "ci95": list(estimate.ci95),
+                    "noise95": list(estimate.noise95),
                     "identified": estimate.identified,
                     "meaning": estimate.meaning,
                     "prior": (
@@ -285,6 +342,8 @@ class Calibration(Presented):
                 }
                 for key, estimate in self.estimates.items()
             },
+            "model_error_share": DISCREPANCY,
+            "intervals": INTERVALS,
             "complete": self.complete,
             "unidentified": list(self.unidentified),
             "indistinguishable": [{"keys": [one, other], "correlation": size} for one, other, size in self.alike],
@@ -293,7 +352,7 @@ class Calibration(Presented):
                 for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
             },
             "residual_rms_deg": self.rms / DEGREE,
-            **{key: read[key].value for key in ("play_deg", "stiffness_nm_per_rad", "coulomb_nm")},
+            **{key: read[key].value for key in ("play_deg", "width_deg", "stiffness_nm_per_rad", "coulomb_nm")},
             "measured": {key: {"value": one.value, "ci95": [one.low, one.high]} for key, one in read.items()},
             "model": {key: {"value": one.value} for key, one in self.modelled.in_units().items()},
             "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
@@ -314,15 +373,24 @@ class Calibration(Presented):
                 }
                 for place, loop in enumerate(loops)
             ],
-            "losses": [
+            "torque_offset": {
+                "fitted": self.fitted.torque_offset,
+                "bic_gain": self.fitted.offset_gain,
+            },
+            "models": [_variant_json(one) for one in self.candidates],
+            "preferred_model": self.preferred.key if self.preferred else None,
+            "misses": [
                 {
-                    "key": variant.key,
-                    "residual_shares": list(variant.shares),
-                    "bic": variant.criterion,
-                    "values": variant.values,
+                    "loop": one.loop,
+                    "stretch": one.stretch,
+                    "torque_nm": [one.first, one.last],
+                    "mean_deg": one.mean / DEGREE,
+                    "rms_deg": one.rms / DEGREE,
+                    "rms_share": one.share,
                 }
-                for variant in self.variants
+                for one in self.stretches
             ],
+            "losses": [_variant_json(one) for one in self.variants],
             "unexplained": list(UNEXPLAINED),
             "notes": list(self.notes),
         }
@@ -380,11 +448,25 @@ def calibrate(
     _require_units(model, loops, bench)
     chosen, trials = parameters(reducer, keys, loops), Trials(progress)
     _require_answers(FitProblem(model, chosen, tuple(loops), bench, Trials()))
+    fits: dict[str, Fitted] = {}
+    compared: tuple[Variant, ...] = ()
+    torque_offset, offset_gain = None, math.nan
     try:
-        return _calibration(fit(model, chosen, loops, bench, trials))
+        if set(keys) == set(DEFAULT):
+            for key, one in fit_candidates(model, loops, bench, trials):
+                fits[key] = one
+            compared = candidates(fits)
+            # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
+            best = fits[preferred(compared).key]
+            torque_offset, offset_gain = best.torque_offset, best.offset_gain
+        fitted = fit(model, chosen, loops, bench, trials, torque_offset=torque_offset)
     except FitStopped as stop:
-        so_far = _calibration(stop.fitted)
-        raise CalibrationStopped(stop, replace(so_far, complete=False, notes=(*so_far.notes, STOPPED))) from stop
+        so_far = _calibration(fits.get(WRITTEN, stop.fitted))
+        notes = (*so_far.notes, STOPPED)
+        raise CalibrationStopped(stop, replace(so_far, complete=False, candidates=compared, notes=notes)) from stop
+    if torque_offset is not None:
+        fitted = replace(fitted, offset_gain=offset_gain)
+    return replace(_calibration(fitted), candidates=compared)
 
 
 def calibrated_name(reducer: Reducer) -> str:
@@ -418,29 +500,19 @@ def compare_losses(
     for key, meaning, extra, rough in LOSSES:
         base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), rubs=True)
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
-        fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, trials, intervals=False)
+        fits[key, meaning] = fit(
+            base,
+            chosen,
+            fitted.loops,
+            fitted.bench,
+            trials,
+            intervals=False,
+            torque_offset=fitted.torque_offset,
+        )
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
         calibration = replace(calibration, variants=variants(fits))
         done(calibration)
     return calibration
-
-
-def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
-    """Set side by side the fits of several models to the same loops, by their keys and meanings.
-
-    What counts as independent is told by the fullest of them, for all: its residuals are nearest to noise.
-    """
-    independent = max(fits.values(), key=lambda one: len(one.parameters)).independent
-    return tuple(
-        Variant(
-            key,
-            meaning,
-            tuple(fit.rms(place) / loop.height for place, loop in enumerate(fit.loops)),
-            fit.criterion(independent),
-            {name.key: float(value) for name, value in zip(fit.parameters, fit.values, strict=True)},
-        )
-        for (key, meaning), fit in fits.items()
-    )
 
 
 def correlations(fitted: Fitted) -> Array:
@@ -454,12 +526,7 @@ def correlations(fitted: Fitted) -> Array:
 
 def _calibration(fitted: Fitted) -> Calibration:
     count = len(fitted.parameters)
-    estimates = {
-        parameter.key: _estimate(parameter, float(place), ends, bool(bound), float(known))
-        for parameter, place, ends, bound, known in zip(
-            fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, fitted.known, strict=False
-        )
-    }
+    estimates = {parameter.key: _estimate(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     related = correlations(fitted)
     keys = list(estimates)
     alike = tuple(
@@ -478,17 +545,57 @@ def _calibration(fitted: Fitted) -> Calibration:
     )
 
 
-def _estimate(parameter: Parameter, place: float, ends: Array, at_bound: bool, known: float) -> Estimate:
+def _estimate(fitted: Fitted, number: int) -> Estimate:
+    """Collect one fitted value with its intervals, and decide whether the loops determine it."""
+    parameter, place, ends = fitted.parameters[number], float(fitted.places[number]), fitted.ends[number]
     value, low, high = (parameter.value(float(at)) for at in (place, *ends))
     bounded = parameter.place(parameter.least) + STEP < ends[0] and ends[1] < parameter.place(parameter.most) - STEP
+    at_bound, known = bool(fitted.at_bound[number]), float(fitted.known[number])
     identified = bool(not at_bound and bounded and known < MOST_KNOWN and high - low < abs(value))
+    reach = float(fitted.spread.reach(COVERED)[number] * fitted.spread.errors[number])
+    likeliest = float(fitted.likeliest[number])
+    noise = math.nan, math.nan
+    if not at_bound:
+        noise = parameter.value(likeliest - reach), parameter.value(likeliest + reach)
     drawn = parameter.start, parameter.deviation, parameter.source
-    return Estimate(value, parameter.unit, parameter.meaning, (low, high), identified, *drawn)
+    return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, identified, *drawn)
 
 
 def _smooth(reducer: Reducer) -> Design:
     """Return a design whose contacts have no friction."""
     return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
+
+
+def _percent(shares: Sequence[float]) -> str:
+    return " and ".join(f"{share:.1%}" for share in shares)
+
+
+def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[Variant]) -> Table:
+    """Tabulate fits of several models to the same loops, with their criteria above the lowest."""
+    bayesian, akaike = (min(getattr(one, key) for one in compared) for key in ("criterion", "akaike"))
+    header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
+    rows = tuple(
+        (
+            one.meaning,
+            *(f"{share:.1%}" for share in one.shares),
+            one.criterion - bayesian,
+            one.akaike - akaike,
+            ", ".join(f"{key} {value:.3g}" for key, value in one.values.items()),
+        )
+        for one in compared
+    )
+    return Table(title, header, rows)
+
+
+def _variant_json(one: Variant) -> dict[str, Any]:
+    return {
+        "key": one.key,
+        "meaning": one.meaning,
+        "residual_shares": list(one.shares),
+        "bic": one.criterion,
+        "aic": one.akaike,
+        "values": one.values,
+    }
 
 
 def _written(value: float) -> str:
@@ -534,7 +641,17 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
         for one, value, place in zip(fitted.parameters, fitted.values, fitted.places, strict=False)
         if min(place - one.place(one.least), one.place(one.most) - place) < AT_BOUND
     ]
+    notes.append(INTERVALS)
+    if math.isfinite(fitted.offset_gain):
+        notes.append(_offset_note(fitted.torque_offset, fitted.offset_gain))
     return tuple(notes)
+
+
+def _offset_note(fitted: bool, gain: float) -> str:
+    chosen = "each loop has a fitted zero offset of torque" if fitted else "the zero of torque is taken as exact"
+    return (
+        f"{chosen}: the Bayesian criterion {'with' if fitted else 'without'} such offsets is lower by {abs(gain):.3g}"
+    )
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:

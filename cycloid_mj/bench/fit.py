@@ -17,6 +17,7 @@ need not be these where the model is off: their measure is the distance from a b
 that comes a little early counts little, and an outlier less.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,7 +31,7 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, STARTS, FitProblem, Trials, offset_scales
+from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, FitProblem, Trials, offset_scales
 from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
@@ -68,6 +69,10 @@ class Fitted:
         Of the interval of each place that covers `COVERED`, shape (values, 2); one-sided at a bound.
     known
         Share of what is known of each place that the loops do not tell, but the drawing: from 0 to 1, shape (values,).
+    torque_offset
+        Whether the loops have zero offsets of torque; else these are 0.
+    offset_gain
+        Bayesian information criterion without such offsets less that with them: positive where the loops support them.
     """
 
     model: Model
@@ -82,6 +87,8 @@ class Fitted:
     at_bound: Mask
     ends: Array
     known: Array
+    torque_offset: bool = True
+    offset_gain: float = math.nan
 
     @property
     def values(self) -> Array:
@@ -118,15 +125,22 @@ class Fitted:
         """How many residuals of each loop count as independent (`memory`)."""
         return tuple(len(residual) / memory(residual) for residual in self.residuals)
 
-    def criterion(self, independent: Sequence[float]) -> float:
-        """Compute Bayes's information criterion, with a number of independent residuals of each loop.
+    @property
+    def free_values(self) -> int:
+        """Number of values that were fitted, offsets included."""
+        return len(self.places) - (0 if self.torque_offset else len(self.loops))
 
-        Criteria of models compare where they count the same: a model that leaves something out has residuals that
-        follow each other, and by its own count would have less to explain.
+    def criterion(self, independent: Sequence[float]) -> float:
+        """Compute the Bayesian information criterion, with a number of independent residuals of each loop.
+
+        Criteria of models compare only where that number is the same: a model that leaves something out has correlated
+        residuals, and by its own count would have less to explain.
         """
-        each = zip(independent, self.residuals, strict=True)
-        total = sum(count * float(np.log(np.mean(one**2))) for count, one in each)
-        return total + len(self.places) * float(np.log(sum(independent)))
+        return _misfit(self.residuals, independent) + self.free_values * float(np.log(sum(independent)))
+
+    def akaike(self, independent: Sequence[float]) -> float:
+        """Compute Akaike's information criterion by the same residuals."""
+        return _misfit(self.residuals, independent) + 2.0 * self.free_values
 
     def values_at(self, places: Array) -> Array:
         """Compute the parameters' values at other places."""
@@ -160,11 +174,13 @@ def fit(
     trials: Trials | None = None,
     start: Array | None = None,
     intervals: bool = True,
+    torque_offset: bool | None = None,
 ) -> Fitted:
     """Fit parameters to loops by robust least squares, from several starts or one; `trials` are counted.
 
     Without `intervals` they are those of the straight neighbourhood, which take no further search, and the values are
-    the likeliest.
+    the likeliest. Whether each loop has a zero offset of torque, `torque_offset`, is by default chosen by the Bayesian
+    information criterion.
 
     Raises
     ------
@@ -173,23 +189,28 @@ def fit(
     FitStopped
         Ctrl-C: it has the best values by then, and intervals of the straight neighbourhood where no other was found.
     """
-    search = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials())
+    search = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
     searches = {"ends": 2 * len(search.parameters), "nearest": 1} if intervals else {}
     ended: list[tuple[float, Array]] = []
     fits: list[Fitted] = []
     try:
-        search.trials.expect(search.expected_trials(starts=len(STARTS), long=1, **searches))
+        search.trials.expect(search.usual_trials(intervals))
         starts = search.starts() if start is None else [start]
+        again = len(starts) if torque_offset is None else 0
         for number, one in enumerate(starts):
-            search.trials.expect(search.expected_trials(starts=len(starts) - number, long=1, **searches))
+            search.trials.expect(search.expected_trials(starts=len(starts) - number, again=again, long=1, **searches))
             ended.append(search.run(one, SHORT, "trf"))
-        best, *others = sorted(ended, key=itemgetter(0))
+        ended.sort(key=itemgetter(0))
+        gain = math.nan
+        if torque_offset is None:
+            search, gain, ended = _choose_offset(search, ended)
+        best, *others = ended
         place = best[1]
         for _ in range(RENEWED):
             search.trials.expect(search.expected_trials(long=1, **searches))
             cost, place = search.run(place, LONG, "trf")
             ended.append((cost, place))
-            fits.append(fitted_at(search, place))
+            fits.append(replace(fitted_at(search, place), offset_gain=gain))
             better = widen(search, fits[-1], [(cost, place), *others]) if intervals else None
             if better is None:
                 break
@@ -245,7 +266,30 @@ def fitted_at(search: FitProblem, places: Array) -> Fitted:
         at_bound=at_bound,
         ends=ends,
         known=known**2 * np.diag(sure.inverse),
+        torque_offset=search.torque_offset,
     )
+
+
+def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
+    """Compute n log(mean square) over the loops: twice the negative logarithm of the likelihood, but for a constant."""
+    each = zip(independent, residuals, strict=True)
+    return sum(count * float(np.log(np.mean(one**2))) for count, one in each)
+
+
+def _choose_offset(
+    search: FitProblem, ended: list[tuple[float, Array]]
+) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
+    """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
+
+    `ended` are the ends of the searches with such offsets and their costs, the best first. Returned are the problem, by
+    how much the criterion is lower with offsets, and the ends of the searches of that problem, the best first.
+    """
+    without = replace(search, torque_offset=False)
+    again = sorted((without.run(place, SHORT, "trf") for _, place in ended), key=itemgetter(0))
+    parts, fixed = search.parts(ended[0][1]), without.parts(again[0][1])
+    independent = [len(part) / memory(part) for part in parts]
+    gain = _misfit(fixed, independent) - _misfit(parts, independent) - len(search.loops) * math.log(sum(independent))
+    return (search, gain, ended) if gain > 0.0 else (without, gain, again)
 
 
 def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:

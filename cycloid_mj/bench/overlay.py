@@ -15,7 +15,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import announced, njit
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.statics.locked import locked_branches, locked_curve, slip_elements
+from cycloid_mj.statics.locked import load_friction, locked_branches, locked_curve, slip_elements
 from cycloid_mj.statics.sliding import Held, course_along
 
 GRID, LEAD = 24, 8
@@ -53,7 +53,8 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
         return _rubbing_branches(model, bench, ends, REACH * loop.height)
     curve = locked_curve(model.reducer, bench.most, bench.crank)
     # two stretches lead to the loop: from rest to its second end, and round to its first
-    return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends])[2:]
+    load = load_friction(model.losses.load, model.reducer.design.springs.friction_travel)
+    return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends], load)[2:]
 
 
 def _rubbing_branches(model: Model, bench: LoopCondition, ends: list[float], reach: float) -> Branches:

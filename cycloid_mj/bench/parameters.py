@@ -120,10 +120,13 @@ DEFAULT = ("play", "structure_stiffness", "drag", "drag_travel", "hysteresis", "
 RUBBING = ("friction", "material_loss")
 """Names that need contacts that rub."""
 
-STANDS_FOR_RUBBING = ("hysteresis", "hysteresis_travel")
-"""Names that stand for what contacts that rub hold back."""
+STANDS_FOR_RUBBING = ("hysteresis", "hysteresis_travel", "load_friction")
+"""Names that stand for the friction of the contacts."""
 
-NAMED = (*DEFAULT, *RUBBING, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
+MAX_LOAD_FRICTION = 0.8
+"""Largest `load_friction` that is fitted [1]: at 1 a loaded drive would lock itself."""
+
+NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
 """Every name that is no key of the design file."""
 
 
@@ -254,6 +257,16 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             0.2 * turn,
             2.0 * widest,
             lambda model, value: _of_springs(model, "hysteresis_travel", DEGREE * value),
+        ),
+        Parameter(
+            "load_friction",
+            "1",
+            "friction over the torque that the contacts carry; it comes on over drag_travel",
+            0.2,
+            0.05,
+            0.0,
+            MAX_LOAD_FRICTION,
+            lambda model, value: replace(model, losses=replace(model.losses, load=value)),
         ),
         Parameter(
             "material_loss",

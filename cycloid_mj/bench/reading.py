@@ -38,7 +38,8 @@ FEWEST = 5
 DEFINITIONS = {
     "play_deg": "turn between the straight lines through both loading branches, from 50 to 98 % of the torque at their "
     "ends, each drawn back to the Coulomb torque of its side; of the loop that goes to the largest torque",
-    "width_deg": "turn between the branches at no torque, of the lowest loop",
+    "width_deg": "turn between the branches at zero torque, of the lowest loop; some authors state this opening as "
+    "the play",
     "stiffness_nm_per_rad": "mean slope of both loading branches from 50 to 98 % of the torque at their ends, and "
     "beyond 1.2 times the Coulomb torque, of the loop that goes to the largest torque; the interval holds both sides'",
     "stiffness_positive_nm_per_rad": "slope of the branch on which the torque rises, from 50 to 98 % of its end",

@@ -26,12 +26,6 @@ OUTLIER = 0.03
 DISCREPANCY = 0.03
 """What the model itself may miss the loops by, rms, as a share of their ranges: no model of a drive is nearer."""
 
-ZERO_OF_TORQUE = 0.2
-"""What a bench's zero of torque may be off by, as a share of the loop's range: standard deviation, assumed, and wide.
-
-Play and such an offset explain a loop of few points beyond its play nearly alike: the smaller offset is the likelier.
-"""
-
 FAILED = 1.0
 """Residual of every point where the model has no balance."""
 
@@ -58,9 +52,9 @@ little, and constant friction, which make a loop wide, are told apart by little,
 in which a single search stops."""
 
 
-TAKEN = {"starts": 8, "long": 14, "ends": 10, "nearest": 28}
-"""Steps that the searches of a fit take by experience, for a progress: one from each start, the one that goes on, all
-for an end of an interval, and all for the nearest turns."""
+TAKEN = {"starts": 8, "again": 3, "long": 14, "ends": 9, "nearest": 14}
+"""Steps that the searches of a fit take by experience, for a progress: one from each start, one from there without
+an offset of torque, the one that goes on, all for an end of an interval, and that for the nearest deflections."""
 
 
 class Trials:
@@ -81,20 +75,30 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """The residuals of a model, and their slopes, by where all values are on their scales."""
+    """The residuals of a model, and their slopes, by where all values are on their scales.
+
+    Attributes
+    ----------
+    model, parameters, loops, bench
+        What is fitted to what.
+    trials
+        Counter of the model's evaluations.
+    torque_offset
+        Whether each loop has a zero offset of torque that is fitted; else all of them are 0.
+    """
 
     model: Model
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
     bench: LoopCondition
     trials: Trials
+    torque_offset: bool = True
 
     @cached_property
     def known(self) -> Array:
         """What is known of each place without the loops: 1 over its standard deviation, 0 where that is nothing."""
         deviations = [parameter.place_deviation for parameter in self.parameters]
-        zeros = [ZERO_OF_TORQUE * np.ptp(loop.torque) / offset_scales(loop)[0] for loop in self.loops]
-        return 1.0 / np.array([*deviations, *(one for zero in zeros for one in (zero, np.inf))])
+        return 1.0 / np.array([*deviations, *([np.inf] * (2 * len(self.loops)))])
 
     @cached_property
     def expected(self) -> Array:
@@ -109,8 +113,8 @@ class FitProblem:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """The least and the greatest places."""
-        free = np.full(2 * len(self.loops), np.inf)
+        """The smallest and the largest places; alike where a place is fixed."""
+        free = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
         low, high = (
             [parameter.place(getattr(parameter, end)) for parameter in self.parameters] for end in ("least", "most")
         )
@@ -120,6 +124,18 @@ class FitProblem:
         """Estimate the trials of some searches, as many of each kind of `TAKEN`."""
         step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
         return float(step * sum(TAKEN[kind] * count for kind, count in searches.items()))
+
+    @cached_property
+    def start_factors(self) -> list[dict[str, float]]:
+        """Those of `STARTS` whose values are fitted."""
+        keys = {parameter.key for parameter in self.parameters}
+        return [wide for wide in STARTS if set(wide) <= keys]
+
+    def usual_trials(self, intervals: bool) -> float:
+        """Estimate the trials of a fit from all starts, with intervals or without."""
+        starts, ends = len(self.start_factors), 2 * len(self.parameters)
+        searches = {"ends": ends, "nearest": 1} if intervals else {}
+        return self.expected_trials(starts=starts, again=starts, long=1, **searches)
 
     @cached_property
     def _models(self) -> Callable[[tuple[float, ...]], Model]:
@@ -204,7 +220,8 @@ class FitProblem:
                 pair[:, place] = places[place] - STEP, places[place]
             pair[:, place] = np.clip(pair[:, place], low[place], high[place])
             step = pair[1, place] - pair[0, place]
-            columns.append((residuals(pair[1]) - residuals(pair[0])) / step)
+            change = residuals(pair[1]) - residuals(pair[0])
+            columns.append(change / step if step else np.zeros_like(change))
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
@@ -217,9 +234,7 @@ class FitProblem:
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
         starts = []
-        for wide in STARTS:
-            if not set(wide) <= keys:
-                continue
+        for wide in self.start_factors:
             tried = []
             for play, stiffness in product(plays, softer):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
@@ -243,7 +258,8 @@ class FitProblem:
         from scipy.optimize import least_squares
 
         low, high = self.bounds
-        free = [place for place in range(len(start)) if place != held]
+        start = np.clip(start, low, high)
+        free = [place for place in np.flatnonzero(high - low > HELD).tolist() if place != held]
 
         whole = _filled(start, free)
 
@@ -275,26 +291,18 @@ class FitProblem:
         return float(solution.cost), np.clip(whole(solution.x), low, high)
 
     def nearest(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the places between two ends with which the model's turns miss the measured ones least, rms.
+        """Return the places between two ends at which the model's deflections are nearest to the measured ones, rms.
 
-        Where the loops' offsets of torque stand and where there are none, as in a scene, count alike: whether a loop is
-        not symmetrical because the bench's zero was off, or its drive is so, the loop does not tell. A value that goes
-        from the start by a quarter of its way between the ends, which is its standard deviation, counts as a loop that
-        is missed by `DISCREPANCY`: what the turns do not ask for stays.
+        A value that moves from the start by a quarter of the distance between its ends, which is its standard
+        deviation, adds the cost of a loop that is missed by `DISCREPANCY`, so that a value on which the deflections
+        hardly depend stays.
         """
         tied = DISCREPANCY * np.divide(4.0, high - low, out=np.zeros_like(start), where=high - low > HELD)
 
-        def moved(places: Array) -> Array:
-            return tied * (places - start)
+        def residuals(places: Array) -> Array:
+            return np.concatenate([self.misses(places, offset=self.torque_offset), tied * (places - start)])
 
-        def without(places: Array) -> Array:
-            return np.concatenate([self.misses(places, offset=False), moved(places)])
-
-        def both(places: Array) -> Array:
-            return np.concatenate([self.misses(places, offset=True), without(places)])
-
-        starts = start, self._least(without, start, low, high)[1]
-        return min((self._least(both, one, low, high) for one in starts), key=itemgetter(0))[1]
+        return self._least(residuals, start, low, high)[1]
 
     def _least(self, residuals: Callable[[Array], Array], start: Array, low: Array, high: Array) -> tuple[float, Array]:
         """Search from a start for the least sum of squares between two ends; return it and where it is."""

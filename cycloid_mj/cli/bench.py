@@ -40,6 +40,7 @@ FitFlag = Annotated[
         metavar="KEY,...",
         help="What to fit: play (teeth and holes alike), structure_stiffness, drag, drag_travel, hysteresis, "
         "hysteresis_travel (the default); mesh_play, output_play, cam_play, tooth_stiffness; in place of hysteresis "
+        "load_friction (a share of the torque), or "
         "friction of the contacts and material_loss; or numbers of the design file, such as clearance.output_um.",
     ),
 ]
@@ -259,6 +260,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
                 if calibration.unidentified
                 else []
             ),
+            *(f"the model does not follow the loop: {sentence}" for sentence in calibration.misfits),
         ],
         headline=_headline(calibration),
         tables=[*calibration.tables(), quantity_table("figures of the calibrated design", figures.values())],
@@ -279,13 +281,15 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
 
     read, modelled = calibration.measured, calibration.modelled
     derived = {
-        "play": _beside(read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"),
+        "play, from the loaded branches": _beside(read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"),
+        "play, at zero torque": _beside(read.width.value / DEGREE, modelled.width.value / DEGREE, "deg"),
         "stiffness": _beside(read.stiffness.value, modelled.stiffness.value, "N m/rad"),
         "Coulomb friction": _beside(read.coulomb.value, modelled.coulomb.value, "N m"),
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
     fitted = {
         key: f"{one.value:.4g} {'' if one.unit == '1' else one.unit}".strip()
+        + ("" if one.identified else " (not determined by the loop)")
         for key, one in calibration.estimates.items()
     }
     return dict(islice((derived | fitted).items(), MOST_FIGURES))

@@ -51,6 +51,13 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
             if part.safety < 1.0
         ],
         warnings=[
+            f"{one.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, safety "
+            f"{part.shakedown:.3g} against shakedown: the surface yields at every pass; pitting life: cycloid-mj rate"
+            for one in findings
+            for part in one.parts
+            if part.shakedown < 1.0
+        ]
+        + [
             f"{one.design} {part.part}: not converged to {100 * BOUND:g} % under one more refinement"
             for one in findings
             for part in one.parts

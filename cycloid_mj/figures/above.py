@@ -220,4 +220,28 @@ OF_ROOMS_ABOVE = (
         )
         for kind, words in PARTS.items()
     ),
+    *(
+        Figure(
+            key=f"{kind}_contact_pressure_mpa",
+            name=f"largest contact pressure on {words}",
+            unit="MPa",
+            definition=f"Largest Hertz pressure on {words} over a turn of the crank under the load, else the rated "
+            "torque, by `cycloid-mj stress --quick`; none where every contact is conformal.",
+            need=Need.STRESS,
+            function=f"cycloid_mj.stress.figures:{kind}_contact_pressure",
+        )
+        for kind, words in PARTS.items()
+    ),
+    *(
+        Figure(
+            key=f"{kind}_contact_safety",
+            name=f"safety of the contact pressure on {words}",
+            unit="1",
+            definition=f"Shakedown limit 4 k of the surface over the largest Hertz pressure on {words}, by "
+            "`cycloid-mj stress --quick`: below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",
+            need=Need.STRESS,
+            function=f"cycloid_mj.stress.figures:{kind}_contact_safety",
+        )
+        for kind, words in PARTS.items()
+    ),
 )

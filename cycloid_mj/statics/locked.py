@@ -4,6 +4,8 @@ The contacts carry T_s, and turn the output by x(T_s) without friction (`statics
 the output's turn, whatever turns it: T = T_s(x) + H(x). H is shared by elements, each a spring that slips at a limit of
 its own (Iwan 1966, J. Appl. Mech. 33, 893-900), so that it comes on over a travel as 1 - exp(-x/travel), and remembers.
 Unlike `statics.sliding`, the contacts themselves do not rub: with stiff ones, a locked crank lets them slide by little.
+Friction that grows with the load (`LoadFriction`) adds mu |T_s| s(x), where s, from -1 to 1, comes on over a travel as
+H does: that of a reducer whose crank turns as it winds up, so that all contacts slide.
 """
 
 import math
@@ -39,6 +41,29 @@ class SlipElements(NamedTuple):
 
     limits: Array
     stiffness: Array
+
+
+class LoadFriction(NamedTuple):
+    """Friction in proportion to the torque that the contacts carry.
+
+    Attributes
+    ----------
+    share
+        Friction over the carried torque once it has come on [1], below 1.
+    slips
+        Turn at which each of the elements that share it slips [rad], shape (n,).
+    """
+
+    share: float
+    slips: Array
+
+
+NO_LOAD_FRICTION = LoadFriction(0.0, np.zeros(0))
+
+
+def load_friction(share: float, travel: float) -> LoadFriction:
+    """Return friction of a share of the carried torque [1] that comes on over a travel [rad]."""
+    return LoadFriction(share, slip_turns(travel, ELEMENTS)) if share else NO_LOAD_FRICTION
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
@@ -109,26 +134,39 @@ def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> 
     return np.concatenate([np.interp(course[a + 1 : b + 1], *_rising(line)) for (a, b), line in stretches])
 
 
-def locked_branches(curve: LockedCurve, elements: SlipElements, ends: Sequence[float]) -> list[tuple[Array, Array]]:
+def locked_branches(
+    curve: LockedCurve, elements: SlipElements, ends: Sequence[float], load: LoadFriction = NO_LOAD_FRICTION
+) -> list[tuple[Array, Array]]:
     """Compute torque [N m] and turn [rad] where they bend, shape (m,) each, from one torque to the next; from rest.
 
     T(x) is straight lines between the curve's points and where elements begin to slip; it rises, and is read backwards.
     """
-    turn, carried = _extended(curve, max(map(abs, ends)) + float(elements.limits.sum()))
+    largest = max(map(abs, ends)) + float(elements.limits.sum())
+    turn, carried = _extended(curve, largest / (1.0 - load.share))
     with announced():
-        lines: list[tuple[Array, Array]] = _bent(turn, carried, elements.limits, elements.stiffness, np.array(ends))
+        lines: list[tuple[Array, Array]] = _bent(
+            turn, carried, elements.limits, elements.stiffness, load.share, load.slips, np.array(ends)
+        )
     return lines
 
 
 @njit(cache=True)
-def _bent(turn: Array, carried: Array, limits: Array, stiffness: Array, ends: Array) -> list[tuple[Array, Array]]:
+def _bent(
+    turn: Array, carried: Array, limits: Array, stiffness: Array, share: float, load_slip: Array, ends: Array
+) -> list[tuple[Array, Array]]:
     slip = limits / stiffness
-    # where the spring of each element is at rest
-    origin = np.zeros(len(slip))
+    # where the spring of each element is at rest, of constant friction and of that which grows with the load
+    origin, load_origin = np.zeros(len(slip)), np.zeros(len(load_slip))
     lines = []
     for place in range(len(ends) - 1):
-        bends = np.sort(np.concatenate((turn, origin - slip, origin + slip)))
+        inner = np.concatenate((load_origin - load_slip, load_origin + load_slip))
+        bends = np.sort(np.concatenate((turn, origin - slip, origin + slip, inner)))
         held = np.interp(bends, turn, carried)
+        if len(load_slip):
+            rising = np.zeros(len(bends))
+            for element in range(len(load_slip)):
+                rising += np.minimum(np.maximum((bends - load_origin[element]) / load_slip[element], -1.0), 1.0)
+            held += share / len(load_slip) * np.abs(held) * rising
         for element in range(len(slip)):
             stretch = np.minimum(np.maximum(bends - origin[element], -slip[element]), slip[element])
             held += stiffness[element] * stretch
@@ -140,6 +178,7 @@ def _bent(turn: Array, carried: Array, limits: Array, stiffness: Array, ends: Ar
         reached = np.interp(torque, held, bends)
         lines.append((torque, reached))
         origin = np.minimum(np.maximum(origin, reached[-1] - slip), reached[-1] + slip)
+        load_origin = np.minimum(np.maximum(load_origin, reached[-1] - load_slip), reached[-1] + load_slip)
     return lines
 
 

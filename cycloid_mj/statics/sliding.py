@@ -56,11 +56,15 @@ class Losses:
         Turn of the output over which it comes on [rad].
     material
         Share of every contact's normal force that its material holds back while it is let go [1].
+    load
+        Friction in proportion to the torque that the contacts carry [1] (`statics.locked` alone: contacts that rub have
+        their own).
     """
 
     drag: float = 0.0
     travel: float = 0.0
     material: float = 0.0
+    load: float = 0.0
 
 
 def course_along(

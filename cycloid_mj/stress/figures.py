@@ -1,7 +1,7 @@
 """Figures of the catalogue that finite elements give: the largest stress of each kind of part in a run of its own."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 
 from cycloid_mj.base import names
@@ -54,13 +54,46 @@ def _studied(reducer: Reducer, part: str) -> PartFindings:
 
 def _stress(reducer: Reducer, kind: str) -> float:
     """Compute the largest stress of the parts of a kind [MPa], NaN where there is none; errors as `stress_study`."""
-    there = [part for part in part_names(reducer) if names.family(part) == kind]
-    return max((_studied(reducer, part).governing / MEGAPASCAL for part in there), default=math.nan)
+    return _largest(one.governing / MEGAPASCAL for one in _of_kind(reducer, kind))
+
+
+def _of_kind(reducer: Reducer, kind: str) -> list[PartFindings]:
+    """Return the findings of all parts of a kind; errors as `stress_study`."""
+    return [_studied(reducer, part) for part in part_names(reducer) if names.family(part) == kind]
+
+
+def _largest(values: Iterable[float]) -> float:
+    """Return the largest number, NaN where there is none."""
+    return max((value for value in values if not math.isnan(value)), default=math.nan)
+
+
+def _contact_pressure(reducer: Reducer, kind: str) -> float:
+    """Compute the largest contact pressure of the parts of a kind [MPa], NaN without a line contact."""
+    return _largest(one.largest_pressure / MEGAPASCAL for one in _of_kind(reducer, kind))
+
+
+def _contact_safety(reducer: Reducer, kind: str) -> float:
+    """Compute the smallest safety of a kind against shakedown by contact pressure, NaN without a line contact."""
+    return -_largest(-one.shakedown for one in _of_kind(reducer, kind))
 
 
 KINDS = ("shaft", "gear", "ring", "output", "pin")
 
 shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_stress, kind=kind) for kind in KINDS)
+(
+    shaft_contact_pressure,
+    gear_contact_pressure,
+    ring_contact_pressure,
+    output_contact_pressure,
+    pin_contact_pressure,
+) = (partial(_contact_pressure, kind=kind) for kind in KINDS)
+(
+    shaft_contact_safety,
+    gear_contact_safety,
+    ring_contact_safety,
+    output_contact_safety,
+    pin_contact_safety,
+) = (partial(_contact_safety, kind=kind) for kind in KINDS)
 
 
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
@@ -80,11 +113,17 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
 
 
 def of_study(findings: StressFindings) -> Mapping[str, Quantity]:
-    """Pick the catalogue's figures from the findings of a study, by their keys."""
+    """Return the catalogue's figures of the findings of a study, by their keys."""
     figures = {}
     for kind in KINDS:
-        row = figure(f"{kind}_stress_mpa")
-        stresses = [part.governing / MEGAPASCAL for part in findings.parts if names.family(part.part) == kind]
-        if stresses:
-            figures[row.key] = Quantity(row.key, row.name, max(stresses), row.unit)
+        parts = [part for part in findings.parts if names.family(part.part) == kind]
+        values = {
+            f"{kind}_stress_mpa": _largest(part.governing / MEGAPASCAL for part in parts),
+            f"{kind}_contact_pressure_mpa": _largest(part.largest_pressure / MEGAPASCAL for part in parts),
+            f"{kind}_contact_safety": -_largest(-part.shakedown for part in parts),
+        }
+        for key, value in values.items():
+            if not math.isnan(value):
+                row = figure(key)
+                figures[key] = Quantity(key, row.name, value, row.unit)
     return figures

@@ -148,7 +148,8 @@ class PartFindings:
     largest_pressure
         Hertz's peak pressure [Pa], not a number where every contact is conformal; the same as ``measure loads`` gives.
     shakedown
-        Safety of that pressure against shakedown, 4 k (Johnson 1985, 9.2), beyond which rolling yields at every pass.
+        Safety factor of that pressure against shakedown, 4 k (Johnson 1985, 9.2) of the part's surface, beyond which
+        rolling yields at every pass; not a number where every contact is conformal.
     largest_force
         Of one contact [N].
     near_field

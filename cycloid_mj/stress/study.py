@@ -237,7 +237,7 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
         _solved(reducer, grid, loads, settings.map_angle),
         line_stress(loads, reducer),
     )
-    strength = material_of(reducer, part).yield_strength
+    material = material_of(reducer, part)
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
         part=part,
@@ -254,14 +254,14 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, reducer),
         largest_pressure=pressure,
-        shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, strength),
+        shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, material.surface_strength),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, reducer, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
         notches=notches_of(reducer, loads, stress),
         swing=swung,
         variants=_variants(reducer, part, settings, loads, stress),
-        yield_strength=strength,
+        yield_strength=material.yield_strength,
         refinement=_refined(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,

@@ -14,7 +14,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from designs import UNLIKE, design_file, unlike
+from designs import UNLIKE, cases, design_file, unlike
 from scipy.stats import t
 
 from cycloid_mj.base.array import Array
@@ -30,8 +30,9 @@ from cycloid_mj.bench import (
     read_loop,
     read_te,
 )
-from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped, variants
+from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped
 from cycloid_mj.bench.fit import Fitted, fit, fitted_at, widen
+from cycloid_mj.bench.model_selection import variants
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
 from cycloid_mj.bench.reading import read_figures
@@ -422,7 +423,8 @@ def test_a_measured_loop_closes_in_stock_mujoco(kind: str, made_from: str) -> No
         for number, (loop, offset) in enumerate(zip(loops, found.fitted.offsets[:, 0], strict=True)):
             left = scene_loop(reduced, loop, float(offset), held) - loop.deflection
             assert np.std(left[loop.lead :]) < 0.08 * loop.height, (held, loop.name)
-            assert found.fitted.rms_without(number) < max(0.08 * loop.height, 1.2 * unlike_sides(loop)), loop.name
+            if not found.fitted.torque_offset:
+                assert found.fitted.rms_without(number) < 0.08 * loop.height, loop.name
 
 
 def unlike_sides(loop: MeasuredLoop) -> float:
@@ -450,6 +452,77 @@ def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     assert found[0] == start[0]
     missed = [float(np.sum(search.misses(places, offset=False) ** 2)) for places in (found, start)]
     assert missed[0] < 0.95 * missed[1]
+
+
+def with_zero_offset(loops: list[MeasuredLoop], share: float) -> list[MeasuredLoop]:
+    """Shift the torques of loops by a share of their largest, as a sensor whose zero is off."""
+    return [measured_loop(loop.name, loop.torque + share * loop.most, loop.deflection / DEGREE) for loop in loops]
+
+
+@pytest.mark.parametrize("seed", cases((0, 1, 2, 3), 0))
+@pytest.mark.parametrize("share", [0.0, 0.04])
+def test_a_zero_offset_is_chosen_by_the_information_criterion(seed: int, share: float) -> None:
+    """Loops of known values whose zero of torque is off by 4 % have an offset, and those without have none.
+
+    Neither moves the stiffness: 320 N m/rad was put in.
+    """
+    found = calibrate(resolve("printed"), with_zero_offset(locked_loops(1.0, 0.0, seed), share))
+    assert found.fitted.torque_offset == (share > 0.0)
+    assert (found.fitted.offset_gain > 0.0) == (share > 0.0)
+    for loop, offset in zip(found.fitted.loops, found.fitted.offsets[:, 0], strict=True):
+        assert offset == pytest.approx(share * loop.most / (1.0 + share), rel=0.15, abs=1e-9)
+    assert found.estimates["structure_stiffness"].value == pytest.approx(LOCKED["structure_stiffness"], rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> None:
+    """The default model misses the loops where they are unloaded; friction in proportion to the torque follows them.
+
+    The loops are those before run-in: the held-out ones of after it are not in this repository.
+    """
+    loops = measured(kind, "play", "stiffness")
+    found = calibrate(resolve("printed").but(ring={"kind": kind}), loops)
+    assert found.preferred is not None
+    assert found.preferred.key == "load"
+    shares = {one.key: one.shares[1] for one in found.candidates}
+    assert shares["load"] * loops[1].height < math.radians(0.25) < math.radians(0.45) < found.rms
+    missed = {one.stretch for one in found.stretches if one.loop == loops[1].name and not one.followed}
+    assert {"torque rising, unloading", "torque falling, unloading"} <= missed
+    assert any("load_friction" in sentence and "--fit" in sentence for sentence in found.misfits)
+    content = found.as_json()
+    assert content["preferred_model"] == "load"
+    assert [one["key"] for one in content["models"]] == ["hysteresis", "constant", "load"]
+    assert found.fitted.torque_offset
+
+
+def test_a_model_of_its_own_kind_is_preferred() -> None:
+    """Loops with hysteresis of constant size are not explained by friction that grows, and the design follows them."""
+    found = calibrate(resolve("printed"), locked_loops(1.0, 0.0, 0))
+    assert found.preferred is not None
+    assert found.preferred.key == "hysteresis"
+    assert found.misfits == ()
+
+
+def test_friction_that_grows_in_an_independent_model_is_recognised() -> None:
+    """Loops of the authors' figures after run-in, by a model that shares nothing with the fit's (`dead_band_loop`)."""
+    found = calibrate(resolve("printed"), made("pin", 4.0, 25.0))
+    assert found.preferred is not None
+    assert found.preferred.key == "load"
+    assert found.preferred.values["load_friction"] == pytest.approx(0.12, abs=0.06)
+
+
+def test_intervals_state_the_model_error_that_they_assume() -> None:
+    """Next to the values: without noise the intervals are as wide; those of noise alone stand beside them."""
+    found = calibrate(resolve("printed"), locked_loops(1.0, 0.0, 0), ("play", "structure_stiffness", "drag"))
+    table = found.tables()[0]
+    assert "95 %, with a model error of 3%" in table.header
+    assert "95 %, noise alone" in table.header
+    assert any("model error of 3%" in note for note in found.notes)
+    content = found.as_json()
+    assert content["model_error_share"] == 0.03
+    for one in content["parameters"].values():
+        assert one["noise95"][1] - one["noise95"][0] < one["ci95"][1] - one["ci95"][0]
+    assert all(key in found.line for key in found.unidentified)
 
 
 SLOWLY = 0.005
@@ -667,7 +740,7 @@ def test_a_fit_that_is_stopped_keeps_the_best_there_was() -> None:
     with pytest.raises(KeyboardInterrupt) as nothing:
         calibrate(resolve("printed"), loops, keys, progress=pressed_at(10))
     assert not isinstance(nothing.value, CalibrationStopped)
-    for trials in (last // 4, last // 2, last - 5):
+    for trials in (last // 2, 3 * last // 4, last - 5):
         with pytest.raises(CalibrationStopped) as stop:
             calibrate(resolve("printed"), loops, keys, progress=pressed_at(trials))
         found = stop.value.calibration

@@ -7,7 +7,16 @@ from designs import UNLIKE, unlike
 from cycloid_mj.design import Design, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.locked import ELEMENTS, LockedCurve, SlipElements, locked_course, locked_curve, slip_elements
+from cycloid_mj.statics.locked import (
+    ELEMENTS,
+    LockedCurve,
+    SlipElements,
+    load_friction,
+    locked_branches,
+    locked_course,
+    locked_curve,
+    slip_elements,
+)
 
 SPRING = LockedCurve(np.array([-1.0, 1.0]), np.array([-0.01, 0.01]))
 """100 N m/rad, without a play."""
@@ -60,3 +69,14 @@ def test_a_small_loop_inside_is_forgotten_once_it_closes() -> None:
     nested = locked_course(SPRING, elements, np.array([20.0, -20.0, 10.0, 4.0, 10.0, 20.0]))
     assert nested[-1] == pytest.approx(plain[-1], rel=1e-9)
     assert nested[4] == pytest.approx(nested[2], rel=1e-9)
+
+
+def test_load_friction_has_a_slope_each_way_in_proportion_to_the_load() -> None:
+    """T = K x (1 + mu) while the torque grows and K x (1 - mu) while it falls, and the branches meet at no torque."""
+    none = SlipElements(np.zeros(0), np.zeros(0))
+    share, most = 0.3, 10.0
+    branches = locked_branches(SPRING, none, [0.0, -most, most, -most], load_friction(share, 1e-5))
+    for (torque, turn), way in zip(branches[1:], (1.0, -1.0), strict=True):
+        for level, slope in ((-5.0, 100.0 * (1.0 + way * -share)), (5.0, 100.0 * (1.0 + way * share))):
+            order = np.argsort(torque)
+            assert np.interp(level, torque[order], turn[order]) == pytest.approx(level / slope, rel=1e-3)

@@ -657,7 +657,10 @@ def test_a_figure_of_stress_is_that_of_its_command(told, tmp_path):
     code, out, err = told("pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--json")
     assert code == 0, err
     (study,) = json.loads(out)["designs"]
-    assert list(study["figures"]) == ["pin_stress_mpa"]
+    assert list(study["figures"]) == ["pin_stress_mpa", "pin_contact_pressure_mpa", "pin_contact_safety"]
+    part = study["parts"][0]
+    assert study["figures"]["pin_contact_pressure_mpa"]["value"] == part["largest_pressure_mpa"]
+    assert study["figures"]["pin_contact_safety"]["value"] == part["safety_against_shakedown"]
     assert study["figures"]["pin_stress_mpa"]["value"] == study["parts"][0]["governing_mpa"]
     fixed = override(PIN, ["ring.pins=fixed", "load.rise_s=0.001"])
     assert figure("pin_stress_mpa").value(Reducer(fixed)) == pytest.approx(study["parts"][0]["governing_mpa"])

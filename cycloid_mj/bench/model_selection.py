@@ -1,0 +1,174 @@
+"""Choice between models of a measured loop by the Bayesian information criterion, and where a fitted one misses it."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.statistics import rms
+from cycloid_mj.base.units import DEGREE
+from cycloid_mj.bench.fit import Fitted, fit
+from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.overlay import LoopCondition
+from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, parameters
+from cycloid_mj.bench.reading import LEAPT, coulomb_of
+from cycloid_mj.bench.search import DISCREPANCY, FitProblem, Trials
+
+WRITTEN = "hysteresis"
+"""Candidate whose values the calibrated design has: friction of constant size is all that stock MuJoCo has, too."""
+
+CANDIDATES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    WRITTEN: ("constant friction and hysteresis", ("hysteresis", "hysteresis_travel")),
+    "constant": ("constant friction alone", ()),
+    "load": ("constant friction and friction in proportion to the torque", ("load_friction",)),
+}
+"""Models of a locked drive by their keys: meaning, and what is fitted in addition to the values that all have."""
+
+COMMON = tuple(key for key in DEFAULT if key not in STANDS_FOR_RUBBING)
+"""Values that all candidates have."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The fit of one model to the same loops.
+
+    Attributes
+    ----------
+    key, meaning
+        Its key in JSON, and what it is.
+    shares
+        Rms difference of each loop's deflection from the model's at the same torque, over the loop's height.
+    criterion, akaike
+        Bayesian and Akaike's information criterion; they compare with those of the other variants alone.
+    values
+        The fitted values by key, in their units.
+    """
+
+    key: str
+    meaning: str
+    shares: tuple[float, ...]
+    criterion: float
+    akaike: float
+    values: dict[str, float]
+
+
+@dataclass(frozen=True)
+class LoopStretch:
+    """How a fitted model misses one stretch of a measured loop.
+
+    Attributes
+    ----------
+    loop, stretch
+        Name of the loop, and which part of it.
+    first, last
+        Torque at which it begins and ends [N m].
+    mean, rms
+        Mean and rms of the measured deflection less the model's [rad].
+    share
+        The rms over the loop's height [1].
+    """
+
+    loop: str
+    stretch: str
+    first: float
+    last: float
+    mean: float
+    rms: float
+    share: float
+
+    @property
+    def followed(self) -> bool:
+        """Whether the model is as near as the intervals of a calibration assume (`DISCREPANCY`)."""
+        return self.share <= DISCREPANCY
+
+    @property
+    def sentence(self) -> str:
+        """Where the model is how far off, in words."""
+        side = "above" if self.mean > 0.0 else "below"
+        return (
+            f"{self.loop}, {self.stretch} from {self.first:+.3g} to {self.last:+.3g} N m: the measured deflection is "
+            f"{abs(self.mean) / DEGREE:.2g} deg {side} the fitted one in the mean, {self.share:.1%} of the height rms"
+        )
+
+
+def candidates(fits: Mapping[str, Fitted]) -> tuple[Variant, ...]:
+    """Compare the fits of `CANDIDATES` by their keys."""
+    return variants({(key, CANDIDATES[key][0]): fitted for key, fitted in fits.items()})
+
+
+def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
+    """Compare the fits of several models to the same loops, by their keys and meanings.
+
+    The model with the most values states how many residuals count as independent, for all of them: its residuals are
+    nearest to noise.
+    """
+    independent = max(fits.values(), key=lambda one: len(one.parameters)).independent
+    return tuple(
+        Variant(
+            key,
+            meaning,
+            tuple(fitted.rms(place) / loop.height for place, loop in enumerate(fitted.loops)),
+            fitted.criterion(independent),
+            fitted.akaike(independent),
+            {name.key: float(value) for name, value in zip(fitted.parameters, fitted.values, strict=True)},
+        )
+        for (key, meaning), fitted in fits.items()
+    )
+
+
+def fit_candidates(
+    model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition, trials: Trials
+) -> Iterator[tuple[str, Fitted]]:
+    """Fit each of `CANDIDATES` to loops, one after the other; values are the likeliest.
+
+    `trials` expects the fit of `WRITTEN` with intervals to follow.
+
+    Raises
+    ------
+    RunError
+        No static balance was found.
+    FitStopped
+        Ctrl-C.
+    """
+    chosen = {key: parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()}
+    problems = {key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in chosen.items()}
+    expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
+    final = problems[WRITTEN].usual_trials(intervals=True)
+    for number, (key, values) in enumerate(chosen.items(), 1):
+        trials.later = sum(list(expected.values())[number:]) + final
+        yield key, fit(model, values, loops, bench, trials, intervals=False)
+    trials.later = 0.0
+
+
+def preferred(found: Sequence[Variant]) -> Variant:
+    """Return the variant with the lowest Bayesian information criterion."""
+    return min(found, key=lambda one: one.criterion)
+
+
+def stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
+    """Split each loop into six stretches, and compare the model's deflection with the measured one in each.
+
+    On either way the torque falls off to zero, crosses the play, and loads the other side (from `LEAPT` Coulomb torques
+    on). A stretch without points is left out.
+    """
+    rows = []
+    for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
+        coulomb = coulomb_of(loop).value
+        leap = LEAPT * coulomb if np.isfinite(coulomb) else 0.0
+        for way, along in ((1, "torque rising"), (-1, "torque falling")):
+            here, carried = loop.on_the_way(way), way * loop.torque
+            for stretch, inside in (
+                ("unloading", carried < 0.0),
+                ("across the play", (carried >= 0.0) & (carried < leap)),
+                ("loading", carried >= leap),
+            ):
+                if np.any(here & inside):
+                    rows.append(_stretch(loop, turn, f"{along}, {stretch}", here & inside, way))
+    return tuple(rows)
+
+
+def _stretch(loop: MeasuredLoop, turn: Array, name: str, inside: Mask, way: int) -> LoopStretch:
+    away, torque = (loop.deflection - turn)[inside], loop.torque[inside]
+    first, last = (float(torque.min()), float(torque.max()))[::way]
+    return LoopStretch(loop.name, name, first, last, float(np.mean(away)), rms(away), rms(away) / loop.height)
