@@ -130,11 +130,9 @@ class Sigma:
     @property
     def _from_valley(self) -> Array:
         """(4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal [m]."""
-        from scipy.special import ellipeinc
-
         N, _, _, rho = self.gear.symbols
         scale, m = profile.trochoid_ellipse(self.gear)
-        elliptic = scale * ellipeinc(self.B / 2 + np.pi / 2, m)
+        elliptic = scale * profile.incomplete_elliptic(self.B / 2 + np.pi / 2, m)
         return 4 / N * (elliptic + profile.moment_arm(self.gear, self.B)) + rho * self.normal_angle
 
     @cached_property

@@ -207,11 +207,9 @@ def arc_rate(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -
 
 def arc_length(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
     """Length [m] of the outline from the valley on +y to t: an elliptic integral less offset * normal angle."""
-    from scipy.special import ellipe, ellipeinc
-
     scale, m = trochoid_ellipse(gear)
     half_phase = gear.lobes * np.asarray(t, float) / 2
-    trochoid_length = 2 * scale / gear.lobes * (ellipeinc(half_phase + np.pi / 2, m) - ellipe(m))
+    trochoid_length = 2 * scale / gear.lobes * (incomplete_elliptic(half_phase + np.pi / 2, m) - complete_elliptic(m))
     return trochoid_length - _offset(gear, offset) * normal_angle(gear, t)
 
 
@@ -231,6 +229,31 @@ def complete_elliptic(m: float) -> float:
         weight *= 2.0
         lost += weight * half**2
     return math.pi / (mean + other) * (1.0 - lost)
+
+
+def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
+    """Compute the incomplete elliptic integral of the second kind of angles [rad] and the parameter m, shape (...).
+
+    By arithmetic-geometric means and descending Landen transformations (Abramowitz & Stegun, 17.6.8 to 17.6.10). To
+    import SciPy's takes longer than most of what it is used for.
+    """
+    angle, doubled = np.array(phi, float), 1.0
+    mean, other = 1.0, math.sqrt(1.0 - m)
+    weight, lost, sines = 0.5, m / 2.0, np.zeros_like(angle)
+    while (half := (mean - other) / 2.0) > 1e-15 * mean:
+        angle = _landen(angle, other / mean)
+        mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
+        doubled, weight = 2.0 * doubled, 2.0 * weight
+        lost += weight * half**2
+        sines += half * np.sin(angle)
+    angle = _landen(angle, other / mean)
+    return angle / (doubled * (mean + other)) * (1.0 - lost) + sines
+
+
+def _landen(angle: Array, ratio: float) -> Array:
+    """Return the next angle a' of a Landen transformation, by tan(a' - a) = ratio tan(a), continuous in a [rad]."""
+    sin, cos = np.sin(angle), np.cos(angle)
+    return 2.0 * angle - np.arctan((1.0 - ratio) * sin * cos / (cos**2 + ratio * sin**2))
 
 
 def length(gear: CycloidGear, offset: float | None = None) -> float:

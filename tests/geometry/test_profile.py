@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import ellipe, ellipeinc
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import profile
@@ -321,3 +322,10 @@ def test_solve_monotone_inverts_rising_and_falling_functions_and_stays_in_its_br
     falling = profile.solve_monotone(lambda y: -cube(y), lambda y: -slope(y), -(x**3), -2, 3)
     assert np.abs(falling - x).max() < 1e-14
     assert profile.solve_monotone(cube, slope, [-50.0, 50.0], -2, 3) == pytest.approx([-2, 3], rel=1e-14)
+
+
+@pytest.mark.parametrize("m", [0.0, 1e-12, 1e-3, 0.3, 0.9, 0.9999, 1.0 - 1e-12])
+def test_elliptic_integrals_are_scipys(m: float) -> None:
+    phi = np.concatenate([np.random.default_rng(0).uniform(-200, 200, 2000), np.pi / 2 * np.arange(-50, 51), [1e-12]])
+    np.testing.assert_allclose(profile.incomplete_elliptic(phi, m), ellipeinc(phi, m), rtol=3e-15, atol=3e-14)
+    assert profile.complete_elliptic(m) == pytest.approx(ellipe(m), rel=1e-14)
