@@ -26,6 +26,7 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
+    from cycloid_mj.base.record import Run
     from cycloid_mj.dynamics.run import Contact, SampleBlock, Schedule, Solver
     from cycloid_mj.log import LogWriter
 
@@ -120,11 +121,11 @@ def simulate(
     else:
         claim(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
-        ran = run_into_log(design, names, force, progress, contact, solver)
+        ran = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
     findings = ran.judged()
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
-    outcome = _with_meaning(outcome_of(findings), findings, ran.log, page, chosen, delivery.quiet)
+    outcome = _with_meaning(outcome_of(findings), findings, ran, page, chosen, delivery.quiet)
     if not delivery.all:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
@@ -136,26 +137,27 @@ def review_of(log: Path) -> Path:
 
 
 def _with_meaning(
-    outcome: Outcome, findings: "Findings", log: Path, page: Path | None, chosen: DesignOptions, quiet: bool
+    outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
     """Have an outcome tell what the figures mean, in place of the first of each part, and what to do next."""
     from cycloid_mj.analysis import meaning
 
+    log = ran.log
     written = f"log: {log}{f'; to look at in a browser: {page}' if page else ''}"
     return replace(
         outcome,
         condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
         summary=[*meaning(findings), written, *(f"next: {words}" for words in _next(findings, log, chosen))],
-        page=lambda: _drawn(log, quiet),
+        page=lambda: _drawn(ran, quiet),
     )
 
 
-def _drawn(log: Path, quiet: bool) -> str:
+def _drawn(ran: "Ran", quiet: bool) -> str:
     from cycloid_mj.report import review_page
 
     with underway("drawing the page of the run", quiet):
-        return review_page(log)
+        return review_page(ran.log, ran.run)
 
 
 def _next(findings: "Findings", log: Path, chosen: DesignOptions) -> Iterator[str]:
@@ -185,12 +187,15 @@ class Ran:
         Time that they took, with the log [s].
     findings
         The run's judgement, or why it cannot be judged.
+    run
+        The run without its forces, if it was to be kept and can be judged.
     """
 
     log: Path
     steps: int
     wall: float
     findings: "Findings | CycloidError"
+    run: "Run | None" = None
 
     def judged(self) -> "Findings":
         """Return the findings of the run; raise LogError if it cannot be judged."""
@@ -252,6 +257,7 @@ def run_into_log(
     contact: "Contact" = "profile",
     solver: "Solver" = "mujoco",
     shown: bool = True,
+    keep_run: bool = False,
 ) -> Ran:
     """Run a design into the first log of `names` that no other run has taken meanwhile.
 
@@ -290,9 +296,11 @@ def run_into_log(
         progress.judging()
         log.flush()
         unjudged = LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
-        findings = _judgement(log, note) if shown else unjudged
-        log.close(note, attachments={} if isinstance(findings, CycloidError) else _attached(findings))
-    return Ran(log.path, plan.steps, wall, findings)
+        findings, run = _judgement(log, note) if shown else (unjudged, None)
+        attached = {} if isinstance(findings, CycloidError) else _attached(findings)
+        log.close(note, attachments=attached)
+    kept = replace(run, attachments={**run.attachments, **attached}) if run and keep_run else None
+    return Ran(log.path, plan.steps, wall, findings, kept)
 
 
 def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "LogWriter":
@@ -308,16 +316,16 @@ def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "Log
     raise taken
 
 
-def _judgement(log: "LogWriter", note: str) -> "Findings | CycloidError":
-    """Judge a log that is whole but for its end; it may have another name until it is closed."""
+def _judgement(log: "LogWriter", note: str) -> "tuple[Findings | CycloidError, Run | None]":
+    """Judge a log that lacks only its end, and return its run without forces; it may get its name when it is closed."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
     try:
-        run = read(log.path, without=(FORCES,))
-        return analyze(replace(run, complete=True, note=note), log=str(log.name))
+        run = replace(read(log.path, without=(FORCES,)), complete=True, note=note)
+        return analyze(run, log=str(log.name)), run
     except CycloidError as problem:
-        return problem
+        return problem, None
 
 
 def _attached(findings: "Findings") -> dict[str, bytes]:

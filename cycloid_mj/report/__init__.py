@@ -37,7 +37,7 @@ class ReportPage(str):
         return f'<iframe srcdoc="{escape(self)}" style="width: 100%; height: 45em; border: 0"></iframe>'
 
 
-def review_page(log: Path) -> str:
+def review_page(log: Path, run: Run | None = None) -> str:
     """Write the review of one logged run, which `report` names by the log's path; for the errors see there.
 
     Forces, most of a long run, are read of the samples alone that the page shows the mechanism in.
@@ -46,10 +46,12 @@ def review_page(log: Path) -> str:
     ----------
     log
         File of the run.
+    run
+        The run without its forces, if it was read already.
     """
     from cycloid_mj.log import read
 
-    (item,) = review({str(log): read(log, without=(FORCES,))})
+    (item,) = review({str(log): run or read(log, without=(FORCES,))})
     return _page([replace(item, shown=read(log, rows=frames(item.motion)))])
 
 

@@ -46,11 +46,11 @@ Message = tuple[str, int, bytes]
 RATE = 60.0
 """Frames per second of simulated time."""
 
-FRAMES_A_TURN = 36
-"""Frames of a run in a turn of the crank, for a replay to show which way it turns."""
+FRAMES_PER_TURN = 36
+"""Frames of a run per turn of the crank, for a replay to show which way it turns."""
 
-MOST_FRAMES = 1500
-"""Of those; a run of more turns has fewer in each."""
+MAX_FRAMES = 900
+"""Largest number of these frames, as many as a viewer shows in 15 s; a run of many turns has fewer in each."""
 
 HIGHEST_RATE = 1e5
 ROOT = "reducer"
@@ -63,11 +63,11 @@ FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 def frame_rate(reducer: Reducer) -> float:
     """Compute the frames per second [1/s] of a run: every 10 deg of crank, or ``settings.scene_rate`` if that is more.
 
-    A run of many turns has `MOST_FRAMES` of them, which bounds the size of its log.
+    A run of many turns has `MAX_FRAMES` of them, which bounds the size of its log.
     """
     design = reducer.design
-    by_angle = FRAMES_A_TURN * abs(design.drive.speed) / (2.0 * math.pi)
-    at_most = MOST_FRAMES / (design.drive.ramp + design.drive.hold)
+    by_angle = FRAMES_PER_TURN * abs(design.drive.speed) / (2.0 * math.pi)
+    at_most = MAX_FRAMES / (design.drive.ramp + design.drive.hold)
     return min(max(design.settings.scene_rate, min(by_angle, at_most)), HIGHEST_RATE)
 
 

@@ -21,6 +21,7 @@ from mcap.reader import NonSeekingReader, SeekingReader
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError
 from cycloid_mj.base.names import gears
 from cycloid_mj.base.record import Run
+from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.log import LogWriter, load, read
@@ -442,7 +443,7 @@ def test_a_replay_shows_which_way_the_crank_turns(hold):
     """At 60 frames a second it came on by 164 deg from one to the next, which looks like any other angle."""
     design = override(PRESETS["pin"], ["drive.ramp_s=0", f"drive.hold_s={hold}"])
     rate = frame_rate(Reducer(design))
-    assert rate * hold <= max(1500.0, 60.0 * hold) + 1e-6
+    assert rate * hold <= max(900.0, 60.0 * hold) + 1e-6
     if hold < 1.0:
         assert np.degrees(design.drive.speed / rate) == pytest.approx(10.0)
     assert frame_rate(Reducer(override(design, ["settings.scene_rate_hz=5000"]))) == 5000.0
@@ -529,3 +530,36 @@ def test_messages_encoded_at_once_are_those_of_the_library():
     expected = [build(row.tolist(), int(stamp)) for row, stamp in zip(values, stamps, strict=True)]
     assert encoded(build, values, stamps) == expected
     assert encoded(build, values[:0], stamps[:0]) == []
+
+
+def test_strict_readers_take_a_log_of_a_run(tmp_path):
+    """Some decoders build the messages of each file descriptor as they come, and refuse a log that goes back in time.
+
+    Every descriptor set is in topological order and complete, no channel is empty, log times do not decrease, chunks do
+    not overlap, and a second reading in the same process decodes the same number of messages.
+    """
+    changes = [flag for change in ("drive.ramp_s=0.02", "drive.hold_s=0.02") for flag in ("--set", change)]
+    command = ["simulate", "--design", "printed", "--solver", "planar", *changes, "--json", "--out", str(tmp_path)]
+    assert main([*command, "--quiet"]) == 0
+    with (tmp_path / "printed.mcap").open("rb") as stream:
+        summary = SeekingReader(stream, validate_crcs=True).get_summary()
+        for schema in summary.schemas.values():
+            described = set()
+            for file in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
+                assert set(file.dependency) <= described, (schema.name, file.name)
+                described.add(file.name)
+        counts = summary.statistics.channel_message_counts
+        assert set(counts) == set(summary.channels)
+        assert min(counts.values()) > 0
+        spans = [(chunk.message_start_time, chunk.message_end_time) for chunk in summary.chunk_indexes]
+        assert all(last <= first for (_, last), (first, _) in pairwise(sorted(spans)))
+        numbers = []
+        for _ in range(2):
+            stream.seek(0)
+            times = [message.log_time for _, _, message in NonSeekingReader(stream).iter_messages(log_time_order=False)]
+            assert all(before <= after for before, after in pairwise(times))
+            numbers.append(
+                sum(len(decoded(tmp_path / "printed.mcap", channel.topic)) for channel in summary.channels.values())
+            )
+    assert numbers == [len(times)] * 2
+    assert len(times) == summary.statistics.message_count
