@@ -1,4 +1,4 @@
-"""The pages of the documentation that are written from the code: design file, commands, Python functions."""
+"""The pages of the documentation that are generated from the code: design file, commands, Python functions."""
 
 import inspect
 import re
@@ -15,47 +15,56 @@ from cycloid_mj.cli.app import application
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import file_key, section_of, source_of, unit_of
 
-DESIGN = """# Reference: the design file
+DESIGN = """# The design file
 
-A design file is TOML. Every key is listed here with its unit, its value in the preset `pin`, what is allowed, and where
-the value comes from; `cycloid-mj design show pin` prints them as a file. A key that is left out keeps this value.
+A design file is a TOML file that describes a drive. This page lists every key with its unit, its value in the preset
+`pin`, the allowed values and the source of the value. `cycloid-mj design show pin` prints them as a file. A key that
+you leave out has the value of `pin`.
 
-Which value counts: `--set table.key=value` overrides the file for a single command, and a flag (`--load-nm`,
-`--speed-rpm`, ...) overrides both.
+`--set table.key=value` overrides the file for a single command. A flag such as `--load-nm` or `--speed-rpm` overrides
+both.
 """
 
-COMMANDS = """# Reference: the commands
+COMMANDS = """# The commands
 
-What `--help` says, in one page. Results go to stdout, progress and messages to stderr; exit code 0 is done, 1 failed,
-2 wrong usage. A design is given by its place or by `--design`. The terminal shows headline, failures and warnings of a
-result, all of it with `--all`; `--out` names the folder of its files, `--html` its page.
-`cycloid-mj --install-completion` makes the shell complete commands and flags.
+This page has the text of `--help` for every command.
+
+- Results go to stdout, progress and messages to stderr.
+- Exit codes: 0 success, 1 failure, 2 wrong usage.
+- A design is the first argument, or the value of `--design`.
+- The terminal shows the headline, failures and warnings; `--all` shows everything.
+- `--out` is the folder of the written files, `--html` writes a page.
+- `cycloid-mj --install-completion` lets your shell complete commands and flags.
 """
 
-PYTHON = """# Reference: Python
+PYTHON = """# The Python package
+
+Use the package from Python for your own studies. A short example:
 
 ```python
 import cycloid_mj as cm
 
-design = cm.load("pin", {"clearance.cam_um": 2.0})  # a preset or a file, with changes in the words of its file
+design = cm.load("pin", {"clearance.cam_um": 2.0})  # a preset or a file, with changed keys
 sheet = cm.statics(design)  # backlash, stiffness, errors, loads, capacity, losses
 print(sheet)
-print(f"{sheet.quantities['backlash'].value:.2f} arcmin of play")
+print(f"backlash {sheet.quantities['backlash'].value:.2f} arcmin")
 run = cm.simulate(cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.01, "load.torque_nm": 36.0}))
-findings = cm.analyze(run)
-print(findings)
-print(f"{findings.contact_summary.peak_force_n:.0f} N at the hardest contact")
+results = cm.analyze(run)
+print(results)
+print(f"largest contact force {results.contact_summary.peak_force_n:.0f} N")
 page = cm.report({"run": run})  # one HTML page, as text
 ```
 
-`import cycloid_mj as cm` gives the names below; each is imported when first used, and `dir(cm)` lists them alone.
-Numbers are in SI units and radians, but where a name ends in its unit. Tables, sheets and findings print as one line;
-in a notebook they show as a table, `.to_frame()` gives a `DataFrame` of pandas, or of polars, and `.plot()` a figure.
+`import cycloid_mj as cm` provides the names below. Each is imported when you first use it.
+
+- Numbers are in SI units and radians, unless a name ends in its unit.
+- Results print as one line, and as a table in a notebook.
+- `.to_frame()` returns a pandas (or polars) `DataFrame`, `.plot()` a figure.
 """
 
 
 def write(folder: Path) -> None:
-    """Write the pages into a folder, those alone that have changed."""
+    """Write the pages that have changed into a folder."""
     folder.mkdir(exist_ok=True)
     for name, text in {"design-file": design_file(), "commands": commands(), "python": python()}.items():
         page = folder / f"{name}.md"
@@ -64,26 +73,28 @@ def write(folder: Path) -> None:
 
 
 def design_file() -> str:
-    """Give the page of the design file: a table for each of its tables."""
+    """Return the page of the design file, with a table for each of its tables."""
     design = Design()
     tables = [(name, section_of(field)) for name, field in Design.model_fields.items()]
     return DESIGN + "".join(_table(name, field, getattr(design, name)) for name, field in tables if field)
 
 
 def _table(name: str, section: type[BaseModel], values: Any) -> str:
-    """Give one table of the design file; parts without a material of their own have no values of it."""
+    """Return one table of the design file; the values of an optional table are empty."""
     about = (Design.model_fields[name].description or section.__doc__ or "").strip().partition("\n")[0]
     rows = [
-        (f"`{file_key(key, field)}`", _value(field, getattr(values, key, None)), _allowed(field), *_told(field))
+        (
+            f"`{file_key(key, field)}`",
+            _value(field, getattr(values, key, None)),
+            _allowed(field),
+            str(field.description),
+            source_of(field),
+        )
         for key, field in section.model_fields.items()
     ]
-    head = "| key | in `pin` | allowed | what it is | from |\n|---|---|---|---|---|\n"
+    head = "| Key | In `pin` | Allowed | Meaning | Source |\n|---|---|---|---|---|\n"
     lines = "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in rows)
     return f"\n## {name}\n\n{about}\n\n{head}{lines}"
-
-
-def _told(field: FieldInfo) -> tuple[str, str]:
-    return str(field.description), source_of(field)
 
 
 def _value(field: FieldInfo, value: Any) -> str:
@@ -96,7 +107,7 @@ def _value(field: FieldInfo, value: Any) -> str:
 
 
 def _allowed(field: FieldInfo) -> str:
-    """Give the words or the bounds, in the unit of the file."""
+    """Return the allowed words or bounds, in the unit of the file."""
     if get_origin(field.annotation) is Literal:
         return ", ".join(f"`{word}`" for word in get_args(field.annotation))
     words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -104,23 +115,41 @@ def _allowed(field: FieldInfo) -> str:
     return ", ".join(f"{word} {unit_of(field).from_si(float(bound)):g}" for word, bound in bounds)
 
 
+UNLISTED_FLAGS = re.compile(r", --(?:no|empty)-[\w-]+(?=[`,])")
+"""Negative flags that the parser accepts and ``--help`` does not list."""
+
+DEFAULT = re.compile(r" \*\[default: (.*?)\]\*$")
+"""Default value at the end of a parameter's line."""
+
+UNSAID_DEFAULTS = {"False", "()", '""', "None"}
+"""Default values that say nothing."""
+
+
 def commands() -> str:
-    """Give the page of the commands, from their help."""
+    """Return the page of the commands, from their help."""
     text = application().generate_docs(output_format="markdown")
     body = text[text.index("\n## cycloid-mj ") :]
     # of `python -m sphinx`, under whose name the build runs, cyclopts drops the first word alone
     body = re.sub(r"^(cycloid-mj .*?)-m sphinx ", r"\1", body, flags=re.MULTILINE)
-    return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", _shown(body))
+    body = "\n".join(_parameter(line) if line.startswith("* `") else line for line in body.splitlines())
+    return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", _escape_brackets(body)) + "\n"
 
 
-def _shown(text: str) -> str:
-    """Escape what a reader of Markdown would take for HTML and leave out, as ``<design>``, but in code."""
+def _parameter(line: str) -> str:
+    """Return the line of a parameter as ``--help`` has it: listed flags, and a default value said once."""
+    line = UNLISTED_FLAGS.sub("", line)
+    default = DEFAULT.search(line)
+    return DEFAULT.sub("", line) if default and (default[1] in UNSAID_DEFAULTS or "Default:" in line) else line
+
+
+def _escape_brackets(text: str) -> str:
+    """Escape ``<``, which Markdown reads as HTML, outside of code."""
     in_code = re.compile(r"(```.*?```|`[^`\n]*`)", re.DOTALL)
     return "".join(part if k % 2 else part.replace("<", "&lt;") for k, part in enumerate(in_code.split(text)))
 
 
 def python() -> str:
-    """Give the page of the public names of the package, from their docstrings."""
+    """Return the page of the public names of the package, from their docstrings."""
     return PYTHON + "".join(_directives())
 
 

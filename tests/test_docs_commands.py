@@ -91,6 +91,8 @@ def words_of(command: str) -> list[str]:
     return shlex.split(command.split(" > ")[0], comments=True)[1:]
 
 
+FLAG = re.compile(r"(?<![\w-])--[a-z][\w-]*")
+
 whole = cache(application)
 
 
@@ -293,3 +295,19 @@ def test_the_command_reference_keeps_what_stands_in_angle_brackets(monkeypatch):
     assert "the log is DIR/&lt;design>.mcap" in page
     prose = re.sub(r"```.*?```|`[^`\n]*`", "", page, flags=re.DOTALL)
     assert not re.findall(r"<\w", prose)
+
+
+def test_the_command_reference_lists_the_flags_of_help(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    import reference
+
+    parts = re.split(r"^#{2,} cycloid-mj ", reference.commands(), flags=re.MULTILINE)[1:]
+    assert len(parts) > 40
+    for part in parts:
+        name = part.splitlines()[0]
+        listed = {flag for names in re.findall(r"^\* `([^`]+)`", part, re.MULTILINE) for flag in FLAG.findall(names)}
+        assert main([*name.split(), "--help"]) == 0
+        shown = set(FLAG.findall(capsys.readouterr().out))
+        assert listed <= shown, f"{name}: {sorted(listed - shown)}"
