@@ -1,4 +1,4 @@
-"""The drawings of the page of concepts, from the same code as every figure: nothing in them is sketched by hand."""
+"""The drawings of the page on concepts, computed by the package from the exact geometry."""
 
 import math
 from pathlib import Path
@@ -37,23 +37,26 @@ hole_radius_mm = 4.0
 radius_mm = 4.0
 """
 )
-"""Seven pins, 6:1: few enough to see each."""
+"""A reducer with seven pins (6:1), few enough to distinguish them in a drawing."""
 
-WIDTH, TEXT = 5.2, 10.0
-"""Of a drawing [in], and of its letters [pt]: small enough for a phone, on which they are shown at two thirds."""
+WIDTH, FONT_SIZE = 5.2, 10.0
+"""Width of a drawing [in] and size of its text [pt], which a phone shows at two thirds."""
+
+RATED_TORQUE = 36.68
+"""Nominal torque of the preset `pin` on its output [N m]."""
 
 ARCMIN, ARCSEC = math.pi / 10800.0, math.pi / 648000.0
 
 
 def write(folder: Path) -> None:
-    """Draw all of them into a folder, unless they are there."""
+    """Draw all drawings into a folder, except those that are there."""
     folder.mkdir(exist_ok=True)
     from matplotlib import rc_context
 
     for draw in (parts, backlash, error, play):
         path = folder / f"{draw.__name__}.svg"
         if not path.exists():
-            sizes = dict.fromkeys(("font.size", "axes.titlesize", "legend.fontsize"), TEXT)
+            sizes = dict.fromkeys(("font.size", "axes.titlesize", "legend.fontsize"), FONT_SIZE)
             with rc_context(STYLE | sizes | {"svg.fonttype": "path"}):
                 draw().savefig(path, metadata={"Date": None})
 
@@ -69,58 +72,61 @@ def parts() -> Figure:
     pin = 1e3 * gear.pin_circle_radius * profile.unit(2.0 * math.pi / 7.0)
     hole = 1e3 * FEW.output.pin_circle_radius * profile.unit(math.pi / 2.0 - turn)
     _name(axes, "ring pin,\nin its socket", pin, (1.0 * reach, 0.88 * reach))
-    _name(axes, "gear: 6 lobes\non 7 pins", centre + np.array([-14.0, -17.0]), (-1.0 * reach, -0.98 * reach))
-    _name(axes, "output pin in\na hole of the gear", hole, (1.0 * reach, -0.98 * reach))
-    _name(axes, "cam of the crank,\nbeside its axis by c", centre + np.array([-4.5, 4.5]), (-1.0 * reach, 0.88 * reach))
+    _name(axes, "cycloid disc:\n6 lobes on 7 pins", centre + np.array([-14.0, -17.0]), (-1.0 * reach, -0.98 * reach))
+    _name(axes, "output pin in\na hole of the disc", hole, (1.0 * reach, -0.98 * reach))
+    _name(axes, "eccentric cam,\neccentricity c", centre + np.array([-4.5, 4.5]), (-1.0 * reach, 0.88 * reach))
     axes.set(xlim=(-1.4 * reach, 1.4 * reach), ylim=(-1.15 * reach, 1.15 * reach))
     return figure
 
 
 def backlash() -> Figure:
-    """Draw the turn of the output over its torque at a locked crank, without friction."""
+    """Draw the rotation of the output over its torque at a locked crank, without friction."""
     reducer = Reducer(Design().but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0}))
-    rated = 36.68
-    torque = np.concatenate([-np.geomspace(rated, 1e-3, 40), np.geomspace(1e-3, rated, 40)])
+    torque = np.concatenate([-np.geomspace(RATED_TORQUE, 1e-3, 40), np.geomspace(1e-3, RATED_TORQUE, 40)])
     springs = springs_of(reducer, [0.4], friction=False)
-    turn = np.array([balanced(reducer, springs, float(one)).output_turn[0] for one in torque]) / ARCMIN
+    turn = np.array([balanced(reducer, springs, float(value)).output_turn[0] for value in torque]) / ARCMIN
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axes = figure.subplots()
     axes.plot(torque, turn, color=BLUE, linewidth=1.6)
     below, above = turn[torque < 0.0].max(), turn[torque > 0.0].min()
-    lost = np.interp([-0.03 * rated, 0.03 * rated], torque, turn)
+    lost = np.interp([-0.03 * RATED_TORQUE, 0.03 * RATED_TORQUE], torque, turn)
     axes.annotate("", (0.0, below), (0.0, above), arrowprops={"arrowstyle": "<->", "color": VERMILION})
     axes.text(-0.8, 0.1, f"backlash {above - below:.2f} arcmin", color=VERMILION, ha="right")
-    axes.hlines(lost, [-0.03 * rated, 0.03 * rated], 12.0, color=GREEN, linewidth=0.8)
+    axes.hlines(lost, [-0.03 * RATED_TORQUE, 0.03 * RATED_TORQUE], 12.0, color=GREEN, linewidth=0.8)
     axes.annotate("", (12.0, lost[0]), (12.0, lost[1]), arrowprops={"arrowstyle": "<->", "color": GREEN})
-    told = f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween +-3 % of\nthe rated torque"
-    axes.text(13.0, 0.0, told, color=GREEN, va="center")
-    slope = (np.interp(rated, torque, turn) - np.interp(0.5 * rated, torque, turn)) / (0.5 * rated)
+    label = f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween ±3 % of\nthe nominal torque"
+    axes.text(13.0, 0.0, label, color=GREEN, va="center")
+    slope = (np.interp(RATED_TORQUE, torque, turn) - np.interp(0.5 * RATED_TORQUE, torque, turn)) / (0.5 * RATED_TORQUE)
     axes.text(
         20.0, np.interp(20.0, torque, turn) + 0.1, f"stiffness {1.0 / slope:.0f} N m/arcmin", color=BLUE, ha="right"
     )
-    axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", xlim=(-rated, rated))
+    axes.set(
+        xlabel="torque on the output [N m]",
+        ylabel="rotation of the output [arcmin]",
+        xlim=(-RATED_TORQUE, RATED_TORQUE),
+    )
     return figure
 
 
 def error() -> Figure:
-    """Draw the transmission error of a reducer with displaced pins over a turn, and its orders."""
+    """Draw the transmission error of a reducer with displaced pins over a crank turn, and its orders."""
     reducer = Reducer(Design().but(errors={"pin_position": 2e-6, "seed": 3}))
     crank = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
-    found = transmission_error(reducer, crank, 36.68)[:, 1] / ARCSEC
-    found = found - found.mean()
+    error_curve = transmission_error(reducer, crank, RATED_TORQUE)[:, 1] / ARCSEC
+    error_curve = error_curve - error_curve.mean()
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     curve, orders = figure.subplots(2, 1)
-    curve.plot(np.degrees(crank), found, color=BLUE)
+    curve.plot(np.degrees(crank), error_curve, color=BLUE)
     curve.set(xlabel="crank angle [deg]", ylabel="transmission error\nof the output [arcsec]", xlim=(0.0, 360.0))
-    size = 2.0 * np.abs(np.fft.rfft(found)) / found.size
+    size = 2.0 * np.abs(np.fft.rfft(error_curve)) / error_curve.size
     orders.bar(np.arange(1, 41), size[1:41], color=[VERMILION if k == 36 else BLUE for k in range(1, 41)])
     orders.annotate("mesh order 36", (36.0, size[36]), (22.0, 0.7 * size[1:41].max()), arrowprops={"arrowstyle": "-"})
-    orders.set(xlabel="order: cycles a crank turn", ylabel="amplitude [arcsec]", xlim=(0.0, 41.0))
+    orders.set(xlabel="order: cycles per crank turn", ylabel="amplitude [arcsec]", xlim=(0.0, 41.0))
     return figure
 
 
 def play() -> Figure:
-    """Draw a pin between gear and housing, free, pressed and massless, with the clearance drawn wide."""
+    """Draw a pin between disc and socket: free, pressed and massless, with enlarged clearance."""
     figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
     free, pressed, massless = figure.subplots(1, 3)
     for axes, title, shift, gear in (
@@ -134,7 +140,7 @@ def play() -> Figure:
         fill = "none" if axes is massless else "#F3C969"
         axes.add_patch(Circle((0.0, shift), 1.0, facecolor=fill, edgecolor=ORANGE, linewidth=1.4))
         axes.text(0.0, 1.3, "socket", ha="center", color=GREY)
-        axes.text(0.0, -1.55, "gear", ha="center")
+        axes.text(0.0, -1.55, "disc", ha="center")
         axes.set(xlim=(-1.8, 1.8), ylim=(-2.9, 1.7), aspect="equal")
         axes.set_title(title, loc="center")
         axes.axis("off")
@@ -147,12 +153,12 @@ def play() -> Figure:
     return figure
 
 
-def _name(axes: Axes, text: str, at: Array, beside: tuple[float, float]) -> None:
+def _name(axes: Axes, text: str, at: Array, text_place: tuple[float, float]) -> None:
     axes.annotate(
         text,
         tuple(at),
-        beside,
+        text_place,
         ha="center",
-        fontsize=TEXT,
+        fontsize=FONT_SIZE,
         arrowprops={"arrowstyle": "-", "color": "#222222", "linewidth": 0.8, "shrinkB": 0},
     )

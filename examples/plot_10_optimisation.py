@@ -2,10 +2,10 @@
 An optimisation
 ===============
 
-The best drive in an envelope: eccentricity and pin radius of the paper's reducer for the least tooth pressure.
+Find the eccentricity and the pin radius with the lowest tooth pressure for the paper's reducer.
 
-The checks of the design are limits of their own, and what they refuse is counted. The pin circle, and so the envelope,
-stays as it is; so do the clearances, and the backlash may not grow.
+The checks of the design are additional limits; the result counts what they refuse. The pin circle and the clearances do
+not change, and the backlash may not increase.
 """
 
 import matplotlib.pyplot as plt
@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import cycloid_mj as cm
 
 design = cm.load("pin")
-found = cm.optimize(
+optimum = cm.optimize(
     design,
     vary={"gear.eccentricity_mm": (0.6, 1.1), "ring.pin_radius_mm": (1.5, 3.2)},
     minimize="pin_gear_pressure",
@@ -23,19 +23,19 @@ found = cm.optimize(
     seed=1,
     verify=False,
 )
-print(found.values(found.best), found.figures(found.best))
-print("refused:", found.refused)
+print(optimum.values(optimum.best), optimum.figures(optimum.best))
+print("refused:", optimum.refused)
 
 # %%
-# Every point that was tried, by the pressure of its teeth; those that a check or the limit refused are crosses.
+# All evaluated points, coloured by tooth pressure. Crosses are points that a check or the limit refused.
 
-places = {place: tuple(found.values(place).values()) for place in range(found.evaluations)}
-good = found.feasible
-pressure = [found.figures(place)["pin_gear_pressure"] for place in good]
+points = {number: tuple(optimum.values(number).values()) for number in range(optimum.evaluations)}
+feasible = optimum.feasible
+pressure = [optimum.figures(number)["pin_gear_pressure"] for number in feasible]
 
 figure, axes = plt.subplots(layout="constrained")
-for place in set(places) - set(good):
-    axes.plot(*places[place], "x", color="0.7")
-shown = axes.scatter(*zip(*(places[place] for place in good), strict=True), c=pressure, cmap="turbo", norm="log")
+for number in set(points) - set(feasible):
+    axes.plot(*points[number], "x", color="0.7")
+shown = axes.scatter(*zip(*(points[number] for number in feasible), strict=True), c=pressure, cmap="turbo", norm="log")
 figure.colorbar(shown, label="largest Hertz pressure of the teeth [MPa]")
 axes.set(xlabel="eccentricity [mm]", ylabel="pin radius [mm]")

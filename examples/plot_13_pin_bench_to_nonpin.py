@@ -1,11 +1,13 @@
 """
-From a measured pin drive to its nonpin twin
-============================================
+From a measured drive to its twin
+=================================
 
-Values fitted to the loops of a printed drive, by a model with pins, predict the loops of its twin by one with the
-internal gear, of which only the kind of ring is changed: beside them stand those that were measured, before run-in.
-Nothing is fitted to the twin but the zero of its deflection. Both measured drives have the internal gear, one in a
-piece, one in two halves (docs/bench.md): what is tried here is how far the kind of ring in the model matters.
+Values that are fitted to the loops of a printed drive, with ring pins in the model, predict the loops of its twin with
+an internal gear in the model. The plots compare them with measurements before run-in.
+
+Nothing is fitted to the twin except the zero of its deflection. Both real drives have an internal gear, one in one
+piece, one in two halves (docs/printed-drive.md). The example therefore shows how much the kind of ring in the model
+matters.
 """
 
 from pathlib import Path
@@ -28,17 +30,17 @@ twin = drawn.but(
     clearance={"tooth": play, "output": fitted.clearance.output},
     springs=fitted.springs.model_dump(),
 )
-found = cm.predict_loops(cm.Reducer(twin), nonpin)
+prediction = cm.predict_loops(cm.Reducer(twin), nonpin)
 for name, unit, factor in (("play", "deg", 180.0 / np.pi), ("stiffness", "N m/rad", 1.0), ("coulomb", "N m", 1.0)):
-    measured, predicted = getattr(found.measured, name), getattr(found.modelled, name)
+    measured, predicted = getattr(prediction.measured, name), getattr(prediction.modelled, name)
     print(f"{name}: predicted {factor * predicted.value:.3g} {unit}, measured {factor * measured.value:.3g} {unit}")
 
 # %%
-# The whole loops: the large one is predicted; the small one is measured half as wide, which the drawing does not tell.
+# The large loop is predicted. The small one is half as wide in reality, which the drawing does not explain.
 
 figure, axes = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
-for loop, turn, share, at in zip(nonpin, found.turns, found.shares, axes, strict=True):
-    at.plot(loop.torque, np.degrees(loop.deflection), ".", markersize=3, label="measured")
-    at.plot(loop.torque, np.degrees(turn), label=f"predicted, off by {share:.0%} of the height")
-    at.set(title=loop.name, xlabel="torque on the output [N m]", ylabel="deflection [deg]")
-    at.legend()
+for loop, turn, share, panel in zip(nonpin, prediction.turns, prediction.shares, axes, strict=True):
+    panel.plot(loop.torque, np.degrees(loop.deflection), ".", markersize=3, label="measured")
+    panel.plot(loop.torque, np.degrees(turn), label=f"predicted, rms difference {share:.0%} of the height")
+    panel.set(title=loop.name, xlabel="torque on the output [N m]", ylabel="deflection [deg]")
+    panel.legend()

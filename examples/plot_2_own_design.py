@@ -2,10 +2,10 @@
 Your own design
 ===============
 
-Change a preset, have it checked, and see where its limit is.
+Change a preset, check it, and compute the force on every tooth.
 
-A 20:1 reducer on a pin circle of 28 mm. `cm.check` says what cannot be made or will not hold, with the reason; here the
-force on every tooth over a crank turn is found by statics, with all clearances.
+The design is a 20:1 reducer. `cm.check` returns every check with its value, limit, reason and remedy. The forces over a
+crank turn come from the static model, with all clearances.
 """
 
 import matplotlib.pyplot as plt
@@ -31,15 +31,15 @@ for check in cm.check(design):
         print(check)
 
 # %%
-# The force of each pin on the gear against the crank angle: a pin carries where it can push the gear back.
+# The force of each pin on the disc over the crank angle. A pin carries where it can push against the load.
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
 reducer = cm.Reducer(design)
 springs = cm.statics.springs_of(reducer, crank, friction=False)
-found = cm.statics.loads(reducer, springs, design.load.torque, follow=True)
+result = cm.statics.loads(reducer, springs, design.load.torque, follow=True)
 
 figure, axes = plt.subplots(layout="constrained")
-shown = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), found.teeth.T, cmap="magma_r", shading="nearest")
-figure.colorbar(shown, label="force [N]")
+image = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), result.teeth.T, cmap="magma_r", shading="nearest")
+figure.colorbar(image, label="force [N]")
 axes.set(xlabel="crank angle [deg]", ylabel="number of the pin", title=f"{design.load.torque:g} N m, clearance 5 um")
 axes.set_yticks(range(1, 22, 4))

@@ -1,11 +1,12 @@
 """
-Pin against nonpin
-==================
+Ring pins or an internal gear
+=============================
 
-The paper's question: what does an internal gear in place of free pins change?
+What changes if an internal gear replaces the free ring pins?
 
-At equal clearances of 1 um a free pin has two of them, and two contacts, in series: the nonpin reducer has less play
-and is stiffer. Its transmission error is what is left of both. Statics at 36.68 N m, without friction.
+A free pin has two clearances and two contacts in series. With equal clearances of 1 um, the reducer with the internal
+gear (`nonpin`) therefore has less backlash, is stiffer, and has a smaller transmission error. Static results at
+36.68 N m, without friction.
 """
 
 import matplotlib.pyplot as plt
@@ -22,11 +23,15 @@ for name in ("pin", "nonpin"):
     design = cm.load(name)
     error = cm.statics.transmission_error(cm.Reducer(design), crank, 36.68)[:, 1] / ARCSEC
     above.plot(np.degrees(crank), error - error.mean(), label=f"{name}: {np.ptp(error):.2f} arcsec")
-    still = cm.load(name, {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0})
-    springs = cm.statics.springs_of(cm.Reducer(still), [0.4], friction=False)
-    turn = [cm.statics.loads(cm.Reducer(still), springs, float(one)).output_turn[0] / ARCMIN for one in torque]
+    standing = cm.load(name, {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0})
+    springs = cm.statics.springs_of(cm.Reducer(standing), [0.4], friction=False)
+    turn = [cm.statics.loads(cm.Reducer(standing), springs, float(value)).output_turn[0] / ARCMIN for value in torque]
     below.plot(torque, turn, label=name)
-above.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]", title="about its mean, at 36.68 N m")
-below.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", title="crank locked at 0.4 rad")
+above.set(
+    xlabel="crank angle [deg]", ylabel="transmission error [arcsec]", title="difference from the mean, at 36.68 N m"
+)
+below.set(
+    xlabel="torque on the output [N m]", ylabel="rotation of the output [arcmin]", title="crank locked at 0.4 rad"
+)
 above.legend()
 below.legend()

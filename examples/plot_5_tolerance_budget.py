@@ -2,9 +2,10 @@
 A tolerance budget
 ==================
 
-Which tolerance do I pay for? Give each dimension its own, draw samples, and see which of them the backlash hangs on.
+Which tolerance should you tighten? Assign a tolerance to each dimension, draw samples, and see which tolerances cause
+the scatter of the backlash.
 
-Every sample is balanced over a whole crank turn. 10 000 samples take less than a minute; here are 200.
+Each sample is computed over a complete crank turn. 10 000 samples take less than a minute; this example uses 200.
 """
 
 import matplotlib.pyplot as plt
@@ -23,17 +24,17 @@ design = cm.load(
         "tolerance.pin_position": "normal 1",
     },
 )
-found = cm.tolerance(design, samples=200, seed=1)
-print(f"{found.jams.mean():.1%} of them jam")
-for key, one in found.distributions.items():
-    print(f"{key:20} {one.p05:8.3f} to {one.p95:8.3f} {one.unit} in nine of ten")
+study = cm.tolerance(design, samples=200, seed=1)
+print(f"{study.jams.mean():.1%} of them jam")
+for key, spread in study.distributions.items():
+    print(f"{key:20} {spread.p05:8.3f} to {spread.p95:8.3f} {spread.unit} for nine of ten samples")
 
 # %%
-# The budget is the share of the variance that each tolerance has (Sobol indices, with their 95 % intervals).
+# The budget is the share of each tolerance in the variance (Sobol indices, with 95 % intervals).
 
 figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 6.0), layout="constrained")
-above.hist(found.figures["backlash_arcmin"], bins=25)
+above.hist(study.figures["backlash_arcmin"], bins=25)
 above.set(xlabel="backlash [arcmin]", ylabel="samples")
-sources = [share.source for share in found.budget][::-1]
-below.barh(sources, [1e2 * share.total for share in found.budget][::-1])
-below.set(xlabel="share of the variance of the backlash [%]", title="tighten the longest first")
+sources = [share.source for share in study.budget][::-1]
+below.barh(sources, [1e2 * share.total for share in study.budget][::-1])
+below.set(xlabel="share of the variance of the backlash [%]", title="tighten the largest share first")

@@ -1,11 +1,11 @@
 """
-A robot's arm with reducers
-===========================
+A robot arm with reducers
+=========================
 
-The preset `printed` on two joints of a published arm, and what its play does to a step of the elbow.
+The preset `printed` on two joints of a published arm: how its backlash changes a step of the elbow.
 
-The arm is that of Gymnasium's environment Pusher-v5 (Farama Foundation, MIT licence): seven joints like the PR2's. Each
-motor holds its own angle, as a real one does; what the play lets the elbow do, it cannot see.
+The arm is that of Gymnasium's environment Pusher-v5 (Farama Foundation, MIT licence), with seven joints like the PR2's.
+Each servo controls the angle of its motor, as a real one does. It cannot measure the motion within the backlash.
 """
 
 from importlib.util import find_spec
@@ -23,30 +23,30 @@ ASSETS = Path(find_spec("gymnasium").origin).parent / "envs" / "mujoco" / "asset
 
 
 def step_response(reduced: cm.ReducedJoint) -> np.ndarray:
-    """Step the elbow's servo; give time [s], the elbow's angle, and the motor's over the ratio [rad]."""
+    """Simulate a step of the elbow; return time [s], elbow angle, and motor angle over the ratio [rad], (3, n)."""
     spec = mujoco.MjSpec.from_file(str(ASSETS / "pusher_v5.xml"))
     spec.option.timestep = 5e-4
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
-    for actuator in [one for one in spec.actuators if one.target in JOINTS]:
+    for actuator in [each for each in spec.actuators if each.target in JOINTS]:
         spec.delete(actuator)
     for joint in JOINTS:
         servo = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         servo.set_to_position(kp=60.0, kv=6.0)
-        cm.attach_reducer(spec, joint, reduced)  # and the servo moves to the crank
+        cm.attach_reducer(spec, joint, reduced)  # this moves the servo to the crank
     model = spec.compile()
     data = mujoco.MjData(model)
     elbow, servo = data.joint(JOINTS[1]), data.actuator(JOINTS[1])
     elbow.qpos[0] = START
     reduced.settle(model, data)
-    found = []
+    samples = []
     while data.time < 3.0:
         servo.ctrl[0] = START if data.time < 0.2 else GOAL
         if reduced.level == "full":
             reduced.step(model, data)
         before = data.time, elbow.qpos[0]
         mujoco.mj_step(model, data)
-        found.append((*before, servo.length[0]))
-    return np.array(found).T
+        samples.append((*before, servo.length[0]))
+    return np.array(samples).T
 
 
 reduced = cm.reduce(cm.load("printed"))
@@ -57,6 +57,6 @@ for level, colour, width in (("rigid", "#9CCBEA", 4.0), ("backlash", "#0B2E4F", 
     below.plot(time, 60.0 * np.degrees(turned - motor), color=colour, linewidth=width)
 for stop in reduced.stops:
     below.axhline(60.0 * np.degrees(stop), color="grey", linewidth=0.7, linestyle=":")
-above.set(ylabel="elbow [deg]", title=f"{reduced.ratio:g}:1; dotted below: the stops of the play")
+above.set(ylabel="elbow [deg]", title=f"{reduced.ratio:g}:1; dotted lines below: ends of the backlash")
 above.legend()
-below.set(xlabel="time [s]", ylabel="elbow less motor [arcmin]")
+below.set(xlabel="time [s]", ylabel="elbow minus motor [arcmin]")

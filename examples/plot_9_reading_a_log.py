@@ -2,7 +2,8 @@
 Reading a log
 =============
 
-A log is one file that holds the run, its design and its model. Read one, and find the orders of what it holds.
+A log is one file that contains a run, its design and its model. This example reads a log and computes the orders of the
+transmission error.
 """
 
 import tempfile
@@ -21,18 +22,18 @@ print(run)
 print(sorted(run.attachments))
 
 # %%
-# The orders of its transmission error, once the load is on. In a turn of the crank against the gear, 35/36 of a turn,
-# each of the eight output pins comes by once: so the strongest orders are multiples of 8 x 36/35 = 8.23.
+# The orders of the transmission error under full load. Each of the eight output pins passes the eccentric once per
+# 35/36 of a crank turn. The strongest orders are therefore multiples of 8 x 36/35 = 8.23.
 
 late = run.time > 0.01
 crank = run["crank_angle"][late]
 error = (run["output_angle"][late] + crank / design.lobes) * 206264.8
-found = cm.tapered_orders(crank, error, most=60.0)
+orders = cm.tapered_orders(crank, error, most=60.0)
 
 figure, axes = plt.subplots(layout="constrained")
-axes.fill_between(found.order, found.amplitude)
+axes.fill_between(orders.order, orders.amplitude)
 for multiple in (1, 2, 3):
     order = multiple * design.output.pins * design.ring.teeth / design.lobes
-    peak = np.interp(order, found.order, found.amplitude)
+    peak = np.interp(order, orders.order, orders.amplitude)
     axes.annotate(f"{order:.2f}", (order, peak), (order + 2.0, peak))
-axes.set(xlabel="order: cycles a crank turn", ylabel="amplitude [arcsec]", title="transmission error, 36.68 N m")
+axes.set(xlabel="order: cycles per crank turn", ylabel="amplitude [arcsec]", title="transmission error, 36.68 N m")
