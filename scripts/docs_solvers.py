@@ -30,7 +30,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import witness
-from cycloid_mj.validate.rig import SETTLED, sizes, without_gravity
+from cycloid_mj.validate.rig import SETTLED, lengths, without_gravity
 
 PAGE, KEPT = DOCS / "solvers.md", DATA / "solvers.csv"
 SCRIPT = "scripts/docs_solvers.py"
@@ -79,7 +79,9 @@ Row = Mapping[str, str]
 def design_of(layout: str, load_share: float, friction: float, speed: float) -> Design:
     """Return the design of a layout at a share of its rated torque, with a tooth friction and a crank speed [rpm]."""
     preset, *changes = LAYOUTS[layout]
-    design = override(PRESETS[preset], [*witness.HELD, *without_gravity(), f"drive.speed_rpm={speed!r}", *changes])
+    design = override(
+        PRESETS[preset], [*witness.CONDITIONS, *without_gravity(), f"drive.speed_rpm={speed!r}", *changes]
+    )
     hold = SETTLED + max(60.0 * EVALUATED_TURNS / speed, MIN_EVALUATED_TIME)
     load = f"load.torque_nm={load_share * design.rated_torque!r}"
     return override(design, [load, f"friction.{design.tooth_pair}={friction!r}", f"drive.hold_s={hold!r}"])
@@ -89,7 +91,7 @@ def run_figures(reducer: Reducer, model: Model) -> Array:
     """Run a model and return its figures, in the order of `FIGURES`."""
     run = simulate(reducer.design, model)
     late = run.select(run.time >= SETTLED)
-    force_sums = (sizes(late.forces(kind)).sum(axis=1).mean() for kind in (reducer.design.tooth_pair, "output"))
+    force_sums = (lengths(late.forces(kind)).sum(axis=1).mean() for kind in (reducer.design.tooth_pair, "output"))
     return np.array([*witness.figures(reducer, run), *force_sums])
 
 

@@ -6,7 +6,7 @@ from scipy.optimize import root
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Springs
-from cycloid_mj.validate.displaced import cam_ways, exact_contacts
+from cycloid_mj.validate.displaced import cam_offsets, exact_contacts
 
 
 def pushes(reducer: Reducer, springs: Springs, z: Array) -> Array:
@@ -29,7 +29,7 @@ def cam_pushes(springs: Springs, z: Array, ways: Array) -> Array:
 
 def left_over(reducer: Reducer, springs: Springs, z: Array, forces: Array, load: Array) -> Array:
     """Compute what forces of the contacts (n,) [N], and of cams that are pressed by z [m], leave of a load (u,) [N]."""
-    ways = cam_ways(reducer, float(springs.crank[0]), z)
+    ways = cam_offsets(reducer, float(springs.crank[0]), z)
     away = np.linalg.norm(ways, axis=1)
     pressed = springs.contacts.cam_stiffness * np.maximum(away - reducer.design.clearance.cam, 0.0)
     on_cams = pressed @ cam_pushes(springs, z, -ways / np.maximum(away, 1e-15)[:, np.newaxis])

@@ -1,5 +1,6 @@
-"""One line of the validation table: a quantity, its reference, and whether they agree."""
+"""Rows of the validation table (a quantity, its reference, whether they agree) and the parts that compute them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -11,30 +12,30 @@ from cycloid_mj.base.result import Quantity
 
 
 class RowOutcome(StrEnum):
-    """What becomes of a row; its value is the word for people and programs."""
+    """Verdict on a row; the value is the word for people and programs."""
 
     PASS = "pass"
     FAIL = "fail"
-    STATED = "told"
-    """The row has no bound: it states a difference."""
+    STATED = "stated"
+    """The row has no bound; it states a difference."""
 
 
 @dataclass(frozen=True)
 class ValidationRow:
-    """A quantity held against a reference.
+    """A quantity compared with a reference.
 
     Attributes
     ----------
     measured
-        The quantity, named with its design, and its reference; its note explains a difference, where it needs that.
+        The quantity, named with its design, and its reference; a note explains a difference if necessary.
     difference
-        Of the two, in `difference_unit`.
+        Difference of the two, in `difference_unit`.
     difference_unit
-        Of `difference` and `bound`: "%", "points" of a percentage, or the quantity's unit.
+        Unit of `difference` and `bound`: "%", "points" of a percentage, or the unit of the quantity.
     bound
-        Largest difference that passes, about three times the largest that was seen; None where the row only states it.
+        Largest difference that passes, about three times the largest seen; None if the row only states a difference.
     rung
-        Name of the rung of the ladder.
+        Name of the validation step.
     """
 
     measured: Quantity
@@ -45,7 +46,7 @@ class ValidationRow:
 
     @property
     def verdict(self) -> RowOutcome:
-        """Whether the row passes; a difference that is not a number fails."""
+        """The verdict on the row; a difference that is not a number fails."""
         if self.bound is None:
             return RowOutcome.STATED
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
@@ -67,41 +68,60 @@ class ValidationRow:
         }
 
 
+@dataclass(frozen=True)
+class ValidationPart:
+    """A part of a validation step that runs on its own.
+
+    Attributes
+    ----------
+    rung
+        Name of the step.
+    rows
+        Function that returns the rows; its argument is whether to be quick.
+    cost
+        CPU time [s], quick and in full, on one core of 2026: the longest parts start first.
+    """
+
+    rung: str
+    rows: Callable[[bool], list[ValidationRow]]
+    cost: tuple[float, float]
+
+
 def relative(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Judge by |ours/reference - 1| in percent; `bound` in percent too."""
+    """Return a row judged by |ours/reference - 1|, with `bound` in percent."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
-    return ValidationRow(_compared(quantity, ours, reference, unit, source, note), float(error), "%", bound)
+    return ValidationRow(_as_quantity(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 
 
 def absolute(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Judge by |ours - reference| in `unit`; the difference of two percentages is in points."""
-    measured = _compared(quantity, ours, reference, unit, source, note)
+    """Return a row judged by |ours - reference| in `unit`; the difference of two percentages is in points."""
+    measured = _as_quantity(quantity, ours, reference, unit, source, note)
     return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
 
 def deviation(
     quantity: str, ours: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Judge many values, shape (n,), or vectors, shape (..., 2).
+    """Return a row for many values, shape (n,), or vectors, shape (..., 2).
 
-    It shows the largest size of each side and is judged by the largest difference of any two, in percent of the
-    largest reference.
+    The row shows the largest magnitude of both sides, judged by the largest difference in percent of the largest
+    reference.
     """
     size, largest, error = (float(_sizes(values).max()) for values in (ours, reference, ours - reference))
-    return ValidationRow(_compared(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
+    return ValidationRow(_as_quantity(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
 
 
-def broken(why: str) -> ValidationRow:
-    """Fail the row of a part that could not be run."""
+def failed_part(reason: str) -> ValidationRow:
+    """Return the failing row of a part that could not be run."""
     nan = float("nan")
-    return ValidationRow(_compared("could not be run", nan, nan, "", "", why), nan, "", 0.0)
+    return ValidationRow(_as_quantity("could not be run", nan, nan, "", "", reason), nan, "", 0.0)
 
 
-def _compared(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
+def _as_quantity(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
     return Quantity("", name, float(ours), unit, None, float(reference), source, note)
 
 

@@ -1,4 +1,4 @@
-"""``cycloid-mj validate``: hold the simulation against closed forms and published cases, rung by rung."""
+"""``cycloid-mj validate``: compare the simulation with closed forms and published cases."""
 
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
@@ -13,8 +13,7 @@ from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import note
 
 if TYPE_CHECKING:
-    from cycloid_mj.base.validation import ValidationRow
-    from cycloid_mj.validate.ladder import RungPart
+    from cycloid_mj.base.validation import ValidationPart, ValidationRow
 
 EXAMPLES = """Examples:
   cycloid-mj validate --quick
@@ -27,57 +26,59 @@ STEM = "validation"
 
 QuickFlag = Annotated[bool, Parameter(help="Shorter runs and fewer crank angles: under a minute on two cores.")]
 OnlyFlag = Annotated[
-    tuple[str, ...], Parameter(metavar="NAME", consume_multiple=True, help="Rungs to climb, by name. Default: all.")
+    tuple[str, ...], Parameter(metavar="NAME", consume_multiple=True, help="Names of validation steps. Default: all.")
 ]
 
 
 def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Hold the simulation against closed forms and other sources.
+    """Compare the simulation with closed forms, independent solvers and published cases.
 
-    Rows of quantity, ours, reference, source, error, bound and result (all of
-    them with --all), rung by rung: two-body, friction, mechanism, backlash, sharing,
-    cam, published, energy, steps, mirror, gravity, witness. "told" marks a row
-    without a bound, which states a difference; its reason stands below the table.
-    Exit code 1 if any row fails. Two processes at a time, unless --workers, for some minutes.
+    Steps, from simple to complex: two-body, friction, mechanism, backlash, sharing, cam,
+    published, energy, steps, mirror, gravity, witness. Failed rows are always printed,
+    all rows with --all: quantity, our value, reference, source, error, bound, result.
+    "stated" marks a row without a bound; a note explains its difference. The exit code
+    is 1 if a row fails. Takes some minutes in two processes (--workers changes that).
     """
     note("starting")
-    from cycloid_mj.validate.ladder import WORKERS, chosen
+    from cycloid_mj.life import witnesses
+    from cycloid_mj.validate.suite import WORKERS, select_parts
 
-    parts = chosen(only)
+    parts = select_parts(only, witnesses.PARTS)
     place = claimed(delivery, STEM)
     start = monotonic()
-    rows = _climbed(parts, quick, delivery.workers or WORKERS)
+    rows = _run(parts, quick, delivery.workers or WORKERS)
     return deliver(_outcome(rows, quick, monotonic() - start), place, delivery)
 
 
-def _climbed(parts: "tuple[RungPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":
-    """Run the parts and tell how far they are."""
-    from cycloid_mj.validate.ladder import climb, in_order
+def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":
+    """Run the parts with progress on stderr; return all rows."""
+    from cycloid_mj.validate.suite import run_parts, sort_rows
 
-    start, whole = monotonic(), sum(part.cost[not quick] for part in parts)
-    done, climbed = 0.0, []
-    for number, rows in climb(parts, quick, workers):
-        climbed.append((number, rows))
-        done += parts[number].cost[not quick]
-        left = seconds_left(start, done / whole)
-        note(f"{len(climbed)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
-    return in_order(climbed)
+    start, total = monotonic(), sum(part.cost[not quick] for part in parts)
+    done, finished = 0.0, []
+    for index, rows in run_parts(parts, quick, workers):
+        finished.append((index, rows))
+        done += parts[index].cost[not quick]
+        left = seconds_left(start, done / total)
+        note(f"{len(finished)} of {len(parts)} parts finished, last {parts[index].rung!r}; about {left:.0f} s left")
+    return sort_rows(finished)
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     from cycloid_mj.base.frame import framed
     from cycloid_mj.base.validation import RowOutcome
-    from cycloid_mj.validate.ladder import RUNGS
+    from cycloid_mj.validate.suite import STEP_NAMES
 
-    numbers = {rung: number for number, rung in enumerate(RUNGS, start=1)}
-    climbed = dict.fromkeys(row.rung for row in rows)
+    numbers = {name: number for number, name in enumerate(STEP_NAMES, start=1)}
+    steps = dict.fromkeys(row.rung for row in rows)
     counts = {each: sum(row.verdict == each for row in rows) for each in RowOutcome}
     failed = [_line(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
     table = [row.as_json() for row in rows]
     return Outcome(
-        title="validation: " + ", ".join(f"{numbers[rung]} {rung}" for rung in climbed),
+        title="validation: " + ", ".join(f"{numbers[name]} {name}" for name in steps),
         failures=[
-            f"{name}: {ours}, {source}: {reference}; off by {off}" for name, ours, reference, source, off, *_ in failed
+            f"{name}: {ours}, {source}: {reference}; difference {off}"
+            for name, ours, reference, source, off, *_ in failed
         ],
         summary=[f"{', '.join(f'{count} {each}' for each, count in counts.items())}; {wall:.0f} s"],
         tables=[Table("every row", HEADER, tuple(_line(numbers[row.rung], row) for row in rows))],
@@ -94,12 +95,12 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
 
 def _line(number: int, row: "ValidationRow") -> tuple[str, ...]:
     """Format a row as text; the bound is in the error's unit."""
-    one = row.measured
+    quantity = row.measured
     return (
-        f"{number} {one.name}",
-        f"{one.value:.5g} {one.unit}".strip(),
-        f"{one.reference:.5g}",
-        one.source,
+        f"{number} {quantity.name}",
+        f"{quantity.value:.5g} {quantity.unit}".strip(),
+        f"{quantity.reference:.5g}",
+        quantity.source,
         f"{row.difference:.2g} {row.difference_unit}".strip(),
         "" if row.bound is None else f"{row.bound:.3g}",
         row.verdict,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.units import RPM
-from cycloid_mj.base.validation import ValidationRow, relative
+from cycloid_mj.base.validation import ValidationPart, ValidationRow, relative
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.life import rolling
@@ -60,7 +60,7 @@ KPSI = 1e3 * POUND / INCH**2
 
 
 def bearing_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the ratings of needle cages, and the cam bearing of a published two-disc drive."""
+    """Compare ratings of needle cages, and the cam bearing of a two-disc drive, with published values."""
     rows = [relative(f"C of {cage}", cage.rating(), cage.dynamic, "N", CATALOGUE, 5.0) for cage in CAGES]
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
     gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
@@ -75,7 +75,7 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
 
 
 def fatigue_rows(quick: bool) -> list[ValidationRow]:
-    """Hold Goodman's line and the endurance limit against worked problems of Shigley, 8th edition.
+    """Compare Goodman's line and the endurance limit with worked problems of Shigley, 8th edition.
 
     7-1: bending 600 +- 500 lbf in (amplitude and mean), torsion 400 and 300, K_f 2.2, K_fs 1.8, S_e 30, S_ut 100 kpsi,
     safety 2. 7-2: SAE 2340, 1226 MPa, machined, 22 mm, turning.
@@ -93,3 +93,7 @@ def fatigue_rows(quick: bool) -> list[ValidationRow]:
         relative("Goodman, a shaft of 1.073 in", fatigue.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
         relative("endurance limit, SAE 2340", limit / 1e6, 375.0, "MPa", source.format("7-2", 179), 1.0),
     ]
+
+
+PARTS = tuple(ValidationPart("published", rows, (0.1, 0.1)) for rows in (bearing_rows, fatigue_rows))
+"""The parts of `cycloid-mj validate` of this package."""

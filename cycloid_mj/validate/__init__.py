@@ -1,5 +1,5 @@
-"""The ladder of `cycloid-mj validate`: what the simulation gives, held against closed forms and published cases.
+"""The validation steps of `cycloid-mj validate`: simulation results compared with closed forms and published cases.
 
-Each module is a rung and gives rows of *quantity, ours, reference, source, error, bound*; `ladder` runs them. The
-references stand on `profile`, `envelope` and `statics` alone, never on the collider.
+Each module is one step and returns rows of *quantity, ours, reference, source, error, bound*; `suite` runs them. The
+references use `profile`, `envelope` and `statics` only, never the collider.
 """

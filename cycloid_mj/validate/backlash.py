@@ -1,7 +1,7 @@
-"""Rung 3, the gear's backlash at a locked crank: 2 delta/(c (N-1)), for each kind of ring.
+"""Validation step "backlash": rotation of the disc at a locked crank, 2 delta/(c (N-1)), for each kind of ring.
 
-A small torque turns the gear from one stop to the other. delta is the normal clearance of the teeth; for free pins
-that of the sockets comes on top. The cam has next to no clearance, the output's is too large to touch.
+A small torque turns the disc from one stop to the other. delta is the normal clearance of the teeth; for free pins
+that of the sockets is added. The cam has almost no clearance, the output so much that it does not touch.
 """
 
 import mujoco
@@ -13,12 +13,13 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
 
 TORQUE = 0.01
-"""Torque that holds the gear at its stop [N m]: it presses the teeth in by less than a thousandth of a clearance."""
-_TRAVEL, _SETTLE, _STOPS = 2000, 250, 8
+"""Torque that presses the disc against its stop [N m]; it deflects the teeth by less than 0.1 % of a clearance."""
+_TRAVEL_STEPS, _SETTLE_STEPS, _HALTS = 2000, 250, 8
+"""Time steps to reach the stop, time steps between two halts, and number of halts."""
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     return [_row(kind) for kind in KINDS]
 
 
@@ -33,33 +34,33 @@ def _row(kind: str) -> ValidationRow:
         "settings.timestep_us=2.0",
     )
     reducer = Reducer(design)
-    low, high = stops(reducer)
-    measured, closed = 1e6 * (high - low), 1e6 * expected(reducer, kind)
+    low, high = stop_angles(reducer)
+    measured, closed = 1e6 * (high - low), 1e6 * closed_form_backlash(reducer, kind)
     series = " + delta of the sockets" if kind == FREE else ""
     return relative(f"backlash of the gear, {kind}", measured, closed, "urad", f"2 delta/(c (N-1)){series}", 0.5)
 
 
-def expected(reducer: Reducer, kind: str) -> float:
+def closed_form_backlash(reducer: Reducer, kind: str) -> float:
     """Compute the backlash [rad]: the largest arm of a contact about the gear's centre is c (N-1)."""
     design = reducer.design
-    room = design.clearance
-    delta = {FREE: room.pin_gear + room.pin_socket, NONPIN: room.tooth}.get(kind, room.pin_gear)
+    clearance = design.clearance
+    delta = {FREE: clearance.pin_gear + clearance.pin_socket, NONPIN: clearance.tooth}.get(kind, clearance.pin_gear)
     return 2.0 * delta / (design.gear.eccentricity * design.lobes)
 
 
-def stops(reducer: Reducer) -> tuple[float, float]:
-    """Compute the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
+def stop_angles(reducer: Reducer) -> tuple[float, float]:
+    """Compute the angles of the disc [rad] at its stops, clockwise and counter-clockwise."""
     compiled = build(reducer.design)
-    return stop(compiled, -TORQUE), stop(compiled, TORQUE)
+    return turn_to_stop(compiled, -TORQUE), turn_to_stop(compiled, TORQUE)
 
 
-def stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
-    """Turn gear or output to its stop by a torque [N m] and give its angle; it settles by being halted now and then."""
+def turn_to_stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
+    """Turn disc or output to its stop by a torque [N m]; return its angle [rad]. Halts make it settle."""
     data = mujoco.MjData(compiled.model)
     data.joint(joint).qfrc_applied[0] = torque
     with installed():
-        mujoco.mj_step(compiled.model, data, _TRAVEL)
-        for _ in range(_STOPS):
+        mujoco.mj_step(compiled.model, data, _TRAVEL_STEPS)
+        for _ in range(_HALTS):
             data.qvel[:] = 0.0
-            mujoco.mj_step(compiled.model, data, _SETTLE)
+            mujoco.mj_step(compiled.model, data, _SETTLE_STEPS)
     return float(data.joint(joint).qpos[0])

@@ -1,8 +1,8 @@
-"""Rung 5, the full load of the cam: ring, output pins, weight and inertia of the gear.
+"""Validation step "cam": the full load of the cam, from ring, output pins, weight and inertia of the disc.
 
-The ideal reducer (next to no clearance, no friction, stiff cam) is held against `statics.cam_force`: first slowly
-under load, then at rated speed under so little load that inertia and weight are a large share. Then the design as it
-is: the logged forces on the gear must add up to its mass, from its solid, times its acceleration by the closed form.
+The ideal reducer (almost no clearance, no friction, stiff cam) is compared with `ideal_loads.cam_force`: first slowly
+under load, then at rated speed under so little load that inertia and weight are a large share. For the real design the
+logged forces on the disc must equal its mass times its acceleration by the closed form.
 """
 
 import numpy as np
@@ -27,13 +27,15 @@ IDEAL = [
     "settings.timestep_us=2.0",
 ]
 RADIAL_BOUND = 1.5
-"""Percent; the radial load is a fifth of the tangential one, whose ripple leaves 0.62 % of it in the mean."""
+"""Allowed error [%]: the ripple of the tangential load, five times as large, leaves 0.62 % in the mean."""
 STIFF_CAM = 2e11
+"""Stiffness of an ideal cam [N/m]."""
 SETTLED = 0.008
+"""Time at which the load is applied and its transient has decayed [s]."""
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     return [_slow_row(quick), *_fast_rows(quick), *_rated_rows()]
 
 
@@ -47,7 +49,7 @@ def _slow_row(quick: bool) -> ValidationRow:
 
 
 def _fast_rows(quick: bool) -> list[ValidationRow]:
-    """One turn at rated speed: the mean force along, across and beside the eccentric's turning, and in space."""
+    """Compare the mean radial force in the rotating frame and the mean upward force, over one turn at rated speed."""
     design = reducer_of(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
     )
@@ -74,25 +76,25 @@ def _rated_rows() -> list[ValidationRow]:
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
     body = body_force(reducer, crank, run["crank_speed"])
     balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - body
-    # The gear's vibration has no mean in the turning frame.
-    ours, held = (np.mean(_turning(force, crank), axis=0, keepdims=True) for force in (cam, balance))
+    # The vibration of the disc has zero mean in the rotating frame.
+    ours, balanced = (np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam, balance))
     ideal = statics_load(reducer, crank, body)
     return [
-        deviation("load of the cam, rated, free pins", ours, held, "N", "m (g - a), ring, output, logged", 0.01),
+        deviation("load of the cam, rated, free pins", ours, balanced, "N", "m (g - a), ring, output, logged", 0.01),
         relative(
             "load of the cam, rated, free pins",
-            float(rig.sizes(cam).mean()),
-            float(rig.sizes(ideal).mean()),
+            float(rig.lengths(cam).mean()),
+            float(rig.lengths(ideal).mean()),
             "N",
             "ideal, closed form",
             None,
-            "clearance and the cam's give shift the load to pins farther from the pitch point; friction adds its share",
+            "clearance and cam compliance shift the load to pins farther from the pitch point; friction adds to it",
         ),
     ]
 
 
 def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.0)) -> Array:
-    """Compute the closed form of the cam's force on the gear [N], shape (n, 2), under a `force` [N] on its centre."""
+    """Compute the ideal force of the cam on the disc [N], shape (n, 2), with a `force` [N] on the disc."""
     design = reducer.design
     gear, torque, output = tooth_profile(design), design.load.torque, design.output
     ring = ideal_loads.ideal_load_sharing(gear, torque, crank)
@@ -101,7 +103,7 @@ def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.
 
 
 def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
-    """Compute the gear's weight less its mass times its ideal acceleration [N], shape (n, 2)."""
+    """Compute the weight of the disc less its mass times its ideal acceleration [N], shape (n, 2)."""
     design = reducer.design
     mass = mass_properties(gear_solid(reducer)).mass
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
@@ -109,7 +111,7 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
-    reducer = rig.changed(
+    reducer = rig.with_changes(
         reducer,
         f"drive.speed_rpm={rpm!r}",
         f"drive.hold_s={SETTLED + duration!r}",
@@ -122,7 +124,7 @@ def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
     return run.select(run.time >= run.time[-1] - duration)
 
 
-def _turning(force: Array, crank: Array) -> Array:
-    """Compute forces (n, 2) along the eccentric and across it."""
+def _in_crank_frame(force: Array, crank: Array) -> Array:
+    """Transform forces (n, 2) to the directions along and across the eccentricity."""
     cos, sin = np.cos(crank), np.sin(crank)
     return np.stack([force[:, 1] * cos - force[:, 0] * sin, -force[:, 0] * cos - force[:, 1] * sin], axis=-1)

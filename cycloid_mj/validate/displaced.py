@@ -1,6 +1,6 @@
-"""Exact geometry of displaced parts, any number of discs: gaps by search along the curves, and how their springs press.
+"""Exact geometry of displaced parts with any number of discs: gaps by search along the curves, and spring forces.
 
-The witness of ``reducer``: it takes from there only what the unknowns mean and how stiff a contact is.
+The reference for ``reducer``; it takes from there only the meaning of the unknowns and the contact stiffness.
 """
 
 from dataclasses import dataclass
@@ -16,15 +16,15 @@ from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
 
-_STEP = 1e-8
-"""Of a difference [m]."""
+_DIFFERENCE_STEP = 1e-8
+"""Step of finite differences [m]."""
 
-_ROUNDS, _IMBALANCE = 30, 1e-6
-"""Most steps to a balance, and the largest force that may be left over, as a share of the load."""
+_MAX_STEPS, _RESIDUAL_RTOL = 30, 1e-6
+"""Maximum number of Newton steps, and largest residual force relative to the load."""
 
 
 def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose:
-    """Return the pose of a disc's teeth at departures z [m]: those of disc d mesh as a gear d/D of a turn ahead."""
+    """Return the pose of the teeth of a disc at displacements z [m]; disc d of D is d/D of a turn ahead."""
     gear, ahead = reducer.tooth_profile, crank + phase_of(reducer, disc)
     x, y, turn = z[3 * disc : 3 * disc + 3]
     angle = float(kinematics.gear_rotation(gear, ahead)) + turn / reducer.design.output.pin_circle_radius
@@ -32,15 +32,15 @@ def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose
 
 
 def phase_of(reducer: Reducer, disc: int) -> float:
-    """Compute how far a disc's eccentric is ahead of the first one's [rad]."""
+    """Compute the angle of the eccentric of a disc from that of the first disc [rad]."""
     return 2.0 * np.pi * disc / reducer.design.gear.discs
 
 
-def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
-    """Find what an observer on the ring sees of parts in the workshop: the crank's angle [rad], and the unknowns z [m].
+def in_ring_frame(reducer: Reducer, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
+    """Transform a pose from the fixed frame to the ring: the crank angle [rad] and the unknowns z [m].
 
-    The workshop has the crank at an angle [rad], each disc beside its ideal place by a shift [m], seen from the ring,
-    shape (D, 2), and by a turn [rad], shape (D,); and the output, carrier or ring, turned on by an angle [rad].
+    In the fixed frame the crank is at an angle [rad]; each disc departs from its ideal pose by a shift [m], in the axes
+    of the ring, shape (D, 2), and a turn [rad], shape (D,); the output (carrier or ring) by an angle [rad].
     """
     design = reducer.design
     ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
@@ -56,13 +56,13 @@ def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, outp
 def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
     """Compute the gaps of pins or arcs, disc after disc, then those of output pins [m], at the unknowns of ``reducer``.
 
-    All pins are `aside` of their places [m]; what a pin gives way by is not in its gap.
+    All pins are shifted by `aside` [m]. The play of a pin in its socket is not part of its gap.
     """
     return exact_contacts(reducer, crank, z, aside)[0]
 
 
 def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
-    """Compute what `exact_gaps` does, shape (n,), and the gradients of these gaps [1], shape (n, u)."""
+    """Compute the gaps of `exact_gaps` [m], shape (n,), and their gradients [1], shape (n, u)."""
     sides = [
         side(reducer, crank, z, disc)
         for side in (partial(_teeth, aside=aside), _holes)
@@ -72,7 +72,7 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | floa
 
 
 def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
-    """Compute the gaps of pins or arcs to a disc [m] and their gradients: moved along its normal, it closes one."""
+    """Compute the gaps of pins or arcs to a disc [m] and their gradients; motion along the normal closes a gap."""
     gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + aside
     mesh = pin_gaps(gear, pose, pins, flanks_of(reducer))
@@ -92,12 +92,12 @@ def _holes(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, 
     turn, out = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
     holes, pins = rotate(around + reducer.deviations.hole_place[disc], turn), rotate(around, out)
     between = pins - holes - pose_of(reducer, crank, z, disc).centre
-    apart = np.linalg.norm(between, axis=1)
-    push, slopes = between / apart[:, np.newaxis], np.zeros((output.pins, z.size))
+    distance = np.linalg.norm(between, axis=1)
+    push, slopes = between / distance[:, np.newaxis], np.zeros((output.pins, z.size))
     slopes[:, 3 * disc : 3 * disc + 2] = push
     slopes[:, 3 * disc + 2] = _moment(holes, push) / output.pin_circle_radius
     slopes[:, -1] = -_moment(pins, push) / output.pin_circle_radius
-    return output.hole_radius + reducer.design.clearance.output - output.pin_radius - apart, slopes
+    return output.hole_radius + reducer.design.clearance.output - output.pin_radius - distance, slopes
 
 
 def _moment(arms: Array, forces: Array) -> Array:
@@ -105,35 +105,35 @@ def _moment(arms: Array, forces: Array) -> Array:
     return np.asarray(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0])
 
 
-def cam_ways(reducer: Reducer, crank: float, z: Array) -> Array:
-    """Compute the way of each disc's centre from its cam's [m], shape (D, 2)."""
+def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
+    """Compute the offset of the centre of each disc from that of its cam [m], shape (D, 2)."""
     design = reducer.design
-    errors, ways = reducer.deviations, []
+    errors, offsets = reducer.deviations, []
     for disc in range(design.gear.discs):
         out = kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
-        ways.append(z[3 * disc : 3 * disc + 2] - errors.eccentricity * out - rotate(errors.cam_place[disc], crank))
-    return np.array(ways)
+        offsets.append(z[3 * disc : 3 * disc + 2] - errors.eccentricity * out - rotate(errors.cam_place[disc], crank))
+    return np.array(offsets)
 
 
 @dataclass(frozen=True)
 class DisplacedSprings:
-    """Springs on exact gaps at one crank angle, under no friction.
+    """Springs on exact gaps at one crank angle, without friction.
 
     Attributes
     ----------
     design
-        Seen from its ring.
+        The design, in the frame of its ring.
     crank
-        From the ring [rad].
+        Crank angle relative to the ring [rad].
     stiffness
-        Of the contacts [N/m], shape (n,), in the order of `exact_gaps`.
+        Stiffness of the contacts [N/m], shape (n,), in the order of `exact_gaps`.
     cam_stiffness
-        Of each cam [N/m].
+        Stiffness of each cam [N/m].
     play
-        By which each contact gives way first [m], shape (n,).
+        Free travel of each contact [m], shape (n,).
     bending
-        Of the output pins by a force at each disc, along the pushes there [m/N], (D, D); the diagonal, which is in
-        `stiffness`, is 0; None where no disc bends the pins for another.
+        Compliance of the output pins under a force at each disc, along these forces [m/N], shape (D, D); the diagonal
+        is part of `stiffness` and is 0 here. None if no disc bends the pins of another.
     """
 
     design: Design
@@ -144,12 +144,12 @@ class DisplacedSprings:
     bending: Array | None
 
     def contacts(self, z: Array) -> tuple[Array, Array]:
-        """Compute the gaps of contacts, then of cams [m], where a contact that gives way has done so; and gradients."""
+        """Compute the gaps of contacts after their free travel, then of cams [m], and the gradients of both."""
         gaps, slopes = exact_contacts(Reducer(self.design), self.crank, z)
-        ways = cam_ways(Reducer(self.design), self.crank, z)
-        out, of_cams = np.linalg.norm(ways, axis=1), np.zeros((len(ways), z.size))
-        for disc, way in enumerate(ways):
-            of_cams[disc, 3 * disc : 3 * disc + 2] = -way / (out[disc] or 1.0)
+        offsets = cam_offsets(Reducer(self.design), self.crank, z)
+        out, of_cams = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), z.size))
+        for disc, offset in enumerate(offsets):
+            of_cams[disc, 3 * disc : 3 * disc + 2] = -offset / (out[disc] or 1.0)
         cams = self.design.clearance.cam - out
         return np.concatenate([gaps + self.play, cams]), np.concatenate([slopes, of_cams])
 
@@ -169,11 +169,11 @@ class DisplacedSprings:
             first = self.stiffness.size - discs * pins
             for pin in range(pins):
                 of_pin = first + pin + pins * np.arange(discs)
-                force[of_pin] = _shared(gaps[of_pin], np.diag(1.0 / self.stiffness[of_pin]) + self.bending)
+                force[of_pin] = _pin_forces(gaps[of_pin], np.diag(1.0 / self.stiffness[of_pin]) + self.bending)
         return force
 
     def energy(self, z: Array) -> float:
-        """Compute the energy of contacts, cams and bent pins [J]: half of each force times what its gap closes by."""
+        """Compute the energy of contacts, cams and bent pins [J]: half the sum of force times penetration."""
         gaps = self.gaps(z)
         return float(-0.5 * self._forces_at(gaps) @ gaps)
 
@@ -183,27 +183,32 @@ class DisplacedSprings:
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Compute where a load (u,) [N] is balanced [m], by the stiffness at a start near there.
+        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps; return its pose [m].
+
+        The stiffness matrix is that of the start, which has to be near.
 
         Raises
         ------
         RunError
-            That leads to no balance.
+            The steps do not converge.
         """
         z, pushed = start, self.push(start)
-        stiffness = np.stack([(pushed - self.push(start + way)) / _STEP for way in _STEP * np.eye(z.size)], axis=1)
-        for _ in range(_ROUNDS):
-            left = load + self.push(z)
-            if np.abs(left).max() < _IMBALANCE * np.abs(load).max():
+        stiffness = np.stack(
+            [(pushed - self.push(start + shift)) / _DIFFERENCE_STEP for shift in _DIFFERENCE_STEP * np.eye(z.size)],
+            axis=1,
+        )
+        for _ in range(_MAX_STEPS):
+            residual = load + self.push(z)
+            if np.abs(residual).max() < _RESIDUAL_RTOL * np.abs(load).max():
                 return z
-            z = z + np.linalg.solve(stiffness, left)
-        raise RunError(f"no balance on exact gaps: {np.abs(left).max():.3g} N are left over")
+            z = z + np.linalg.solve(stiffness, residual)
+        raise RunError(f"no equilibrium on exact gaps: the residual force is {np.abs(residual).max():.3g} N")
 
 
-def _shared(gaps: Array, flexible: Array) -> Array:
-    """Compute the forces on one pin [N], shape (D,), at the gaps that it has while straight [m], shape (D,).
+def _pin_forces(gaps: Array, flexible: Array) -> Array:
+    """Compute the forces on one pin [N], shape (D,), from the gaps of the unbent pin [m], shape (D,).
 
-    Of all sets of contacts it is the one that holds: those in it press, f >= 0, the bent gap of the others is >= 0.
+    Solves the linear complementarity problem by enumeration: closed contacts have f >= 0, open ones a gap >= 0.
     """
     discs = gaps.size
     for code in range(2**discs):
@@ -213,9 +218,11 @@ def _shared(gaps: Array, flexible: Array) -> Array:
         bent = gaps + flexible @ force
         if np.all(force >= 0.0) and np.all(bent[~closed] >= 0.0):
             return force
-    raise RunError("no forces hold a bent output pin: its flexibility is not positive")
+    raise RunError(
+        "no set of contacts of a bent output pin is in equilibrium: its compliance matrix is not positive definite"
+    )
 
 
-def held_back(force: Array, stretch: Array, limit: Array, stick: npt.ArrayLike) -> Array:
-    """Compute the force of springs that slip [N] after a stretch [m], from what they held: at most their limit."""
+def slip_force(force: Array, stretch: Array, limit: Array, stick: npt.ArrayLike) -> Array:
+    """Compute the force of springs that slip at a limit [N], after a stretch [m], from their force before."""
     return np.clip(force + np.asarray(stick) * stretch, -limit, limit)

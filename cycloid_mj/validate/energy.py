@@ -1,9 +1,9 @@
-"""Rung 7, energy: what goes in comes out, is lost in contacts, or is stored; over ramp and hold, at every step.
+"""Validation step "energy": conservation of energy over ramp and hold, evaluated at every time step.
 
     input work = output work + friction + normal forces (damping, and elastic energy) + change of kinetic and
     potential energy
 
-The last row has no friction and a load that comes on with a jolt: there damping is the only loss.
+The last row has no friction and a sudden load, so that damping is the only loss.
 """
 
 from dataclasses import dataclass
@@ -32,28 +32,28 @@ class EnergyBalance:
     stored: float
 
     @property
-    def accounted(self) -> float:
-        """Everything that the input work went to [J]."""
+    def total_output(self) -> float:
+        """Sum of delivered, dissipated and stored energy [J], equal to the input work."""
         return self.delivered + self.friction + self.normal + self.stored
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """List the row of one kind of ring."""
-    course = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
-    works = balance(_logged_at_every_step(kind, *course))
+    """Return the row of one kind of ring."""
+    cycle = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
+    works = balance(_logged_at_every_step(kind, *cycle))
     source = "output + friction + normal + stored"
-    return [relative(f"input work, {kind}", works.supplied, works.accounted, "J", source, 1e-5)]
+    return [relative(f"input work, {kind}", works.supplied, works.total_output, "J", source, 1e-5)]
 
 
 def idle_rows(quick: bool) -> list[ValidationRow]:
-    """List the row of free pins without a load, which leave the walls of their sockets and meet the edges."""
+    """Return the row of unloaded free pins, which leave the walls of their sockets and touch the edges."""
     works = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
     source = "friction + normal + stored"
-    return [relative(f"input work, idle {FREE}", 1e3 * works.supplied, 1e3 * works.accounted, "mJ", source, 1e-3)]
+    return [relative(f"input work, idle {FREE}", 1e3 * works.supplied, 1e3 * works.total_output, "mJ", source, 1e-3)]
 
 
 def jolt_rows(quick: bool) -> list[ValidationRow]:
-    """List the row of a load with a jolt: the work of the normal forces."""
+    """Return the row of a sudden load: the work of the normal forces."""
     jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
     works = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
     missing = works.supplied - works.delivered - works.stored
@@ -62,10 +62,10 @@ def jolt_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _logged_at_every_step(kind: str, *changes: str) -> Run:
-    """Run at the step that is chosen, and log each."""
+    """Simulate with the automatic time step and log every step."""
     design = reducer_of(kind, *changes)
     reducer = Reducer(design)
-    return simulate(rig.changed(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
+    return simulate(rig.with_changes(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
 
 
 def balance(run: Run) -> EnergyBalance:

@@ -1,11 +1,11 @@
-"""The static pose of a loaded reducer at a locked crank: an independent solution of what the simulation settles to.
+"""Static equilibrium of a loaded reducer at a locked crank: an independent reference for the settled simulation.
 
-Parts are rigid, contacts are springs that only push, at the exact gaps; without friction and inertia the pose has the
-least elastic energy less the work of the load. Where the stiffness of a tooth contact follows its curvature, the
-forces are no gradient of an energy: then their balance is solved, from the pose of least energy at uniform stiffness.
+Parts are rigid, contacts are unilateral springs at the exact gaps. Without friction and inertia the pose minimises the
+elastic energy less the work of the load. If the stiffness of a tooth contact depends on its curvature, the forces are
+not the gradient of an energy; the equilibrium is then solved from the pose of least energy at uniform stiffness.
 
-The unknowns z [m] are the departures from the ideal pose: gear x, y and turn, turn of the output (both times the
-radius of the output pins), and x, y of every free pin or sleeve.
+The unknowns z [m] are displacements from the ideal pose: x, y and rotation of the disc, rotation of the output (both
+times the radius of the output pins), and x, y of every free pin or sleeve.
 """
 
 from collections.abc import Mapping
@@ -29,30 +29,30 @@ from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flanks_of,
 from cycloid_mj.validate.stiffness import tooth_stiffness
 
 _SCALE = 1e-6
-"""Unit of length of the search [m]: poses depart from the ideal one by micrometres."""
-_DESCENTS = 100
-"""Most steps down the energy; the balance is solved from there."""
+"""Unit of length of the solver [m]: displacements are of the order of micrometres."""
+_MAX_DESCENT_STEPS = 100
+"""Maximum number of minimisation steps; the equilibrium is solved from there."""
 Method = Literal["trust-exact", "trust-ncg"]
 _METHODS: tuple[Method, ...] = ("trust-exact", "trust-ncg")
-"""Ways down the energy: where nothing holds a pin the matrix is singular, and what factors it may stop on the way."""
-_IMBALANCE = 1e-4
-"""Largest residual of the balance, as a share of the load."""
+"""Minimisers, tried in this order: with an unsupported pin the Hessian is singular, on which the first may stop."""
+_RESIDUAL_RTOL = 1e-4
+"""Largest residual force relative to the load."""
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """The solution at one crank angle.
+    """The equilibrium at one crank angle.
 
     Attributes
     ----------
     gear_turn, output_turn
-        Angles of gear and output less the ideal ones [rad].
+        Rotations of disc and output from their ideal angles [rad].
     ring_forces
-        Forces of the ring's pins or lobes on the gear [N], shape (N, 2).
+        Forces of the ring pins or ring lobes on the disc [N], shape (N, 2).
     cam_force
-        Force of the cam on the gear [N], shape (2,).
+        Force of the cam on the disc [N], shape (2,).
     departures
-        The unknowns z [m], shape (unknowns,): a start for a like problem.
+        The unknowns z [m], shape (unknowns,); initial guess for a similar problem.
     """
 
     gear_turn: float
@@ -63,7 +63,7 @@ class Equilibrium:
 
 
 @dataclass(frozen=True, eq=False)
-class Locked:
+class LockedReducer:
     """A reducer whose crank is locked.
 
     Attributes
@@ -71,17 +71,17 @@ class Locked:
     design, gear
         The design and its ideal mesh.
     stiffness
-        Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
+        Contact stiffness of each kind of pair [N/m]; for teeth that of a pin on a flat.
     crank
         Crank angle [rad].
     load
         Generalised force on each unknown [N], shape (unknowns,).
     roots
-        Roots of an internal gear that the gear may touch.
+        Roots of an internal gear that the disc may touch.
     flanks
-        The gear's, with their modification.
-    made
-        Departures of the parts from the design.
+        Flanks of the disc with their modification.
+    deviations
+        Manufacturing errors of the parts.
     """
 
     design: Design
@@ -91,11 +91,11 @@ class Locked:
     load: Array
     roots: Integers
     flanks: Flanks
-    made: Deviations
+    deviations: Deviations
 
     @property
     def has_moving_pins(self) -> bool:
-        """Whether the pins' places are unknown."""
+        """True if the positions of the pins are unknowns."""
         return self.load.size > 4
 
     def pose(self, z: Array) -> GearPose:
@@ -110,16 +110,16 @@ class Locked:
 
 @dataclass(frozen=True)
 class PairSprings:
-    """Springs of one kind at one pose; n of them.
+    """The n springs of one kind of pair at one pose.
 
     Attributes
     ----------
     gap, stiffness
-        [m] and [N/m], shape (n,).
+        Gaps [m] and stiffnesses [N/m], shape (n,).
     slope
-        Derivative of the gaps by the unknowns [1], shape (n, unknowns).
+        Gradient of the gaps with respect to the unknowns [1], shape (n, unknowns).
     push
-        Direction of the force, on the gear (of a socket: on its pin), shape (n, 2).
+        Direction of the force on the disc (for a socket: on its pin), shape (n, 2).
     """
 
     gap: Array
@@ -129,46 +129,46 @@ class PairSprings:
 
     @property
     def force(self) -> Array:
-        """Sizes of the forces [N], shape (n,)."""
+        """Magnitudes of the forces [N], shape (n,)."""
         return -self.stiffness * np.minimum(self.gap, 0.0)
 
 
 def solve(
     reducer: Reducer, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
 ) -> Equilibrium:
-    """Solve for the pose at which contacts and load balance.
+    """Solve for the pose at which contact forces and load are in equilibrium.
 
     Parameters
     ----------
     reducer
         The reducer; the load is that of a positive crank speed.
     stiffness
-        Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
+        Contact stiffness of each kind of pair [N/m]; for teeth that of a pin on a flat.
     crank
         Crank angle [rad], counter-clockwise.
     start
-        Solution under a similar load at a near crank angle, to begin from; where that leads nowhere, it is not used.
+        Initial guess: an equilibrium under a similar load at a nearby crank angle; ignored if it does not converge.
 
     Raises
     ------
     RunError
-        No balance was found.
+        The solver did not converge.
     """
-    locked = _locked(reducer, stiffness, crank)
-    allowed = _IMBALANCE * np.abs(locked.load).max()
+    locked = _lock_crank(reducer, stiffness, crank)
+    allowed = _RESIDUAL_RTOL * np.abs(locked.load).max()
     if start is not None:
-        z, residual = _balanced(locked, start.departures)
+        z, residual = _solve_balance(locked, start.departures)
         if residual < allowed:
             return _solution(locked, z)
     for method in _METHODS:
-        z, residual = _balanced(locked, _least_energy(locked, method))
+        z, residual = _solve_balance(locked, _least_energy(locked, method))
         if residual < allowed:
             return _solution(locked, z)
-    raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
+    raise RunError(f"no static equilibrium at crank angle {crank:.4f} rad: the residual force is {residual:.3g} N")
 
 
-def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
-    """Compute the pose [m] at which forces balance, sought from another, and the largest force left over [N]."""
+def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
+    """Solve for the pose [m] of equilibrium from an initial guess; return it and the largest residual force [N]."""
 
     def imbalance(x: Array) -> Array:
         return _imbalance(locked, _SCALE * x)
@@ -177,8 +177,8 @@ def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
     return _SCALE * np.asarray(solution.x), float(np.abs(solution.fun).max())
 
 
-def _least_energy(locked: Locked, method: Method) -> Array:
-    """Compute the pose [m] of least energy at uniform stiffness, as far as a method finds it."""
+def _least_energy(locked: LockedReducer, method: Method) -> Array:
+    """Minimise the energy at uniform stiffness; return the pose [m]."""
 
     def slope(x: Array) -> Array:
         return -_imbalance(locked, _SCALE * x, uniform=True)
@@ -191,12 +191,12 @@ def _least_energy(locked: Locked, method: Method) -> Array:
 
     start = np.zeros(locked.load.size)
     minimum = minimize(
-        energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": _DESCENTS}
+        energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": _MAX_DESCENT_STEPS}
     )
     return _SCALE * np.asarray(minimum.x)
 
 
-def _locked(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> Locked:
+def _lock_crank(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
     design = reducer.design
     gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
@@ -205,29 +205,29 @@ def _locked(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> L
         roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
     load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    return Locked(design, gear, stiffness, crank, load, roots, flanks_of(reducer), reducer.deviations)
+    return LockedReducer(design, gear, stiffness, crank, load, roots, flanks_of(reducer), reducer.deviations)
 
 
-def _energy(locked: Locked, z: Array) -> float:
-    """Elastic energy at uniform stiffness less the work of the load [J]."""
+def _energy(locked: LockedReducer, z: Array) -> float:
+    """Compute the elastic energy at uniform stiffness less the work of the load [J]."""
     springs = _springs(locked, z, True).values()
     elastic = sum(0.5 * np.sum(s.stiffness * np.minimum(s.gap, 0.0) ** 2) for s in springs)
     return float(elastic - locked.load @ z)
 
 
-def _imbalance(locked: Locked, z: Array, uniform: bool = False) -> Array:
-    """Generalised forces of springs and load [N], shape (unknowns,)."""
+def _imbalance(locked: LockedReducer, z: Array, uniform: bool = False) -> Array:
+    """Compute the generalised residual force of springs and load [N], shape (unknowns,)."""
     pushes = [s.slope.T @ s.force for s in _springs(locked, z, uniform).values()]
     return np.asarray(locked.load + np.sum(pushes, axis=0))
 
 
-def _stiffness_matrix(locked: Locked, z: Array) -> Array:
-    """Stiffness of the closed springs [N/m], shape (unknowns, unknowns); their turning with the pose is left out."""
+def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
+    """Compute the stiffness matrix of the closed springs [N/m], shape (unknowns, unknowns), at fixed directions."""
     closed = [(s.slope[s.gap < 0], s.stiffness[s.gap < 0]) for s in _springs(locked, z, True).values()]
     return np.asarray(np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed], axis=0))
 
 
-def _solution(locked: Locked, z: Array) -> Equilibrium:
+def _solution(locked: LockedReducer, z: Array) -> Equilibrium:
     springs = _springs(locked, z, False)
     ring, cam = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
@@ -237,27 +237,27 @@ def _solution(locked: Locked, z: Array) -> Equilibrium:
     return Equilibrium(z[2] / lever, z[3] / lever, forces, cam_force, z)
 
 
-def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, PairSprings]:
+def _springs(locked: LockedReducer, z: Array, uniform: bool) -> dict[str, PairSprings]:
     return _springs_at(locked, z.tobytes(), uniform)
 
 
-@lru_cache(maxsize=1)  # energy, balance and stiffness ask for them at the same pose
-def _springs_at(locked: Locked, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
+@lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
+def _springs_at(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
     z = np.frombuffer(pose)
     springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
     return springs | {"socket": _sockets(locked, z)} if locked.has_moving_pins else springs
 
 
-def _mesh(locked: Locked, z: Array) -> NearestPoints:
+def _mesh(locked: LockedReducer, z: Array) -> NearestPoints:
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
         return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
-    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.made.pin_place
+    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_place
     moved = centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else centres
     return pin_gaps(locked.gear, pose, moved, locked.flanks)
 
 
-def _ring(locked: Locked, z: Array, uniform: bool) -> PairSprings:
+def _ring(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
     mesh, pose, design = _mesh(locked, z), locked.pose(z), locked.design
     count, n = mesh.distance.size, mesh.normals
     slope = np.zeros((count, z.size))
@@ -265,7 +265,7 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> PairSprings:
     slope[:, 2] = -np.sum(n * _quarter_turn(mesh.places - pose.centre), axis=1) / design.output.pin_circle_radius
     if locked.has_moving_pins:
         slope[:, 4:] = (np.eye(count)[:, :, np.newaxis] * n[:, np.newaxis, :]).reshape(count, -1)
-    clearance = profile_offset(design) - locked.gear.pin_radius - locked.made.pin_radius[mesh.owner]
+    clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[mesh.owner]
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
@@ -273,10 +273,10 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> PairSprings:
     return PairSprings(mesh.distance + clearance, stiffness, slope, -n)
 
 
-def _sockets(locked: Locked, z: Array) -> PairSprings:
-    """Seats of pins and sleeves, sockets as whole circles: under a load pins lie on the walls or carry nothing.
+def _sockets(locked: LockedReducer, z: Array) -> PairSprings:
+    """Compute the springs of pins and sleeves in their seats, with sockets as full circles.
 
-    What carries nothing has no place of its own, and through an opening the search would lose it.
+    Under load pins rest on the walls or carry nothing; an unloaded pin could leave an open socket during the search.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
@@ -285,28 +285,28 @@ def _sockets(locked: Locked, z: Array) -> PairSprings:
     slope[:, 4:] = (np.eye(len(shift))[:, :, np.newaxis] * -outward[:, np.newaxis, :]).reshape(len(shift), -1)
     kind = "pin_sleeve" if locked.design.ring.has_sleeves else "pin_socket"
     stiffness = np.full(len(shift), locked.stiffness[kind])
-    larger = locked.made.pin_radius if locked.design.ring.has_sockets else 0.0
+    larger = locked.deviations.pin_radius if locked.design.ring.has_sockets else 0.0
     return PairSprings(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
 
 
 def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
-    """Compute how far pins or sleeves are from their seats.
+    """Compute the distance of pins or sleeves from their seats.
 
-    The nearest point of a socket's arc is straight ahead of the pin, or where the socket ends.
+    The nearest point of the arc of a socket is in the direction of the shift, or at the edge of the socket.
 
     Parameters
     ----------
     reducer
-        Which pins or sleeves they are, of the radius that is drawn.
+        The reducer; pins and sleeves have their nominal radius.
     shift
-        Of each from the middle of its seat [m], shape (n, 2).
+        Shift of each pin from the centre of its seat [m], shape (n, 2).
 
     Returns
     -------
     gap
         Shape (n,) [m].
     outward
-        Unit vectors towards what is nearest, shape (n, 2).
+        Unit vectors towards the nearest point, shape (n, 2).
     """
     design = reducer.design
     ring, distance = design.ring, np.linalg.norm(shift, axis=1)
@@ -324,9 +324,9 @@ def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     return np.where(np.abs(ahead) > wall, size - ring.pin_radius, design.pin_play - distance), outward
 
 
-def _cam(locked: Locked, z: Array) -> PairSprings:
+def _cam(locked: LockedReducer, z: Array) -> PairSprings:
     away = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
-    from_cam = z[:2] - locked.made.eccentricity * away
+    from_cam = z[:2] - locked.deviations.eccentricity * away
     distance = np.linalg.norm(from_cam)
     inward = -from_cam / max(distance, np.finfo(float).tiny)
     slope = np.zeros((1, z.size))
@@ -335,11 +335,11 @@ def _cam(locked: Locked, z: Array) -> PairSprings:
     return PairSprings(gap, np.array([locked.stiffness["cam"]]), slope, inward[np.newaxis])
 
 
-def _output(locked: Locked, z: Array) -> PairSprings:
-    """Output pins in the gear's holes; a pin pushes its hole outwards, along the line of centres."""
+def _output(locked: LockedReducer, z: Array) -> PairSprings:
+    """Compute the springs of output pins in the holes of the disc; a pin pushes its hole along the line of centres."""
     output, pose = locked.design.output, locked.pose(z)
     start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
-    on_gear, pins = rotate(start + locked.made.hole_place[0], pose.angle), rotate(start, locked.angle(z[3]))
+    on_gear, pins = rotate(start + locked.deviations.hole_place[0], pose.angle), rotate(start, locked.angle(z[3]))
     between = pins - pose.centre - on_gear
     distance = np.linalg.norm(between, axis=1)
     push = between / distance[:, np.newaxis]
@@ -347,8 +347,8 @@ def _output(locked: Locked, z: Array) -> PairSprings:
     slope[:, :2] = push
     slope[:, 2] = np.sum(push * _quarter_turn(on_gear), axis=1) / output.pin_circle_radius
     slope[:, 3] = -np.sum(push * _quarter_turn(pins), axis=1) / output.pin_circle_radius
-    room = output.hole_radius + locked.design.clearance.output - output.pin_radius
-    return PairSprings(room - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
+    play = output.hole_radius + locked.design.clearance.output - output.pin_radius
+    return PairSprings(play - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
 
 
 def _quarter_turn(vectors: Array) -> Array:

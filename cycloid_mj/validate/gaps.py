@@ -1,8 +1,8 @@
-"""Gaps of the mesh in any pose near the ideal one, by search over points of the curves; nothing is from `contact`.
+"""Gaps of the mesh near the ideal pose by search over points of the curves, independent of `contact`.
 
-The gear is the inward parallel of its trochoid, so the gap of a point of the ring, offset outwards by the pin radius,
-is its signed distance from the trochoid and the clearance. Where its flanks are modified, they have a trochoid of their
-own, which waves may move, and may be turned. Lengths [m], angles [rad]; rotations counter-clockwise.
+The disc is the inward parallel curve of its trochoid, so the gap of a point of the ring, offset outwards by the pin
+radius, is its signed distance from the trochoid plus the clearance. Modified flanks have a trochoid of their own, which
+can be rotated and have waves. Lengths [m], angles [rad]; rotations counter-clockwise.
 """
 
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ Indices = Integers
 
 _SAMPLES_PER_LOBE = 200
 _SAMPLES_PER_ROOT = 400
-_NEWTON_ROUNDS, _NEWTON_STEP = 8, 1e-10
-"""Most rounds, and the step [rad] after which the next would be lost in rounding: convergence is quadratic."""
+_MAX_NEWTON_ATOLS, _NEWTON_ATOL = 8, 1e-10
+"""Maximum number of steps, and the step [rad] at which iteration stops: convergence is quadratic."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,16 @@ class GearPose:
     angle: float
 
     def to_gear(self, points: Array) -> Array:
-        """Compute points (n, 2) of the ring's frame in the gear's."""
+        """Transform points (n, 2) from the frame of the ring to that of the disc."""
         return rotate(points - self.centre, -self.angle)
 
 
 @dataclass(frozen=True)
 class Flanks:
-    """Flanks as made: those of the `gear` that they are generated for, at `offset` [m] from its trochoid.
+    """Manufactured flanks, generated for `gear` at an `offset` [m] from its trochoid.
 
-    They are turned by `rotation` [rad] towards the middle of their lobes, >= 0. Their trochoid stands back by `waves`:
-    orders k, cycles in a turn, with the amplitudes [m] of cos(k t) and sin(k t).
+    They are rotated by `rotation` >= 0 [rad] towards the middle of their lobes. `waves` lists the orders k (cycles per
+    turn) by which the trochoid is set back, with the amplitudes [m] of cos(k t) and sin(k t).
     """
 
     gear: CycloidGear
@@ -61,7 +61,7 @@ def flanks_of(reducer: Reducer) -> Flanks:
 
 @dataclass(frozen=True)
 class NearestPoints:
-    """Where gear and ring are nearest; n places.
+    """The n pairs of nearest points of disc and ring.
 
     Attributes
     ----------
@@ -103,12 +103,12 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
     """
     tree, samples = _samples(gear)
     t = samples[tree.query(points)[1]]
-    for _ in range(_NEWTON_ROUNDS):
+    for _ in range(_MAX_NEWTON_ATOLS):
         first, second = profile.trochoid_derivatives(gear, t)
         lead = profile.trochoid(gear, t) - points
         step = _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
         t = t - step
-        if np.abs(step).max(initial=0.0) < _NEWTON_STEP:
+        if np.abs(step).max(initial=0.0) < _NEWTON_ATOL:
             break
     normals = profile.normals(gear, t)
     return _dot(points - profile.trochoid(gear, t), normals), normals, t
@@ -132,11 +132,11 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute what `trochoid_distance` gives, of the trochoid that stands back by the flanks' waves."""
+    """Compute distance, normal and parameter as `trochoid_distance`, for the trochoid set back by the waves."""
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
         return distance, normals, t
-    for _ in range(_NEWTON_ROUNDS):
+    for _ in range(_MAX_NEWTON_ATOLS):
         path, first = _path(flanks, t)
         lead, second = path - points, profile.trochoid_derivatives(flanks.gear, t)[1]
         t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
@@ -146,7 +146,7 @@ def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute the points [m] of the trochoid that stands back by w(t), T - w n, and its derivative, (n, 2) each."""
+    """Compute the points T - w n [m] of the trochoid set back by w(t), and their derivative, shape (n, 2) each."""
     gear = flanks.gear
     back, slope = np.zeros(t.shape), np.zeros(t.shape)
     for order, cosine, sine in flanks.waves:
@@ -196,7 +196,7 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
+    """Compute the gap of every arc of the internal gear, and every local minimum of the gap inside some `roots`.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
     within the fan of its normals, |alpha| <= asin(c N / E). `flanks` if they are modified.
@@ -210,7 +210,7 @@ def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks 
 
 
 def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
-    """Points [m] of Sigma in roots `root` at phases B, offset outwards by the pin radius, ring frame: (..., 2)."""
+    """Compute points [m] of Sigma in roots `root` at phases B, offset outwards by the pin radius; shape (..., 2)."""
     flank = envelope.Sigma(gear, B)
     surface = flank.points + gear.pin_radius * unit(flank.normal_angle)
     return rotate(surface, -profile.pin_angles(gear)[root])
@@ -239,7 +239,7 @@ def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks
 
 
 def _parabola(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
-    """Where the parabolas through three points each have their minimum."""
+    """Compute the position of the minimum of parabolas through three points each."""
     left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
     return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
 

@@ -1,7 +1,7 @@
-"""Rung 2, friction: a block and a cylinder on an incline, with the parameters of a pin on the gear.
+"""Validation step "friction": a block and a cylinder on an incline, with the contact parameters of a pin on the disc.
 
-The incline is made by tilting gravity; both bodies touch the plane at one point. The block cannot turn. Below
-Coulomb's limit friction is proportional to the sliding speed (creep), so that what sticks moves by that speed.
+The incline is a tilted gravity; both bodies touch the plane at one point. The block cannot rotate. Below Coulomb's
+limit friction is proportional to the sliding speed, so that a sticking contact creeps.
 """
 
 import math
@@ -46,7 +46,7 @@ class Descent:
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     law = pair_law()
     low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
     stuck, sliding = descent(law, low, False), descent(law, high, False)
@@ -85,7 +85,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def pair_law() -> ContactParameters:
-    """Compute the law of a pin on the gear for a body of `MASS`."""
+    """Compute the contact law of a pin on the disc for a body of `MASS`."""
     design = Reducer(PRESETS["pin"]).at_rated_load
     friction = design.design.friction.pin_gear
     creep = friction * design.contacts["pin_gear"].force / CREEP_SPEED
@@ -94,7 +94,7 @@ def pair_law() -> ContactParameters:
 
 
 def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
-    """Let a block, or a cylinder that `turns`, go down an incline of `angle` [rad] from rest for 20 ms."""
+    """Simulate a block, or a cylinder that `turns`, on an incline of `angle` [rad] from rest for 20 ms."""
     model = incline(law, angle, turns)
     data = mujoco.MjData(model)
     data.joint("y").qpos[0] = -MASS * GRAVITY * math.cos(angle) / law.stiffness
@@ -108,7 +108,7 @@ def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
 
 def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
     """Return the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
-    model = _compiled("", angle, turns)
+    model = _compile_model("", angle, turns)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]
     parameters = solver_parameters(law, float(sum(model.body_invweight0[body, 0] for body in bodies)))
     pair = _PAIR.format(
@@ -118,10 +118,10 @@ def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
         solreffriction=_words(parameters.solreffriction),
         solimp=_words(parameters.solimp),
     )
-    return _compiled(pair, angle, turns)
+    return _compile_model(pair, angle, turns)
 
 
-def _compiled(pair: str, angle: float, turns: bool) -> Any:
+def _compile_model(pair: str, angle: float, turns: bool) -> Any:
     text = _BODY.format(
         timestep=TIMESTEP,
         along=GRAVITY * math.sin(angle),

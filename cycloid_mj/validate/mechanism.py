@@ -1,6 +1,6 @@
-"""Rung 3 also: what ``reducer`` states of gaps, stops and balance, against exact curves and a search.
+"""Validation step "mechanism": gaps, stops and equilibrium of ``reducer`` against exact curves and a search.
 
-Without a simulation. The designs have every clearance, manufacturing error and modification, so that no sign is idle.
+No simulation. The designs have every clearance, manufacturing error and modification, so that every sign matters.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,8 +25,8 @@ from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import gap
 from cycloid_mj.validate import equilibrium, rig
-from cycloid_mj.validate.balance import NEAR, way
-from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop, pose_of
+from cycloid_mj.validate.balance import NEAR, random_pose
+from cycloid_mj.validate.displaced import cam_offsets, exact_gaps, in_ring_frame, pose_of
 from cycloid_mj.validate.gaps import rotate
 from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
 
@@ -34,9 +34,9 @@ CRANK = 1.9
 """A crank angle with no symmetry [rad]."""
 
 TURN = (1.9, 3.1, 5.2)
-"""Crank angles of the balances [rad]."""
+"""Crank angles of the equilibria [rad]."""
 
-MADE = (
+ERRORS = (
     "errors.hole_position_um=1.0",
     "errors.eccentricity_um=1.5",
     "errors.seed=4",
@@ -45,24 +45,29 @@ MADE = (
     "modification.rotation_arcsec=4.0",
     "drive.speed_rpm=1.0",
 )
-PINS = ("errors.pin_position_um=1.0", "errors.pin_radius_um=0.5")
-ROOM = ("clearance.pin_gear_um=4.0", "clearance.tooth_um=4.0", "clearance.cam_um=3.0", "clearance.output_um=5.0")
+PIN_ERRORS = ("errors.pin_position_um=1.0", "errors.pin_radius_um=0.5")
+WIDE_CLEARANCES = (
+    "clearance.pin_gear_um=4.0",
+    "clearance.tooth_um=4.0",
+    "clearance.cam_um=3.0",
+    "clearance.output_um=5.0",
+)
 UNIFORM = 'contact.stiffness_law="uniform"'
 
 THREE_DISCS = ("gear.discs=3",)
-"""Unlike two they are no half turn apart: a disc ahead on the crank is not where one behind would be."""
+"""Unlike two discs they distinguish a phase ahead on the crank from one behind."""
 
-WAY = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
-"""A pose that the parts are displaced to: the unknowns of ``reducer.gaps`` [m]."""
+POSE = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
+"""A displaced pose: the unknowns of ``reducer.gaps`` [m]."""
 
-FAR_WAY = np.array([20e-6, -12e-6, 100e-6, -80e-6])
-"""A pose farther away, with turns that count to the second order [m]."""
+FAR_POSE = np.array([20e-6, -12e-6, 100e-6, -80e-6])
+"""A pose with rotations large enough for second-order effects [m]."""
 
-ASIDE = np.array([2e-6, 1e-6])
-"""By how much pins are displaced [m]."""
+PIN_SHIFT = np.array([2e-6, 1e-6])
+"""Displacement of the pins [m]."""
 
 FRICTION = 0.1
-"""Coefficient of friction where there is any: of all pairs."""
+"""Coefficient of friction of all pairs in the cases with friction."""
 
 SEARCH = "static solution by scipy"
 
@@ -70,62 +75,64 @@ SEARCH = "static solution by scipy"
 def design_with_errors(kind: str, *changes: str) -> Design:
     """Return a design with errors and modification, without friction and gravity."""
     free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
-    return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
+    return reducer_of(kind, *ERRORS, *(() if kind == NONPIN else PIN_ERRORS), *free, *changes)
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
-    """Hold the gaps of displaced parts against exact curves."""
-    design = design_with_errors(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
+    """Compare the gaps of displaced parts with exact curves."""
+    design = design_with_errors(
+        kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
+    )  # corners have no second derivative
     reducer = Reducer(design)
     springs = springs_of(reducer, CRANK, friction=False).contacts
-    width = np.array([gap(springs, 0, i, WAY).width for i in range(springs.disc.size)])
-    exact = exact_gaps(reducer, CRANK, WAY)
+    width = np.array([gap(springs, 0, i, POSE).width for i in range(springs.disc.size)])
+    exact = exact_gaps(reducer, CRANK, POSE)
     return [deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", "exact curves", 0.08)]
 
 
 def hole_rows() -> list[ValidationRow]:
-    """Hold the gaps of output pins in holes, far displaced, against exact circles: finite turns show there."""
+    """Compare the gaps of far displaced output pins with exact circles, which show the effect of finite rotations."""
     reducer = Reducer(design_with_errors(FIXED))
     springs, teeth = springs_of(reducer, CRANK, friction=False).contacts, reducer.design.ring.teeth
-    width = np.array([gap(springs, 0, i, FAR_WAY).width for i in range(teeth, springs.disc.size)])
-    exact, source = exact_gaps(reducer, CRANK, FAR_WAY)[teeth:], "exact circles"
+    width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])
+    exact, source = exact_gaps(reducer, CRANK, FAR_POSE)[teeth:], "exact circles"
     return [deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3)]
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
-    """Hold the distances that the collider finds in the model against exact gaps of the same pose.
+    """Compare the distances computed by the collider with exact gaps of the same pose.
 
-    Three discs and the output are displaced, and pins and sleeves by ``ASIDE``.
+    Three discs and the output are displaced, pins and sleeves by ``PIN_SHIFT``.
     """
     tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
     errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
     design = design_with_errors(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
     compiled, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
-    data, z = mujoco.MjData(compiled.model), way(3 * design.gear.discs + 1, NEAR)
+    data, z = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, NEAR)
     for joint, value in _joints(reducer, z).items():
         data.joint(joint).qpos[0] = value
     for pin in mechanism(design).pins:
-        data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = ASIDE
+        data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
     with installed():
         mujoco.mj_forward(compiled.model, data)
-    number = {frozenset(compiled.model.geom(one).id for one in (pair.on, pair.by)): pair for pair in compiled.pairs}
-    mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
-    # a pin may lie between both edges of its socket: the deeper one is its distance
+    pair_of = {frozenset(compiled.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in compiled.pairs}
+    mating = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
+    # a pin may touch both edges of its socket: the deeper contact is its distance
     by_pair = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
     ours = np.array([by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
-    exact, teeth = exact_gaps(reducer, CRANK, z, ASIDE if moving else 0.0), design.gear.discs * larger.size
+    exact, teeth = exact_gaps(reducer, CRANK, z, PIN_SHIFT if moving else 0.0), design.gear.discs * larger.size
     if design.ring.has_massless_pins:
         exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
-    seat = equilibrium.seats(reducer, np.tile(ASIDE, (larger.size, 1)))[0]
+    seat = equilibrium.seats(reducer, np.tile(PIN_SHIFT, (larger.size, 1)))[0]
     seat -= larger if design.ring.has_sockets else 0.0
-    cams = design.clearance.cam - np.linalg.norm(cam_ways(reducer, CRANK, z), axis=1)
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, CRANK, z), axis=1)
     depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
     return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
 
 
 def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
-    """Compute what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
+    """Compute the joint positions of crank, discs and output at the unknowns z [m]."""
     turned = float(kinematics.gear_rotation(reducer.tooth_profile, CRANK)) + z / reducer.design.output.pin_circle_radius
     read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
     for disc, gear in enumerate(reducer.gears):
@@ -135,19 +142,19 @@ def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
 
 
 def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
-    """Hold the balance of springs at crank angles [rad] against the independent static solution."""
+    """Compare the equilibrium of springs at crank angles [rad] with the independent static solution."""
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
     rated = reducer.at_rated_load
     stiffness = {pair: rated.contacts[pair].stiffness for pair in rated.design.pair_kinds}
     contact_loads = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
     solved = [equilibrium.solve(reducer, stiffness, crank) for crank in turn]
-    cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))
-    # An arc and a flank that close as one patch are one spring here, and up to two in the search.
+    cam, output = (np.array([getattr(solution, name) for solution in solved]) for name in ("cam_force", "output_turn"))
+    # An arc and a flank in one contact patch are one spring here, and up to two in the search.
     bounds = (3.0, 0.05) if kind == NONPIN else (0.01, 0.01)
     forces = []
     if kind != NONPIN:
-        exact = np.array([rig.sizes(one.ring_forces) for one in solved]).ravel()
+        exact = np.array([rig.lengths(solution.ring_forces) for solution in solved]).ravel()
         forces = [deviation(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact, "N", SEARCH, 0.08)]
     return [
         *forces,
@@ -159,27 +166,28 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
 
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
-    """Hold the work of the cams over a small turn, with friction, against that of the load and of all sliding."""
-    rubs = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
+    """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts."""
+    frictions = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
-    design = reducer_of(FIXED, *rubs, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
+    design = reducer_of(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     reducer = Reducer(design)
     gear, springs = tooth_profile(design), springs_of(reducer, TURN)
     contact_loads, speed = loads(reducer, springs, rig.RATED_LOAD), design.drive.speed
     turned = np.add.outer(TURN, phases(design))
-    going = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
+    velocity = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
     slow, pressed = speed / gear.lobes, np.linalg.norm(contact_loads.cam, axis=2)
     driven = (
-        np.sum(contact_loads.cam * going, axis=(1, 2)) - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
+        np.sum(contact_loads.cam * velocity, axis=(1, 2))
+        - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
     )
-    rubbed = FRICTION * np.sum(
+    friction_power = FRICTION * np.sum(
         np.concatenate([contact_loads.teeth, contact_loads.output], axis=1) * np.abs(springs.slip), axis=1
     )
     return [
         deviation(
             f"power through friction, {name}",
             1e3 * driven,
-            1e3 * (rig.RATED_LOAD * slow + rubbed),
+            1e3 * (rig.RATED_LOAD * slow + friction_power),
             "mW",
             "load and sliding",
             0.1,
@@ -188,74 +196,74 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
 
 
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Hold the room of the best fit against the least exact gap of parts that stand in the workshop as it tells."""
-    design = design_with_errors(FIXED, *ROOM, *changes)
+    """Compare the play of the best fit with the smallest exact gap of parts placed as it says."""
+    design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
     fit = best_fit(reducer, CRANK)
-    seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
-    cams = design.clearance.cam - np.linalg.norm(cam_ways(reducer, seen, z), axis=1)
+    seen, z = in_ring_frame(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, seen, z), axis=1)
     least = np.array([min(*cams, *exact_gaps(reducer, seen, z))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
     return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * least, "um", "exact curves", bound)]
 
 
-def aside_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
+def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
+    """Compare the exact gaps of free pins to the nearest disc with those to their sockets."""
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, teeth = best_fit(reducer, CRANK), design.ring.teeth
-    seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    seen, z = in_ring_frame(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
     moved = np.any(fit.pin_shift, axis=1)
     of_discs = exact_gaps(reducer, seen, z, fit.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
     ahead = of_discs.min(axis=0)[moved]
     behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[moved]
-    name = ", ".join(("pins that give way, both sides", *changes))
+    name = ", ".join(("free pins between disc and socket", *changes))
     return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:
-    """Hold the stops of rigid parts against the turn of very stiff ones under a small torque, both ways.
+    """Compare the stops of rigid parts with the rotation of very stiff parts under a small torque, in both directions.
 
-    Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
+    Moving pins are replaced by fixed pins with the clearances added, which is equivalent for rigid parts.
     """
-    design = design_with_errors(kind, *ROOM)
+    design = design_with_errors(kind, *WIDE_CLEARANCES)
     variant = design
     if kind == FREE:
-        design = rig.changed(Reducer(design), "errors.pin_radius_um=0.0").design
+        design = rig.with_changes(Reducer(design), "errors.pin_radius_um=0.0").design
         play = design.clearance.pin_gear + design.clearance.pin_socket
-        variant = rig.changed(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
+        variant = rig.with_changes(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
     ours = 1e6 * np.array(stops(Reducer(design), CRANK))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
-    ways = [rig.changed(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
-    solved = 1e6 * np.array([equilibrium.solve(way, stiffness, CRANK).output_turn for way in ways])
+    loaded = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    solved = 1e6 * np.array([equilibrium.solve(each, stiffness, CRANK).output_turn for each in loaded])
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 
 
-RUBBED: tuple[Callable[[], list[ValidationRow]], ...] = (
+WITH_FRICTION: tuple[Callable[[], list[ValidationRow]], ...] = (
     partial(friction_rows, FIXED),
     partial(friction_rows, "two discs", "gear.discs=2"),
 )
-"""Give those of a balance with friction."""
+"""Functions that return the rows with friction."""
 
 STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     hole_rows,
     *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
-    *RUBBED,
+    *WITH_FRICTION,
     partial(fit_rows, 0.1),
     partial(fit_rows, 1.0, *THREE_DISCS, "output.member=ring"),
-    partial(aside_rows, 1.0),
-    partial(aside_rows, 5.0, "gear.discs=2"),
+    partial(shifted_pin_rows, 1.0),
+    partial(shifted_pin_rows, 5.0, "gear.discs=2"),
     *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
 )
-"""Give the rows that need no model, the quick ones first."""
+"""Functions that return the rows that need no compiled model, the quick ones first."""
 
 MODELS: tuple[Callable[[], list[ValidationRow]], ...] = tuple(
     partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")
 )
-"""Give those of the compiled model."""
+"""Functions that return the rows of the compiled model."""
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     return [row for part in (*STATICS, *MODELS) for row in part()]

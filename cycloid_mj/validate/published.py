@@ -1,9 +1,9 @@
-"""Rung 6, published cases: stresses of Krol et al. 2019, the efficiency of Wang, Luo and Su 2016, two built drives.
+"""Validation step "published": stresses of Krol et al. 2019, efficiency of Wang, Luo and Su 2016, two built drives.
 
-Wang's formula is held against its printed results and against the simulated reducer with the same proportions and
-friction; where the two differ, the closed form with what the formula leaves out is held against the simulation too.
-The printed drive is the preset ``printed``, whose play on the bench its authors give; ``twodisc`` is a drive with two
-discs whose forces were worked out.
+Wang's formula is compared with its printed results and with the simulated reducer of the same proportions and friction;
+where the two differ, the closed form with the neglected effect is compared with the simulation, too. The printed drive
+is the preset ``printed``, whose backlash its authors measured; ``twodisc`` is a drive with two discs whose forces were
+published.
 """
 
 import math
@@ -25,16 +25,16 @@ from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import rig
-from cycloid_mj.validate.backlash import stop
+from cycloid_mj.validate.backlash import turn_to_stop
 from cycloid_mj.validate.rig import FIXED, reducer_of
 
 ROUNDED_MPA = 0.6
-"""Printed stresses are whole MPa."""
+"""Allowed error [MPa]: the printed stresses are rounded to 1 MPa."""
 
 
 @dataclass(frozen=True)
 class KrolVariant:
-    """One variant of Krol et al. 2019: 16 pins, 15 lobes, 8 output sleeves, input 1.55 N m; lengths [mm].
+    """A variant of Krol et al. 2019: 16 pins, 15 lobes, 8 output sleeves, input 1.55 N m; lengths [mm].
 
     `lobe`, `pit` and `sleeve` are the printed stresses [MPa] at the lobe's tip, in its valley and on a sleeve.
     """
@@ -61,7 +61,7 @@ KROL_PINS, KROL_MOMENT = 16, 1.55
 
 @dataclass(frozen=True)
 class Wang:
-    """One row of Wang, Luo and Su 2016: 44 pins; pin circle, pin, hole circle and output pin by diameter [mm].
+    """A row of Wang, Luo and Su 2016: 44 pins; pin circle, pin, hole circle and output pin by diameter [mm].
 
     `printed` efficiency, and half of its last digit as `rounding`.
     """
@@ -81,17 +81,18 @@ MESH_FRICTION, SLEEVE_FRICTION, SLEEVE_WALL = 0.05, 0.02, 3.0
 BEARINGS = 0.99 * 0.995**2
 """Efficiency of the bearings in Wang's product."""
 WANG_LOAD = 200.0
-"""Load torque [N m] of the simulated case; 0.75 kW gives 214 N m."""
+"""Load torque [N m] of the simulated case; 0.75 kW correspond to 214 N m."""
 WANG_CAM = 5e11
+"""Stiffness of an ideal cam [N/m]."""
 
 PRINTED_PLAY = 1.24
-"""Play of the printed drive's output before it is run in [deg], as measured."""
+"""Measured backlash of the printed drive before run-in [deg]."""
 PRINTED_TORQUES = (0.1, 0.2)
-"""They press its output to a stop [N m]; the line through both turns is drawn on to zero."""
+"""Torques that press its output against a stop [N m]; the rotations are extrapolated to zero torque."""
 
 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the Hertz stresses of case A."""
+    """Compare Hertz stresses with those printed by Krol et al."""
     rows = []
     for number, case in enumerate(KROL, start=1):
         source, unit = f"Krol et al. 2019, variant {number}", "MPa"
@@ -103,11 +104,11 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
 
 
 def printed_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the printed drive's play, as drawn: simulated against the linear programme, and that against the bench's."""
-    design = rig.changed(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
+    """Compare the backlash of the printed drive: simulated, by the linear programme, and measured."""
+    design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     compiled, (small, large) = build(design.design), PRINTED_TORQUES
     near, far = (
-        stop(compiled, torque, names.OUTPUT_JOINT) - stop(compiled, -torque, names.OUTPUT_JOINT)
+        turn_to_stop(compiled, torque, names.OUTPUT_JOINT) - turn_to_stop(compiled, -torque, names.OUTPUT_JOINT)
         for torque in (small, large)
     )
     simulated = near - (far - near) * small / (large - small)
@@ -115,7 +116,7 @@ def printed_rows(quick: bool) -> list[ValidationRow]:
     period = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
     drawn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in period])
     name = "backlash of a printed drive"
-    clearances = "drawn clearances; parts come out of a printer with about twice as much"
+    clearances = "nominal clearances; printed parts have about twice as much"
     return [
         relative(name, math.degrees(simulated), math.degrees(high - low), "deg", "rigid parts: linear programme", 0.5),
         relative(name, math.degrees(drawn), PRINTED_PLAY, "deg", "JelmerV, bench", None, clearances),
@@ -126,10 +127,10 @@ KUBAKOS = "kubakos/cycloid-drive-generator, recomputed"
 
 
 def two_disc_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the statics of the preset ``twodisc`` against its published calculation, which takes ideal sharing.
+    """Compare the statics of the preset ``twodisc`` with its published calculation, which takes ideal sharing.
 
-    So are contacts here: alike, without clearance and friction, on cams that hold; at a hundredth of the load, at which
-    they keep to where the ideal parts touch.
+    The contacts here are equally stiff, without clearance and friction, on rigid cams, at a hundredth of the load, so
+    that the contact points stay those of the ideal parts.
     """
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     pairs = ("pin_gear", "cam", "output")
@@ -149,7 +150,7 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
         ("largest force on a pin", 100.0 * contact_loads.teeth.max(), 213.14),
         ("largest force on an output pin", 100.0 * contact_loads.output.max(), 1705.9),
         ("largest force of a cam", cam.max(), 2460.0),
-        ("least force of a cam", cam.min(), 1967.0),
+        ("smallest force of a cam", cam.min(), 1967.0),
     )
     return [relative(f"{what}, two discs", float(ours), stated, "N", KUBAKOS, 0.5) for what, ours, stated in values]
 
@@ -171,7 +172,7 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
 
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the efficiency of case C: the formula's printed results, and the simulated reducer."""
+    """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer."""
     printed = [
         absolute(
             f"efficiency by formula, row {number}",
@@ -199,9 +200,9 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
             "%",
             "Wang et al. 2016",
             None,
-            "the formula leaves out that friction turns the gear back, so that the teeth press harder: see next row",
+            "the formula neglects the moment of friction on the disc, which increases the tooth forces: see next row",
         ),
-        absolute("efficiency, simulated, ideal", ours, closed, "%", "the same with friction's own moment", 0.2),
+        absolute("efficiency, simulated, ideal", ours, closed, "%", "the same with the moment of friction", 0.2),
         absolute(
             "efficiency, simulated, as built",
             built,
@@ -209,8 +210,8 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
             "%",
             "Wang et al. 2016",
             None,
-            "1 um of clearance and the cam's give move the gear sideways: pins far from the pitch point, which slide "
-            "fastest, carry more; the next row has the loss of these forces",
+            "1 um of clearance and the compliance of the cam displace the disc: pins far from the pitch point, which "
+            "slide fastest, carry more; the next row has the loss of these forces",
         ),
         relative(
             "friction power of the mesh, as built",
@@ -244,15 +245,15 @@ def output_efficiency(case: Wang) -> float:
 
 
 def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
-    """Run a reducer of Wang's proportions; give its settled samples over whole mesh periods, and its design.
+    """Simulate a reducer of Wang's proportions; return its settled samples over full mesh periods, and its design.
 
-    `ideal`: next to no clearance and a cam that does not give. Else as such a design would be built by default.
+    `ideal`: almost no clearance and a rigid cam. Otherwise the default clearances and stiffness.
     """
     design = wang_design(case, ideal)
     periods = 8 if quick else WANG_PINS
     settled = 0.012
     hold = settled + periods * 60.0 / (WANG_SPEED_RPM * WANG_PINS)
-    design = rig.changed(Reducer(design), f"drive.hold_s={hold!r}").design
+    design = rig.with_changes(Reducer(design), f"drive.hold_s={hold!r}").design
     compiled = build(design)
     if ideal:
         rig.stiffen_cam(compiled, WANG_CAM)
@@ -265,7 +266,7 @@ def wang_design(case: Wang, ideal: bool) -> Design:
     eccentricity = case.shortening * case.pin_circle / 2.0 / WANG_PINS
     sleeve = case.output_pin / 2.0 + SLEEVE_WALL
     rolled = SLEEVE_FRICTION * case.output_pin / (2.0 * sleeve)
-    # the chosen step would not know of the cam's stiffness, which is given to the model alone
+    # the automatic step ignores the stiffness of the cam, which is set in the compiled model only
     close = [*rig.clearances(1e-3), 'contact.stiffness_law="uniform"', "settings.timestep_us=2.0"] if ideal else []
     return reducer_of(
         FIXED,
@@ -281,11 +282,11 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         "shaft.counterweight_radius_mm=45.0",
         f"friction.pin_gear={MESH_FRICTION}",
         f"friction.output_rolling={rolled!r}",
-        # The formula has the bearings as factors of their own.
+        # The formula has separate factors for the bearings.
         "friction.cam_rolling=0.0",
         f"drive.speed_rpm={WANG_SPEED_RPM}",
         f"load.torque_nm={WANG_LOAD}",
-        # Friction is whole where contacts of this size of force slide.
+        # Contacts of this force slide with full friction.
         "contact.working_force_n=400.0",
         "settings.log_rate_hz=20000.0",
         *close,
@@ -293,7 +294,7 @@ def wang_design(case: Wang, ideal: bool) -> Design:
 
 
 def friction_by_force(run: Run, reducer: Reducer) -> float:
-    """Compute the friction power of the mesh [W] that Coulomb's law asks for at the logged normal forces."""
+    """Compute the friction power of the mesh [W] by Coulomb's law from the logged normal forces."""
     design = reducer.design
     gear = tooth_profile(design)
     B = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]

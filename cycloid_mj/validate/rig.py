@@ -1,4 +1,4 @@
-"""Designs and runs of the ladder: the three kinds of ring, idealised where a closed form asks for it."""
+"""Designs and runs of the validation steps: three kinds of ring, idealised where a closed form requires it."""
 
 from typing import Any
 
@@ -20,10 +20,10 @@ RATED_LOAD = 36.0
 """Load torque [N m]: the paper's 36.68 N m, rounded."""
 
 SETTLED = 0.01
-"""Start of the samples that count [s]: the load's rise, and the time that `analysis` allows it to ring out."""
+"""Time at which evaluation starts [s]: rise of the load, and the decay of its transient."""
 
 PERIODS = 36
-"""Mesh periods in a turn of the crank: the ring teeth of the paper's designs."""
+"""Mesh periods per turn of the crank: ring teeth of the paper's designs."""
 
 MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 _RING = {
@@ -35,12 +35,12 @@ _RING = {
 
 
 def reducer_of(kind: str, *changes: str) -> Design:
-    """Return the paper's design with one kind of ring and ``table.key=value`` changes; it starts at full speed."""
+    """Return the paper's design with a kind of ring and ``table.key=value`` changes, without a ramp."""
     preset, ring = _RING[kind]
     return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
 
 
-def changed(reducer: Reducer, *changes: str) -> Reducer:
+def with_changes(reducer: Reducer, *changes: str) -> Reducer:
     """Return the design with ``table.key=value`` changes."""
     return Reducer(override(reducer.design, changes))
 
@@ -71,8 +71,8 @@ def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
     model.pair_solref[number], model.pair_solimp[number] = parameters.solref, parameters.solimp
 
 
-def part_patches(compiled: ReducerModel) -> None:
-    """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
+def separate_patches(compiled: ReducerModel) -> None:
+    """Make the contact lines of an arc and a root separate springs of full stiffness in a compiled model."""
     compiled.model.geom(TEETH).user[DEFLECTION] = 0.0
 
 
@@ -87,7 +87,7 @@ def rated_design(kind: str, *changes: str) -> Design:
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
-    """Run at rated load; give the settled samples over whole mesh periods, and the design."""
+    """Simulate at rated load; return the settled samples over full mesh periods, and the design."""
     design = reducer_of(
         kind,
         f"drive.speed_rpm={rpm!r}",
@@ -100,6 +100,6 @@ def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, 
     return run.select(run.time >= SETTLED), design
 
 
-def sizes(vectors: Array) -> Array:
+def lengths(vectors: Array) -> Array:
     """Compute the lengths of vectors (..., 2), shape (...)."""
     return np.hypot(vectors[..., 0], vectors[..., 1])

@@ -1,4 +1,4 @@
-"""Rung 6, shakedown of a rolling line contact."""
+"""Validation step "published": shakedown of a rolling line contact."""
 
 import math
 
@@ -11,10 +11,10 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Hold first yield and shakedown under a rolling line contact against its elastic field, worked out below it.
+    """Compare first yield and shakedown under a rolling line contact with the elastic stress field below it.
 
-    Residual stresses take away all but the orthogonal shear, which changes its sign as the load passes (Melan): its
-    largest value is k at shakedown. Johnson finds it 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
+    Residual stresses can cancel all but the orthogonal shear, which changes sign as the load passes (Melan): its
+    largest value is k at shakedown. By Johnson it is 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
     of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6); yield by von Mises with Poisson's ratio 0.3.
     """
     largest = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
@@ -23,15 +23,15 @@ def rows(quick: bool) -> list[ValidationRow]:
     ratio = (SHAKEDOWN_PRESSURE / YIELD_PRESSURE) ** 2
     return [
         relative("shakedown of a rolling line, p0/k, from the field", limit, 4.0, "1", source, 1.0),
-        relative("place of the largest orthogonal shear, x/a", abs(largest.x[0]), 0.87, "1", source, 1.0),
+        relative("position of the largest orthogonal shear, x/a", abs(largest.x[0]), 0.87, "1", source, 1.0),
         relative("shakedown, p0/k, in use", SHAKEDOWN_PRESSURE * math.sqrt(3.0), limit, "1", "the field above", 1.0),
         relative("load at shakedown over that at first yield", ratio, 1.66, "1", source, 1.0),
     ]
 
 
-def _minus_shear(at: Array) -> float:
+def _minus_shear(position: Array) -> float:
     """Compute -|tau_xz|/p0 below a line contact at (x, z) half widths (McEwen; Johnson 1985, Eq. 4.49)."""
-    x, z = float(at[0]), abs(float(at[1])) + 1e-12
+    x, z = float(position[0]), abs(float(position[1])) + 1e-12
     base = 1.0 - x**2 + z**2
     root = math.sqrt(base**2 + 4.0 * x**2 * z**2)
     m, n = math.sqrt(0.5 * (root + base)), math.copysign(math.sqrt(max(0.5 * (root - base), 0.0)), x)

@@ -1,8 +1,8 @@
-"""Rung 4, load sharing at a standstill's pace: against the ideal closed form, and against `equilibrium`.
+"""Validation step "sharing": load sharing at very low speed against the closed form, and against `equilibrium`.
 
-Ideal: next to no clearance, no friction, teeth of one soft stiffness and a cam so stiff that the gear only turns; the
-load is so small that contacts stay where the ideal mesh has them. The second comparison is the design as it is, with
-its clearances, its cam and its stiffness by curvature; only friction and gravity are left out.
+Ideal: almost no clearance, no friction, equally soft teeth, a cam so stiff that the disc only rotates, and a load so
+small that the contact points stay those of the ideal mesh. The second comparison uses the real design with clearances,
+cam and stiffness by curvature, without friction and gravity.
 """
 
 from collections.abc import Callable
@@ -36,27 +36,27 @@ STIFF_CAM = 2e11
 """Stiffness of an ideal cam [N/m], 20 000 times that of a tooth; a stiffer one would need a shorter step."""
 
 SMALL_CLEARANCE = 0.2
-"""Clearance [um] at which a nonpin gear on a stiff cam carries on its roots too."""
+"""Clearance [um] at which a nonpin disc on a stiff cam carries load on its roots, too."""
 
-PACE_BOUND = 1.0
-"""Percent; what inertia at the pace of the run leaves: 0.12 to 0.54 quick, 0.14 to 0.37 at the slower full pace."""
+IDEAL_BOUND = 1.0
+"""Allowed error [%]: inertia at this speed causes 0.12 to 0.54 (quick), 0.14 to 0.37 (full, slower)."""
 FORCE_BOUND, TURN_BOUND, CAM_BOUND = 0.23, 0.04, 0.05
-"""Percent, three times the largest error of all kinds: 0.075, 0.013 and 0.016, quick and on a stiff cam."""
+"""Allowed errors [%]: three times the largest ones seen, 0.075, 0.013 and 0.016."""
 
 SETTLED = 0.008
-"""Time at which the load is on and has rung out [s]."""
+"""Time at which the load is applied and its transient has decayed [s]."""
 
 
 def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Hold the forces of one kind of ring against F_i = T l_i / sum l^2."""
-    whole = kind == NONPIN
-    source = "T l/sum l^2 over arcs and Sigma" if whole else "T l/sum l^2"
-    note = "with each line a whole spring, as the formula has it" if whole else ""
-    return [_ideal_row(kind, ideal_forces, whole, f"ideal forces of the teeth, {kind}", source, note, quick)]
+    """Compare the tooth forces of a kind of ring with F_i = T l_i / sum l^2."""
+    separate = kind == NONPIN
+    source = "T l/sum l^2 over arcs and Sigma" if separate else "T l/sum l^2"
+    note = "each contact line is a separate spring, as in the formula" if separate else ""
+    return [_ideal_row(kind, ideal_forces, separate, f"ideal forces of the teeth, {kind}", source, note, quick)]
 
 
 def patch_rows(quick: bool) -> list[ValidationRow]:
-    """Hold the nonpin ring as it is built, with near lines sharing one patch, against the same with shared springs."""
+    """Compare the nonpin ring, whose nearby contact lines share one patch, with ideal forces of shared springs."""
     note = "an arc and a root line with less than a deflection of gap between them share one spring"
     source = "T w l/sum w l^2, w = 1/2..1"
     return [_ideal_row(NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick)]
@@ -65,20 +65,20 @@ def patch_rows(quick: bool) -> list[ValidationRow]:
 def _ideal_row(
     kind: str,
     reference: Callable[[Reducer, float], Array],
-    apart: bool,
+    separate: bool,
     quantity: str,
     source: str,
     note: str,
     quick: bool,
 ) -> ValidationRow:
     design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
-    run = settled_run(design, STIFF_CAM, apart)
+    run = settled_run(design, STIFF_CAM, separate)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, PACE_BOUND, note)
+    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, IDEAL_BOUND, note)
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the ideal forces of the ring's pins or lobes on the gear [N], shape (N, 2)."""
+    """Compute the ideal forces of ring pins or ring lobes on the disc [N], shape (N, 2)."""
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     lobes, normals, _ = _ideal_contacts(reducer, crank)
@@ -87,17 +87,17 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
+    """Compute the forces [N], shape (N, 2), of an ideal nonpin mesh whose nearby contact lines share springs."""
     gear = reducer.tooth_profile
     lobes, normals, B = _ideal_contacts(reducer, crank)
     root = np.sqrt(_patch_weights(reducer, crank))
     # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
-    sizes = root * ideal_loads.share_load(root * profile.moment_arm(gear, B), reducer.design.load.torque)
-    return _by_lobe(gear, lobes, sizes, normals)
+    magnitudes = root * ideal_loads.share_load(root * profile.moment_arm(gear, B), reducer.design.load.torque)
+    return _by_lobe(gear, lobes, magnitudes, normals)
 
 
 def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Hold the design with its clearances against the independent static solution."""
+    """Compare the design with its clearances with the independent static solution."""
     free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
     rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
     if kind == NONPIN:
@@ -115,10 +115,13 @@ def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) ->
     solved: list[equilibrium.Equilibrium] = []
     for crank in run["crank_angle"][samples]:
         solved.append(equilibrium.solve(slow, stiffness, float(crank), solved[-1] if solved else None))
-    ring, ideal_ring = run.forces(slow.design.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
-    cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([one.cam_force for one in solved])
+    ring, ideal_ring = (
+        run.forces(slow.design.tooth_pair)[samples],
+        np.stack([solution.ring_forces for solution in solved]),
+    )
+    cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([solution.cam_force for solution in solved])
     turn = (run["gear_angle"] + run["crank_angle"] / slow.design.lobes)[samples]
-    ideal_turn = np.array([one.gear_turn for one in solved])
+    ideal_turn = np.array([solution.gear_turn for solution in solved])
     source = "static solution by scipy"
     return [
         deviation(f"forces of the teeth, {name}", ring, ideal_ring, "N", source, FORCE_BOUND),
@@ -127,26 +130,26 @@ def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) ->
     ]
 
 
-def settled_run(reducer: Reducer, cam: float | None, apart: bool) -> Run:
-    """Run a design and give the samples after the load's rise; `cam` [N/m], if given, is its cam's stiffness."""
+def settled_run(reducer: Reducer, cam: float | None, separate: bool) -> Run:
+    """Simulate a design; return its samples under full load. `cam` [N/m] replaces the stiffness of the cam."""
     compiled = build(reducer.design)
     if cam is not None:
         rig.stiffen_cam(compiled, cam)
-    if apart:
-        rig.part_patches(compiled)
+    if separate:
+        rig.separate_patches(compiled)
     run = simulate(reducer.design, compiled)
     return run.select(run.time > SETTLED)
 
 
 def _slow(reducer: Reducer, rpm: float) -> Reducer:
-    """Return the design at a crank speed [rpm] that takes it through one mesh period after it has settled."""
+    """Return the design at a crank speed [rpm], running for one mesh period after it has settled."""
     hold = SETTLED + 60.0 / (rpm * reducer.design.ring.teeth)
     changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
-    return rig.changed(reducer, *changes)
+    return rig.with_changes(reducer, *changes)
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
+    """Compute the contacts of the ideal mesh: index of the ring lobe, normal of the ring, and phase B."""
     gear = reducer.tooth_profile
     arcs = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
@@ -157,14 +160,14 @@ def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Ar
 
 
 def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
-    """Find the lobe of each root contact: the half of a root beyond B = pi belongs to the next, counter-clockwise."""
+    """Return the ring lobe of each root contact; the half beyond B = pi belongs to the next, counter-clockwise."""
     return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the share of a whole spring that each contact of the ideal nonpin mesh has, arcs first.
+    """Compute the share of a full spring of each contact of the ideal nonpin mesh, arcs first.
 
-    A root's line and its lobe's arc are apart as the gap half-way between them is in deflections at working force.
+    The separation of a root line and the arc of its lobe is the gap half-way between them, in working deflections.
     """
     design = reducer.design
     gear = tooth_profile(design)
@@ -173,15 +176,15 @@ def _patch_weights(reducer: Reducer, crank: float) -> Array:
     deflection = design.contact.working_force / design.contact.stiffness
     middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2
     arcs, owners = np.ones(gear.ring_teeth), np.empty(roots.B.size)
-    for place, (root, owner) in enumerate(zip(roots.lobe, _owner(gear, roots), strict=True)):
-        half_way = offset_root(gear, int(root), middle[place : place + 1])
+    for index, (root, owner) in enumerate(zip(roots.lobe, _owner(gear, roots), strict=True)):
+        half_way = offset_root(gear, int(root), middle[index : index + 1])
         rise = trochoid_distance(gear, pose.to_gear(half_way))[0][0]
-        owners[place] = (1.0 + min(1.0, rise / deflection)) / 2.0
-        arcs[owner] *= owners[place]
+        owners[index] = (1.0 + min(1.0, rise / deflection)) / 2.0
+        arcs[owner] *= owners[index]
     return np.concatenate([arcs, owners])
 
 
-def _by_lobe(gear: CycloidGear, lobes: Integers, sizes: Array, normals: Array) -> Array:
+def _by_lobe(gear: CycloidGear, lobes: Integers, magnitudes: Array, normals: Array) -> Array:
     forces = np.zeros((gear.ring_teeth, 2))
-    np.add.at(forces, lobes, sizes[:, np.newaxis] * normals)
+    np.add.at(forces, lobes, magnitudes[:, np.newaxis] * normals)
     return forces

@@ -1,7 +1,7 @@
-"""Rung 8, the step study: the figures of a run at rated load at several time steps, against the finest.
+"""Validation step "steps": figures of a run at rated load for several time steps, against the shortest.
 
-Steps up to that which the design chooses must agree; longer ones are told. The observed order is that of the error's
-growth. Under a light load friction must hold, too, which the step could turn round (``dynamics.law.impratio``).
+Time steps up to the automatic one must agree; longer ones are listed without a bound, with the observed order of
+convergence. A light load is checked, too, where the time step could reverse friction (``dynamics.law.impratio``).
 """
 
 import math
@@ -19,14 +19,14 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, PERIODS, SLEEVED, rated_design, rated_run
 
 SHARES = {True: (0.5, 1.0), False: (0.1, 0.5, 1.0, 2.0)}
-"""Steps as shares of the one that is chosen, with and without moving pins: these go wrong at twice their step."""
+"""Time steps relative to the automatic one, by whether pins move: moving pins are unstable at twice the step."""
 
 
 @dataclass(frozen=True)
 class StepFigures:
-    """Figures of a run that must not depend on the step.
+    """Figures of a run that must not depend on the time step.
 
-    Deviation of the gear's speed from the closed form, rms [mrad/s]; its mean and peak-to-peak transmission error
+    Deviation of the speed of the disc from the closed form, rms [mrad/s]; its mean and peak-to-peak transmission error
     [arcsec]; rms of the cam's force [N]; efficiency [%].
     """
 
@@ -44,57 +44,60 @@ FIGURES = (
     ("rms cam force", "N"),
     ("efficiency", "%"),
 )
-FINER = StepFigures(0.2, 0.004, 0.06, 0.002, 3e-4)
-"""Bounds of half the chosen step without moving pins, in percent but for points of efficiency."""
-HELD = StepFigures(0.6, 0.003, 1.2, 0.006, 1.4e-3)
-"""The same of the chosen step: three times the changes seen at 10 us."""
-MOVING = StepFigures(6.2, 0.08, 6.0, 0.011, 0.017)
-"""The same with moving pins, which chatter: at 3.1 us free ones change by 1.8, 0.0013, 0.9, 0.0035 % and 0.0055 points,
-at 2.3 us sleeved ones by 2.0, 0.0065, 0.08, 0.0001 % and 0.0032 points; their mean over the twelve meshes of a quick
-run, which leave more of the chatter in it, by 0.026 %."""
-WITHOUT_INERTIA = StepFigures(math.inf, 0.5, 6.0, 0.03, 0.04)
-"""The same of free pins without their inertia against real ones; speeds they do not tell."""
+HALF_STEP_BOUNDS = StepFigures(0.2, 0.004, 0.06, 0.002, 3e-4)
+"""Bounds for half the automatic step without moving pins [%, points of efficiency]."""
+BOUNDS = StepFigures(0.6, 0.003, 1.2, 0.006, 1.4e-3)
+"""Bounds for the automatic step: three times the changes seen at 10 us."""
+MOVING_BOUNDS = StepFigures(6.2, 0.08, 6.0, 0.011, 0.017)
+"""Bounds with moving pins, which chatter. Changes seen: free pins at 3.1 us 1.8, 0.0013, 0.9, 0.0035 % and 0.0055
+points; sleeved pins at 2.3 us 2.0, 0.0065, 0.08, 0.0001 % and 0.0032 points (mean error of a quick run: 0.026 %)."""
+MASSLESS_BOUNDS = StepFigures(math.inf, 0.5, 6.0, 0.03, 0.04)
+"""Bounds of massless against real free pins; their speeds are not comparable."""
 
-LIGHT = 1.0
-"""Light load [N m], 3 % of the rated one."""
-LIGHTLY_LOADED = StepFigures(math.inf, math.inf, math.inf, 0.36, 0.11)
-"""Bounds of the chosen step under it, three times the changes seen; the speed of a gear on few teeth is not held."""
+LIGHT_LOAD = 1.0
+"""Light load [N m], 3 % of the rated load."""
+LIGHT_LOAD_BOUNDS = StepFigures(math.inf, math.inf, math.inf, 0.36, 0.11)
+"""Bounds of the automatic step under the light load: three times the changes seen; speeds are not compared."""
 
 Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """List the rows of one kind of ring."""
+    """Return the rows of a kind of ring."""
     default = default_step(kind)
     shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
     study = {share * default: _figures(kind, share * default, quick) for share in shares}
-    rows = judged(kind, study, default)
+    rows = judge_study(kind, study, default)
     if kind == FREE:
         rows += massless_rows(study[default], quick)
     return rows + light_rows(kind)
 
 
 def light_rows(kind: str) -> list[ValidationRow]:
-    """Hold the step that is chosen under a light load against half of it."""
-    load = f"load.torque_nm={LIGHT}"
+    """Compare the automatic step under a light load with half of it."""
+    load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     figures, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
-    rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
-    return _compared_rows(rows)
+    rows = _compare_figures(
+        kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
+    )
+    return _without_infinite_bounds(rows)
 
 
 def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
-    """Hold free pins without their inertia, at their own step, against real ones."""
+    """Compare massless pins, at their own time step, with real free pins."""
     if isinstance(real, RunError):
         raise real
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
     figures = _run(FREE, _periods(FREE, quick), changes)
-    return _compared_rows(_compared(FREE, f"massless, {step:g} us", figures, real, "real pins", WITHOUT_INERTIA))
+    return _without_infinite_bounds(
+        _compare_figures(FREE, f"massless, {step:g} us", figures, real, "real pins", MASSLESS_BOUNDS)
+    )
 
 
-def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
-    """Hold each step of a study against its finest: every figure up to the `default` step [us], then the worst."""
+def judge_study(kind: str, study: Study, default: float) -> list[ValidationRow]:
+    """Compare each step of a study with its shortest: all figures up to the `default` step [us], then the worst."""
     finest = min(study)
     reference = study[finest]
     if isinstance(reference, RunError):
@@ -105,11 +108,11 @@ def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
             continue
         source = f"{finest:g} us"
         if isinstance(figures, RunError):
-            bound = HELD.efficiency if step <= default else None
+            bound = BOUNDS.efficiency if step <= default else None
             rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
             continue
-        bounds = MOVING if _is_moving(kind) else HELD if step >= default else FINER
-        compared = _compared(kind, f"{step:g} us", figures, reference, source, bounds)
+        bounds = MOVING_BOUNDS if _is_moving(kind) else BOUNDS if step >= default else HALF_STEP_BOUNDS
+        compared = _compare_figures(kind, f"{step:g} us", figures, reference, source, bounds)
         if step <= default:
             rows += compared
         else:
@@ -120,12 +123,12 @@ def judged(kind: str, study: Study, default: float) -> list[ValidationRow]:
 
 
 def default_step(kind: str) -> float:
-    """Compute the time step [us] that a kind of ring has at rated load."""
+    """Compute the automatic time step [us] of a kind of ring at rated load."""
     return 1e6 * timestep(Reducer(rated_design(kind)))
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Find p for which values at three rising steps h go as a + b h^p; not a number where no p from 0.1 to 8 does."""
+    """Solve for p in a + b h^p from the values at three increasing steps h; NaN if no p from 0.1 to 8 fits."""
 
     def excess(order: float) -> float:
         powers = [step**order for step in steps]
@@ -136,7 +139,7 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
 
 
 def _figures(kind: str, step: float, quick: bool) -> StepFigures | RunError:
-    """Run one step [us]; give the error of a run that fails."""
+    """Simulate with one time step [us]; return the figures, or the error of a run that fails."""
     try:
         return _run(kind, _periods(kind, quick), f"settings.timestep_us={step!r}")
     except RunError as error:
@@ -144,7 +147,7 @@ def _figures(kind: str, step: float, quick: bool) -> StepFigures | RunError:
 
 
 def _run(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Run over some mesh periods."""
+    """Simulate some mesh periods and return the figures."""
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
     cam = run.forces("cam")[:, 0]
@@ -158,7 +161,7 @@ def _run(kind: str, periods: int, *changes: str) -> StepFigures:
 
 
 def _periods(kind: str, quick: bool) -> int:
-    """Count the mesh periods of a run: a third of a crank turn, or a whole one; not of sleeves, the dearest to run."""
+    """Return the mesh periods of a run: a third of a crank turn if quick or sleeved (expensive), else a full turn."""
     return 12 if quick or kind == SLEEVED else PERIODS
 
 
@@ -166,24 +169,24 @@ def _is_moving(kind: str) -> bool:
     return kind in (FREE, SLEEVED)
 
 
-def _compared(
+def _compare_figures(
     kind: str, which: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    compared = []
+    rows = []
     values = (astuple(each) for each in (figures, reference, bounds))
     for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):
         judge = absolute if unit == "%" else relative
-        compared.append(judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound))
-    return compared
+        rows.append(judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound))
+    return rows
 
 
-def _compared_rows(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
-    """List rows, those without a finite bound as told only."""
+def _without_infinite_bounds(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
+    """Return the rows, with infinite bounds replaced by None."""
     return [row if math.isfinite(row.bound or 0.0) else replace(row, bound=None) for row in rows]
 
 
 def _order_rows(kind: str, study: Study) -> list[ValidationRow]:
-    """Tell the order of the mean transmission error's convergence over the three finest steps."""
+    """Return the observed order of convergence of the mean transmission error over the three shortest steps."""
     steps = sorted(study)[:3]
     values = [study[step] for step in steps]
     means = [value.mean_error for value in values if isinstance(value, StepFigures)]

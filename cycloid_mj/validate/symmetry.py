@@ -1,4 +1,4 @@
-"""Rungs 9 and 10: the reversed drive mirrors the motion, and gravity adds its own share and nothing else."""
+"""Validation steps "mirror" and "gravity": reversed motion is a mirror image, and gravity adds its own load only."""
 
 from dataclasses import dataclass
 
@@ -20,11 +20,11 @@ SPEED, GRAVITY = 1640.0, 9.8
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds of a kind of ring, about three times what is observed; percent but for the efficiencies' points.
+    """Bounds of a kind of ring, about three times the observed differences [%, points of efficiency].
 
-    Free pins chatter, so that rounding in the last digit grows to a small part of their motion; the others repeat but
-    for rounding. Free pins that nothing presses come out of their open sockets by their weight, lie on the gear, and
-    turn it by 0.0025 %, eight times what it does with closed ones. `still` is a share of the gear's weight.
+    Free pins chatter, which amplifies rounding errors; other kinds repeat to rounding. Unloaded free pins leave their
+    open sockets by their weight, rest on the disc and rotate it by 0.0025 %, eight times as much as in closed sockets.
+    `still` is relative to the weight of the disc.
     """
 
     mirrored_ripple: float
@@ -42,11 +42,11 @@ CHATTERING = Bounds(5.0, 2.3, 4.1e-3, 4.0, 1.9, 0.05, 2.4, 7.5e-3, 5.1e-3)
 REPEATING = Bounds(1e-5, 1e-6, 1e-9, 0.4, 1.1, 0.01, 0.22, 1e-4, 3e-5)
 
 BINS = 16
-"""Parts of the mesh period over which the ripple is averaged: chatter that rounding has set off has no mean there."""
+"""Bins of the mesh period in which the ripple is averaged; chatter averages out."""
 
 
 def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
+    """Compare the reversed motion of a kind of ring with the mirror image of the forward motion, without gravity."""
     periods = 4 if quick else 12
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
     reducer = Reducer(design)
@@ -73,7 +73,7 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Hold gravity off, down and turned by a right angle against each other, over one crank turn.
+    """Compare gravity off, down and turned by a right angle with each other, over one crank turn.
 
     The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.
     """
@@ -88,7 +88,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
     forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
     added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
-    vectors = [np.array([[one.real, one.imag]]) for one in added]
+    vectors = [np.array([[harmonic.real, harmonic.imag]]) for harmonic in added]
     means = [float(np.mean(gear_arcsec(run, reducer))) for run in (down, off)]
     shares = 100.0 * mean_powers(down).efficiency, 100.0 * mean_powers(off).efficiency
     return [
@@ -115,25 +115,25 @@ def _bounds(kind: str) -> Bounds:
 
 
 def gear_arcsec(run: Run, reducer: Reducer) -> Array:
-    """Compute the gear's transmission error [arcsec], shape (n,)."""
+    """Compute the transmission error of the disc [arcsec], shape (n,)."""
     return ARCSECONDS * gear_error(run, reducer)
 
 
-def ripple(run: Run, reducer: Reducer, way: float) -> Array:
-    """Find the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
-    phase = np.mod(way * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
+def ripple(run: Run, reducer: Reducer, sense: float) -> Array:
+    """Compute the transmission error [arcsec] over the mesh period, shape (BINS,), in the `sense` of the crank."""
+    phase = np.mod(sense * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)
     error = gear_arcsec(run, reducer)
     return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
 
 
 def mean_force(run: Run, reducer: Reducer) -> Array:
-    """Compute the mean force of all contacts on the gear [N], shape (2,)."""
+    """Compute the mean force of all contacts on the disc [N], shape (2,)."""
     parts = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 
 def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
-    """Compute the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
+    """Compute the first harmonic, over a crank turn, of the effect of gravity on the transmission error [arcsec]."""
     added = gear_arcsec(run, reducer) - gear_arcsec(without, reducer)
     return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))

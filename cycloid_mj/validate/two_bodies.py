@@ -1,7 +1,7 @@
-"""Rung 1, two bodies and one contact: a static force, the frequency, an impact; and what a secant stiffness leaves out.
+"""Validation step "two-body": one contact under a static force, its frequency, an impact, and the secant stiffness.
 
-A disc on a slide lies in a fixed circle; the gap is minus its height. The contact's numbers are those of a pin on the
-gear, its parameters come the way the model gets them, through ``solver_parameters``.
+A disc on a slide rests in a fixed circle; the gap is minus its height. Stiffness and damping are those of a pin on the
+disc; the solver parameters come from ``solver_parameters``, as in the model.
 """
 
 import math
@@ -27,10 +27,10 @@ FORCE = 400.0
 """Static force [N]."""
 IMPACT = 0.01
 """Speed of the impact [m/s]."""
-FINE = 1e-6
-"""Step [s] at which a contact's own motion is followed as if it were continuous."""
-AT_REST = 1e-6
-"""Percent; the solver's tolerance is all that a body at rest may be off by."""
+SHORT_STEP = 1e-6
+"""Time step [s] that resolves the vibration of a contact."""
+STATIC_BOUND = 1e-6
+"""Allowed error of a body at rest [%]: the tolerance of the solver."""
 _XML = """<mujoco>
   <option timestep="{timestep!r}" gravity="0 {gravity!r} 0" tolerance="1e-14" cone="elliptic"/>
   <worldbody>
@@ -44,18 +44,18 @@ _XML = """<mujoco>
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
     swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
-    depth, force = pressed(law, step)
+    depth, force = static_deflection(law, step)
     return [
-        relative("penetration under a static force", 1e6 * depth, 1e6 * FORCE / stiffness, "um", "F/K", AT_REST),
-        relative("static contact force", force, FORCE, "N", "equilibrium", AT_REST),
+        relative("penetration under a static force", 1e6 * depth, 1e6 * FORCE / stiffness, "um", "F/K", STATIC_BOUND),
+        relative("static contact force", force, FORCE, "N", "equilibrium", STATIC_BOUND),
         relative(
             "frequency with an added mass of 0.3 m",
-            frequency(swinging, FINE) / (2 * math.pi),
+            frequency(swinging, SHORT_STEP) / (2 * math.pi),
             math.sqrt(stiffness / (MASS + swinging.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
@@ -81,8 +81,8 @@ def rows(quick: bool) -> list[ValidationRow]:
     ]
 
 
-def pressed(law: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Compute depth [m] and contact force [N] when `FORCE` has come to rest."""
+def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, float]:
+    """Simulate until the disc is at rest under `FORCE`; return its depth [m] and the contact force [N]."""
     model = two_bodies(law, timestep, FORCE / MASS)
     data = mujoco.MjData(model)
     with installed():
@@ -107,7 +107,7 @@ def frequency(law: ContactParameters, timestep: float) -> float:
 
 
 def restitution(law: ContactParameters, timestep: float) -> float:
-    """Compute the share of the speed with which the disc leaves the contact."""
+    """Simulate an impact; return the coefficient of restitution."""
     model = two_bodies(law, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
@@ -143,7 +143,7 @@ def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
 
 
 def _secant_rows(stiffness: float) -> list[ValidationRow]:
-    """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
+    """Compare the constant stiffness with that at other forces, and with Palmgren's empirical formula."""
     design = RATED
     working, length, radius = (
         design.contacts["pin_gear"].force,
@@ -156,7 +156,7 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
         return float(ideal_loads.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))
 
     palmgren = float(ideal_loads.palmgren_stiffness(working, length))
-    secant = "the model keeps the secant stiffness at the working force, ideal sharing of the load"
+    secant = "the model uses the secant stiffness at the working force of ideal load sharing"
 
     def row(force: float, reference: float, source: str, note: str) -> ValidationRow:
         return relative(
@@ -166,5 +166,7 @@ def _secant_rows(stiffness: float) -> list[ValidationRow]:
     return [
         row(0.2 * working, hertz(0.2 * working), "Johnson 1985, 5.6", secant),
         row(1.5 * working, hertz(1.5 * working), "Johnson 1985, 5.6", secant),
-        row(working, palmgren, "Palmgren", "Palmgren measured rollers on rings, approached from farther away"),
+        row(
+            working, palmgren, "Palmgren", "Palmgren measured the approach of rollers and rings between distant points"
+        ),
     ]

@@ -1,7 +1,7 @@
-"""Rung friction at speed: what a run says where friction is high or the crank fast, against the planar solver.
+"""Validation step "witness": MuJoCo against the planar solver at high friction and at high speed.
 
-Half the step cannot show what a solver of constraints does to friction at every step. The witness (``dynamics.planar``)
-has no such solver: its own equations of motion, friction from the contact's own force.
+Halving the time step cannot reveal how a constraint solver affects friction in every step. The planar solver
+(``dynamics.planar``) has its own equations of motion and computes friction from the contact force.
 """
 
 import numpy as np
@@ -21,65 +21,67 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, reducer_of, without_gravity
 
 STEP = 2e-6
-"""Step of the witness [s], half of which changes its figures by less than 0.2 %."""
+"""Time step of the planar solver [s]; half of it changes the figures by less than 0.2 %."""
 
-HELD = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log_rate_hz=50000.0", *without_gravity()]
-"""The crank does not yield, nor do parts weigh."""
+CONDITIONS = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log_rate_hz=50000.0", *without_gravity()]
+"""A crank of large inertia, and no gravity."""
 
 
 def high_friction() -> Design:
-    """Return the paper's reducer with fixed pins and a friction of 0.3 on the teeth, at its load and speed."""
+    """Return the paper's reducer with fixed pins and a tooth friction of 0.3, at its load and speed."""
     hold = SETTLED + 12 * 60.0 / (1640.0 * 36.0)
-    return reducer_of(FIXED, *HELD, "friction.pin_gear=0.3", f"load.torque_nm={RATED_LOAD}", f"drive.hold_s={hold!r}")
+    return reducer_of(
+        FIXED, *CONDITIONS, "friction.pin_gear=0.3", f"load.torque_nm={RATED_LOAD}", f"drive.hold_s={hold!r}"
+    )
 
 
 def high_speed() -> Design:
-    """Return the preset of two discs at 12 000 rpm with 2 um of play, under 5 % of its load."""
+    """Return the preset `twodisc` at 12 000 rpm with clearances of 2 um, under 5 % of its load."""
     preset = PRESETS["twodisc"]
     load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", *clearances(2.0)]
-    return override(preset, [*HELD, *load, f"drive.hold_s={SETTLED + 0.005!r}"])
+    return override(preset, [*CONDITIONS, *load, f"drive.hold_s={SETTLED + 0.005!r}"])
 
 
 CASES = {"fixed pins, friction 0.3": high_friction, "two discs, 12 000 rpm": high_speed}
 
 BOUNDS = (0.5, 2.0, 0.15, 0.01, 4.0)
-"""Of mean and peak-to-peak transmission error, force of the cam [%], efficiency [points] and rms speed [%].
+"""Bounds of mean and peak-to-peak transmission error, cam force [%], efficiency [points] and rms speed [%].
 
-Twice the differences seen at most, those of the two discs (0.26, 0.9, 0.07 %, 0.003 points, 2.0 %), which come of the
-step: at 2 us the first and the last are 0.07 and 0.9 %. Of the fixed pins none is above 0.1 %.
+Twice the largest differences, those of two discs (0.26, 0.9, 0.07 %, 0.003 points, 2.0 %). They are due to the time
+step: at 2 us the first and the last are 0.07 and 0.9 %. With fixed pins all are below 0.1 %.
 """
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """List the rows of this rung."""
+    """Return the rows of this step."""
     return [row for which, design in CASES.items() for row in rows_of(which, Reducer(design()))]
 
 
 def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
-    """Hold a run of a design against the witness; `which` names it."""
+    """Compare a MuJoCo run of a design with the planar solver; `which` names the case."""
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
-    called = (
+    quantities = (
         "mean transmission error",
         "p-p transmission error",
         "mean cam force",
         "efficiency",
         "rms gear speed error",
     )
-    judge = (relative, relative, relative, absolute, relative)
-    pairs = zip(figures(reducer, simulate(reducer.design)), of_witness(reducer), strict=True)
+    judges = (relative, relative, relative, absolute, relative)
+    pairs = zip(figures(reducer, simulate(reducer.design)), planar_figures(reducer), strict=True)
     return [
-        one(f"{name}, {which}", ours, theirs, unit, "planar witness", bound)
-        for (ours, theirs), name, unit, bound, one in zip(pairs, called, units, BOUNDS, judge, strict=True)
+        judge_row(f"{name}, {which}", ours, theirs, unit, "planar solver", bound)
+        for (ours, theirs), name, unit, bound, judge_row in zip(pairs, quantities, units, BOUNDS, judges, strict=True)
     ]
 
 
-def of_witness(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
-    """Compute those of the witness."""
+def planar_figures(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
+    """Compute the figures of `BOUNDS` by the planar solver."""
     return figures(reducer, simulate(reducer.design, planar_model(reducer, step=step)))
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
-    """Compute the figures of a run: those of `BOUNDS`."""
+    """Compute the figures of `BOUNDS` of a run."""
     late, design = run.select(run.time >= SETTLED), reducer.design
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
     powers = late["crank_torque"] * late["crank_speed"], late["load_torque"] * late["output_speed"]
@@ -89,7 +91,7 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 
 
 def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:
-    """Compute figures of the output's error [rad], cam's force [N], powers of crank and output, gear's speed error."""
+    """Compute the figures from output error [rad], cam force [N], powers of crank and output [W], and speed error."""
     crank, output = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),

@@ -327,7 +327,7 @@ def test_a_run_at_high_friction_agrees_and_one_whose_friction_leads_does_not(mon
 def test_half_the_step_of_the_witness_changes_nothing() -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + MESH!r}"])
     np.testing.assert_allclose(
-        witness.of_witness(Reducer(design)), witness.of_witness(Reducer(design), 0.5 * witness.STEP), rtol=2e-3
+        witness.planar_figures(Reducer(design)), witness.planar_figures(Reducer(design), 0.5 * witness.STEP), rtol=2e-3
     )
 
 

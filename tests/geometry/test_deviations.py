@@ -424,7 +424,7 @@ def test_equidistant_is_backlash_as_clearance_is(kind: str) -> None:
         f"clearance.{tooth}_um=1.0",
         "modification.equidistant_um=1.5",
     )
-    low, high = backlash.stops(Reducer(design))
+    low, high = backlash.stop_angles(Reducer(design))
     assert high - low == pytest.approx(2 * 2.5e-6 / (1e-3 * 35), rel=0.005)
 
 
@@ -459,11 +459,11 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
     crank = float(run["crank_angle"][-1])
     ours = run.forces(design.tooth_pair)[-1]
     solved = equilibrium.solve(Reducer(design), stiffness, crank).ring_forces
-    largest = rig.sizes(solved).max()
-    assert rig.sizes(ours - solved).max() < 0.02 * largest
+    largest = rig.lengths(solved).max()
+    assert rig.lengths(ours - solved).max() < 0.02 * largest
     # The control: the ideal reducer shares the load otherwise.
     ideal = rig.reducer_of(kind, "load.torque_nm=36.0")
-    assert rig.sizes(ours - equilibrium.solve(Reducer(ideal), stiffness, crank).ring_forces).max() > 0.04 * largest
+    assert rig.lengths(ours - equilibrium.solve(Reducer(ideal), stiffness, crank).ring_forces).max() > 0.04 * largest
 
 
 def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() -> None:

@@ -15,7 +15,7 @@ from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import Fit, best_fit, stops
-from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop
+from cycloid_mj.validate.displaced import cam_offsets, exact_gaps, in_ring_frame
 
 CRANK = 1.9
 TIGHT = 1e-12
@@ -59,8 +59,8 @@ def test_to_rigid_parts_a_pin_that_moves_is_a_fixed_one_with_the_play_of_both(de
 
 def gaps_of_fit(design: Design, crank: float, fit: Fit, pins: Array | float = 0.0) -> tuple[Array, Array]:
     """Compute the gaps of teeth and output pins, and those of cams [m], of parts that stand as a fit tells."""
-    seen, z = in_workshop(Reducer(design), crank, fit.shift, fit.gear_turn, fit.output_turn)
-    cams = design.clearance.cam - np.linalg.norm(cam_ways(Reducer(design), seen, z), axis=1)
+    seen, z = in_ring_frame(Reducer(design), crank, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(Reducer(design), seen, z), axis=1)
     return exact_gaps(Reducer(design), seen, z, pins), cams
 
 

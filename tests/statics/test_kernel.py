@@ -37,7 +37,7 @@ from cycloid_mj.statics.kernel.continuation import along, by_continuation, new_p
 from cycloid_mj.statics.kernel.system import system_of
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.statics.sliding import Held, Losses, rubbing_of
-from cycloid_mj.validate.displaced import exact_gaps, held_back
+from cycloid_mj.validate.displaced import exact_gaps, slip_force
 
 CRANK = 1.9
 HELD: tuple[Held, ...] = ("crank", "output")
@@ -553,7 +553,7 @@ def test_a_disc_rubs_its_cam_across_its_way() -> None:
             across = np.array([-before[1], before[0]]) / np.linalg.norm(before)
             out = np.linalg.norm(here)
             normal = contacts.cam_stiffness * (out - contacts.cam_clearance)
-            side = float(held_back(side, across @ (here - before), coefficient * normal, stick))
+            side = float(slip_force(side, across @ (here - before), coefficient * normal, stick))
             slipped += abs(side) == pytest.approx(coefficient * normal)
             np.testing.assert_allclose(normal * here / out + side * across, load, rtol=0.0, atol=2e-4)
             before = here

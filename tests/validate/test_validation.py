@@ -1,4 +1,4 @@
-"""The ladder of `validate`: its references by their own predicates, every rung, and each rung spoiled once.
+"""The suite of `validate`: its references by their own predicates, every rung, and each rung spoiled once.
 
 What simulates for more than a moment is marked slow; there each rung runs once and is judged again with one formula or
 sign broken, which must make its row fail.
@@ -33,12 +33,12 @@ from cycloid_mj.validate import (
     equilibrium,
     gaps,
     incline,
-    ladder,
     mechanism,
     published,
     rig,
     sharing,
     steps,
+    suite,
     symmetry,
     two_bodies,
 )
@@ -55,10 +55,10 @@ def failed(rows) -> list[str]:
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
-def test_a_row_passes_up_to_its_bound_and_tells_without_one():
+def test_a_row_passes_up_to_its_bound_and_states_without_one():
     assert relative("q", 101.0, 100.0, "N", "s", 1.01).verdict == "pass"
     assert relative("q", 101.0, 100.0, "N", "s", 0.99).verdict == "fail"
-    assert relative("q", 101.0, 100.0, "N", "s", None).verdict == "told"
+    assert relative("q", 101.0, 100.0, "N", "s", None).verdict == "stated"
     assert (
         absolute("q", 88.0, 88.5, "%", "s", 0.4).as_json() | {"verdict": "fail", "error_unit": "points"}
         == absolute("q", 88.0, 88.5, "%", "s", 0.4).as_json()
@@ -118,7 +118,7 @@ STIFFNESS = {"pin_gear": 3e8, "pin_socket": 6e8, "tooth": 3e8, "cam": 8e8, "outp
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_balance_is_the_slope_of_the_energy(kind):
     design = rig.reducer_of(kind, *LOADED)
-    locked = equilibrium._locked(Reducer(design), STIFFNESS, 0.3)
+    locked = equilibrium._lock_crank(Reducer(design), STIFFNESS, 0.3)
     rng = np.random.default_rng(4)
     z = 3e-6 * rng.standard_normal(locked.load.size)
     direction = rng.standard_normal(locked.load.size)
@@ -133,15 +133,15 @@ def test_without_clearance_the_static_solution_shares_the_load_ideally():
     soft = dict.fromkeys(STIFFNESS, 1e7) | {"cam": 1e12}
     solved = equilibrium.solve(Reducer(design), soft, 0.3)
     ideal = sharing.ideal_forces(Reducer(design), 0.3)
-    assert solved.ring_forces == pytest.approx(ideal, abs=2e-3 * rig.sizes(ideal).max())
+    assert solved.ring_forces == pytest.approx(ideal, abs=2e-3 * rig.lengths(ideal).max())
     tangential = kinematics.gear_centre_velocity(tooth_profile(design), 0.3, 1.0) / design.gear.eccentricity
     share = design.load.torque / (design.gear.eccentricity * design.lobes)
     assert solved.cam_force @ tangential == pytest.approx(share, rel=2e-3)
 
 
-def test_an_impossible_balance_is_told(monkeypatch):
-    monkeypatch.setattr(equilibrium, "_IMBALANCE", 0.0)
-    with pytest.raises(RunError, match="no static balance"):
+def test_an_unsolvable_equilibrium_is_reported(monkeypatch):
+    monkeypatch.setattr(equilibrium, "_RESIDUAL_RTOL", 0.0)
+    with pytest.raises(RunError, match="no static equilibrium"):
         equilibrium.solve(Reducer(rig.reducer_of(FIXED, *LOADED)), STIFFNESS, 0.3)
 
 
@@ -151,7 +151,7 @@ def test_an_impossible_balance_is_told(monkeypatch):
 def test_two_bodies_pass():
     rows = two_bodies.rows(True)
     assert failed(rows) == []
-    assert {row.verdict for row in rows} == {"pass", "told"}
+    assert {row.verdict for row in rows} == {"pass", "stated"}
 
 
 @pytest.mark.parametrize(
@@ -245,9 +245,9 @@ def test_the_order_is_found_where_there_is_one():
 def test_a_step_up_to_the_default_is_judged(name, within, beyond):
     good = {1.0: FIGURES, 2.0: replace(FIGURES, **{name: within})}
     bad = {1.0: FIGURES, 2.0: replace(FIGURES, **{name: beyond})}
-    assert failed(steps.judged(FIXED, good, 4.0)) == []
-    assert len(failed(steps.judged(FIXED, bad, 4.0))) == 1
-    assert failed(steps.judged(FIXED, bad, 1.0)) == []
+    assert failed(steps.judge_study(FIXED, good, 4.0)) == []
+    assert len(failed(steps.judge_study(FIXED, bad, 4.0))) == 1
+    assert failed(steps.judge_study(FIXED, bad, 1.0)) == []
 
 
 @pytest.mark.parametrize(("kind", "bound"), [(FIXED, 1.2), (FREE, 6.0)])
@@ -255,18 +255,18 @@ def test_the_step_that_is_chosen_has_bounds_of_its_own(kind, bound):
     def study(error):
         return {1.0: FIGURES, 2.0: replace(FIGURES, peak_to_peak=FIGURES.peak_to_peak * (1.0 + error / 100.0))}
 
-    assert failed(steps.judged(kind, study(0.99 * bound), 2.0)) == []
-    assert len(failed(steps.judged(kind, study(1.01 * bound), 2.0))) == 1
+    assert failed(steps.judge_study(kind, study(0.99 * bound), 2.0)) == []
+    assert len(failed(steps.judge_study(kind, study(1.01 * bound), 2.0))) == 1
 
 
 def test_a_run_that_fails_is_judged_by_its_step():
     study = {1.0: FIGURES, 2.0: FIGURES, 20.0: RunError("a contact is 60 um deep")}
-    rows = steps.judged(FREE, study, 2.0)
+    rows = steps.judge_study(FREE, study, 2.0)
     assert failed(rows) == []
     assert any("60 um deep" in row.measured.note for row in rows)
-    assert len(failed(steps.judged(FREE, study, 20.0))) == 1
+    assert len(failed(steps.judge_study(FREE, study, 20.0))) == 1
     with pytest.raises(RunError, match="deep"):
-        steps.judged(FREE, {1.0: RunError("a contact is deep"), 2.0: FIGURES}, 2.0)
+        steps.judge_study(FREE, {1.0: RunError("a contact is deep"), 2.0: FIGURES}, 2.0)
 
 
 def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch):
@@ -275,15 +275,15 @@ def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch)
     assert len(failed(steps.light_rows(FIXED))) == 2
 
 
-# --- the ladder and its command ---------------------------------------------------------------------------------------
+# --- the suite and its command ---------------------------------------------------------------------------------------
 
 
-def test_every_rung_has_parts():
-    assert {part.rung for part in ladder.PARTS} == set(ladder.RUNGS)
-    assert {part.rung for part in ladder.chosen(["steps", "cam"])} == {"steps", "cam"}
+def test_every_step_has_parts():
+    assert {part.rung for part in suite.PARTS} == set(suite.STEP_NAMES)
+    assert {part.rung for part in suite.select_parts(["steps", "cam"])} == {"steps", "cam"}
     with pytest.raises(UsageError, match="two-body, friction"):
-        ladder.chosen(["stepps"])
-    assert f": {', '.join(ladder.RUNGS)}. " in " ".join(str(validate.__doc__).split())
+        suite.select_parts(["stepps"])
+    assert f": {', '.join(suite.STEP_NAMES)}. " in " ".join(str(validate.__doc__).split())
 
 
 def test_a_part_that_cannot_run_fails_alone():
@@ -293,8 +293,8 @@ def test_a_part_that_cannot_run_fails_alone():
     def sound(quick: bool) -> list[ValidationRow]:
         return [absolute("sound", 1.0, 1.0, "", "s", 0.0)]
 
-    parts = (ladder.RungPart("cam", broken, (2.0, 2.0)), ladder.RungPart("energy", sound, (1.0, 1.0)))
-    rows = ladder.in_order(ladder.climb(parts, quick=True, workers=1))
+    parts = (suite.ValidationPart("cam", broken, (2.0, 2.0)), suite.ValidationPart("energy", sound, (1.0, 1.0)))
+    rows = suite.sort_rows(suite.run_parts(parts, quick=True, workers=1))
     assert [(row.rung, row.verdict) for row in rows] == [("cam", "fail"), ("energy", "pass")]
     assert rows[0].measured.note == "the gear jumped a tooth"
 
@@ -310,7 +310,7 @@ def test_the_command_prints_table_notes_and_sum(monkeypatch):
     code, out, err = told(monkeypatch, "--quick", "--only", "friction")
     assert code == 0
     assert "2/3 g sin" in out
-    assert out.splitlines()[-1].startswith("4 pass, 0 fail, 0 told")
+    assert out.splitlines()[-1].startswith("4 pass, 0 fail, 0 stated")
     assert "1 of 1 parts" in err
 
 
@@ -405,7 +405,7 @@ def test_cam_load(remembered, monkeypatch):
 
 def test_the_printed_drive_reaches_its_stops_and_fails_when_spoiled(monkeypatch):
     drawn, bench = published.printed_rows(True)
-    assert (drawn.verdict, bench.verdict) == ("pass", "told")
+    assert (drawn.verdict, bench.verdict) == ("pass", "stated")
     # the authors' play is about twice what their drawing gives
     assert bench.measured.reference / bench.measured.value == pytest.approx(1.24 / 0.669, rel=0.01)
     spoiled = PRESETS["printed"].but(clearance={"cam": 11e-6})
@@ -490,7 +490,7 @@ def test_the_quick_ladder_passes(monkeypatch):
     found = json.loads(out)
     assert code == 0
     assert found["passed"] is True
-    assert {row["rung"] for row in found["rows"]} == set(ladder.RUNGS)
+    assert {row["rung"] for row in found["rows"]} == set(suite.STEP_NAMES)
 
 
 @pytest.mark.parametrize("part", [*mechanism.STATICS, *mechanism.MODELS, *balance.STATICS])

@@ -1,0 +1,125 @@
+"""The validation suite: all parts of all steps, and how they run in parallel processes."""
+
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from cycloid_mj.base.engine import Engine
+from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
+from cycloid_mj.base.validation import ValidationPart, ValidationRow, failed_part
+from cycloid_mj.validate import (
+    backlash,
+    balance,
+    cam_load,
+    energy,
+    incline,
+    mechanism,
+    published,
+    shakedown,
+    sharing,
+    steps,
+    symmetry,
+    two_bodies,
+    witness,
+)
+from cycloid_mj.validate.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
+
+STEP_NAMES = (
+    *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
+    *("published", "energy", "steps", "mirror", "gravity"),
+    "witness",
+)
+"""Names of the steps, from simple to complex."""
+
+WORKERS = 2
+"""Default number of parallel processes."""
+
+
+def _parts() -> Iterator[ValidationPart]:
+    yield ValidationPart("two-body", two_bodies.rows, (1.0, 1.0))
+    yield ValidationPart("friction", incline.rows, (0.2, 0.2))
+    yield ValidationPart("mechanism", mechanism.rows, (9.0, 9.0))
+    yield ValidationPart("mechanism", balance.rows, (9.0, 9.0))
+    yield ValidationPart("backlash", backlash.rows, (4.0, 4.0))
+    for kind in KINDS:
+        yield ValidationPart("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))
+    yield ValidationPart("sharing", sharing.patch_rows, (1.5, 2.5))
+    for kind, cost in ((FIXED, (1.0, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (7.0, 15.0))):
+        yield ValidationPart("sharing", partial(sharing.clearance_rows, kind), cost)
+    yield ValidationPart("cam", cam_load.rows, (6.0, 7.0))
+    yield ValidationPart("published", published.hertz_rows, (0.1, 0.1))
+    yield ValidationPart("published", published.efficiency_rows, (1.0, 2.0))
+    yield ValidationPart("published", published.printed_rows, (3.0, 3.0))
+    yield ValidationPart("published", published.two_disc_rows, (0.2, 0.5))
+    yield ValidationPart("published", shakedown.rows, (0.1, 0.1))
+    for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
+        yield ValidationPart("energy", partial(energy.rows, kind), cost)
+    yield ValidationPart("energy", energy.idle_rows, (1.0, 1.0))
+    yield ValidationPart("energy", energy.jolt_rows, (2.0, 2.0))
+    for kind, cost in ((FIXED, (0.4, 2.0)), (FREE, (2.5, 7.0)), (SLEEVED, (2.0, 6.0)), (NONPIN, (0.5, 2.5))):
+        yield ValidationPart("steps", partial(steps.rows, kind), cost)
+    for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
+        yield ValidationPart("mirror", partial(symmetry.mirror_rows, kind), cost)
+    yield ValidationPart("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
+    yield ValidationPart("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
+    yield ValidationPart("witness", witness.rows, (6.0, 6.0))
+
+
+PARTS = tuple(_parts())
+"""The parts of this package; other packages bring further parts of the same steps."""
+
+
+def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = ()) -> tuple[ValidationPart, ...]:
+    """Return the parts of some steps, or of all, in the order of `STEP_NAMES`.
+
+    Parameters
+    ----------
+    only
+        Names of the steps; all if empty.
+    further
+        Parts of other packages.
+
+    Raises
+    ------
+    UsageError
+        There is no step of a name.
+    """
+    unknown = [name for name in only if name not in STEP_NAMES]
+    if unknown:
+        raise UsageError(f"--only {unknown[0]}: there is no such validation step; choose from {', '.join(STEP_NAMES)}")
+    parts = sorted((*PARTS, *further), key=lambda part: STEP_NAMES.index(part.rung))
+    return tuple(part for part in parts if not only or part.rung in only)
+
+
+def run_parts(
+    parts: Sequence[ValidationPart], quick: bool = False, workers: int = WORKERS
+) -> Iterator[tuple[int, list[ValidationRow]]]:
+    """Run parts, the longest first, and yield the index and the rows of each as it ends.
+
+    A part that cannot be run yields one row, which fails and has the reason.
+    """
+    order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
+    work = [(parts[index], quick) for index in order]
+    # a single part runs in this process
+    for position, (rows, messages) in Engine(workers if len(work) > 1 else 1).stream(_run, work):
+        for text in messages:
+            warnings.warn(text, CycloidWarning, stacklevel=2)
+        yield order[position], rows
+
+
+def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
+    """Return all rows in the order of their parts."""
+    return [row for _, rows in sorted(rows_of_parts, key=lambda numbered: numbered[0]) for row in rows]
+
+
+def _run(work: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
+    """Run a part; return its rows and its warnings, which would be lost in a process."""
+    part, quick = work
+    with warnings.catch_warnings(record=True) as issued:
+        warnings.simplefilter("always")
+        try:
+            rows = part.rows(quick)
+        except CycloidError as error:
+            rows = [failed_part(str(error))]
+    return [replace(row, rung=part.rung) for row in rows], [str(warning.message) for warning in issued]
