@@ -159,19 +159,19 @@ def failing(error: BaseException):
 
 
 @pytest.mark.parametrize(
-    ("error", "words"),
+    ("error", "words", "exit_code"),
     [
-        (RunError("the gear jumped a tooth"), "jumped"),
-        (KeyboardInterrupt(), "by Ctrl-C"),
-        (Stopped("SIGTERM"), "by SIGTERM"),
+        (RunError("the gear jumped a tooth"), "jumped", 1),
+        (KeyboardInterrupt(), "by Ctrl-C", 130),
+        (Stopped("SIGTERM"), "by SIGTERM", 143),
     ],
 )
-def test_forced_run_that_ends_early_keeps_the_old_log(here, at_the_end, error, words):
+def test_forced_run_that_ends_early_keeps_the_old_log(here, at_the_end, error, words, exit_code):
     simulated("--out", "mine")
     before = Path("mine/pin.mcap").read_bytes()
     at_the_end.append(failing(error))
     code, _, err = told("simulate", "--design", "pin", *SHORT, "--out", "mine", "--force")
-    assert code == 1
+    assert code == exit_code
     assert err.count("\n") == 1
     assert words in err
     assert "the 2 samples up to then are in mine/pin.partial.mcap; the log before is still mine/pin.mcap" in err
@@ -256,6 +256,6 @@ def test_stopped_run_says_by_what(here, at_the_end, number):
         for each, handler in before.items():
             signal.signal(each, handler)
     name = signal.Signals(number).name
-    assert (code, out) == (1, "")
+    assert (code, out) == (128 + number, "")
     assert err == f"error: stopped by {name}; the 2 samples up to then are in runs/pin.mcap\n"
     assert read("runs/pin.mcap").note == f"stopped by {name}"
