@@ -1,5 +1,5 @@
-"""A page in the browser on this machine: where a drive is asked for, shaped, looked at from all sides, and made.
+"""The designer's page in the browser: requirements, parameters, results and exports of a drive on this computer.
 
-This room owns what the page shows and how. Every figure comes from the rooms below; no formula lives in JavaScript:
-the page places what it is given, and asks again. It needs nothing but Python's own HTTP server.
+This package owns what the page shows and how. Every figure comes from the packages below, and JavaScript computes none:
+it shows what the server returns. The server is starlette with uvicorn, bound to localhost.
 """

@@ -1,11 +1,11 @@
-"""What the page has made of a design: files, pages, a run, each as names and bytes to be fetched."""
+"""Artifacts of a design that the page offers as downloads: design file, CAD files, models, data sheet, run report."""
 
 import json
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cycloid_mj.app.jobs import Made
+from cycloid_mj.app.jobs import Download
 from cycloid_mj.app.state import design_of
 from cycloid_mj.base.atomic_write import zipped
 from cycloid_mj.base.errors import DesignError
@@ -14,26 +14,26 @@ from cycloid_mj.design import Design, dump
 from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, export, plate, threemf_bytes
 from cycloid_mj.reducer import Reducer
 
-TURNS = 1.25
-"""Crank turns of a run after it has settled, at least."""
+MIN_CRANK_TURNS = 1.25
+"""Crank turns of a run after the start has settled."""
 
-Told = Callable[[Any], None]
+Progress = Callable[[Any], None]
 
 
 def design_file(design: Design) -> dict[str, bytes]:
-    """Write the design as TOML."""
+    """Return the design file (TOML)."""
     return {f"{design.name}.toml": dump(design).encode()}
 
 
 def model(design: Design) -> dict[str, bytes]:
-    """Pack a model folder that any MuJoCo opens."""
+    """Return a zip file of a model folder for stock MuJoCo."""
     from cycloid_mj.dynamics.mjcf.folder import model_files
 
-    return _packed(f"{design.name}-mjcf", model_files(Reducer(design)))
+    return _zip(f"{design.name}-mjcf", model_files(Reducer(design)))
 
 
 def data_sheet(design: Design) -> dict[str, bytes]:
-    """Draw the data sheet as PDF."""
+    """Return the data sheet as PDF."""
     from cycloid_mj.life.datasheet import datasheet
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
@@ -42,36 +42,36 @@ def data_sheet(design: Design) -> dict[str, bytes]:
 
 
 def meshes(design: Design) -> dict[str, bytes]:
-    """Pack a mesh of each part."""
-    return _packed(f"{design.name}-stl", export(design, "stl").files)
+    """Return a zip file with an STL mesh of each part."""
+    return _zip(f"{design.name}-stl", export(design, "stl").files)
 
 
 def outlines(design: Design) -> dict[str, bytes]:
-    """Pack the outlines of each part as DXF."""
-    return _packed(f"{design.name}-dxf", export(design, "dxf").files)
+    """Return a zip file with the outlines of each part as DXF."""
+    return _zip(f"{design.name}-dxf", export(design, "dxf").files)
 
 
 def assembly(design: Design) -> dict[str, bytes]:
-    """Write the reducer put together as one STEP file."""
+    """Return the assembly as a STEP file."""
     return {f"{design.name}.step": assembly_step(Reducer(design))}
 
 
 def print_plate(design: Design) -> dict[str, bytes]:
-    """Pack the plate for a printer as 3MF, with the bill of materials."""
+    """Return a zip file with a print plate (3MF) and the bill of materials (CSV)."""
     reducer = Reducer(design)
     files = {"plate.3mf": threemf_bytes(plate(reducer, CHORD_ERROR)), "bom.csv": bill_csv(bill(reducer))}
-    return _packed(f"{design.name}-print", files)
+    return _zip(f"{design.name}-print", files)
 
 
 def joint(design: Design) -> dict[str, bytes]:
-    """Pack the joint for a robot's model: the files of ``cycloid-mj reduce``, but for its page."""
+    """Return a zip file with the joint for a robot model: the files of ``cycloid-mj reduce`` without its page."""
     from cycloid_mj.robot.files import joint_files, scenes
     from cycloid_mj.robot.measured import reduce
 
     reduced = reduce(design)
     figures = json.dumps(plain(reduced.as_json()), indent=1)
     files = joint_files(reduced, *scenes(reduced)) | {"reducer.json": figures.encode()}
-    return _packed(f"{design.name}-joint", files)
+    return _zip(f"{design.name}-joint", files)
 
 
 FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
@@ -84,22 +84,22 @@ FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
     "mjcf": ("MuJoCo model (MJCF)", model),
     "joint": ("Joint for a robot", joint),
 }
-"""Kind -> what its button says, and what makes it."""
+"""Kind -> text of its button, and the function that creates the files by name."""
 
 
-def make(told: Told, values: Any, kind: str) -> Made:
-    """Make one of `FILES` of the page's design."""
-    told({"doing": "being made"})
-    return Made(files=FILES[kind][1](design_of(values)))
+def make(told: Progress, values: Any, kind: str) -> Download:
+    """Create the files of a kind of `FILES` for a design of the page."""
+    told({"doing": "creating the file"})
+    return Download(files=FILES[kind][1](design_of(values)))
 
 
-def run(told: Told, values: Any) -> Made:
-    """Run a design at full speed under its load, and give the review of the run as a page.
+def run(told: Progress, values: Any) -> Download:
+    """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
 
     Raises
     ------
     CycloidError
-        The run went wrong, or the crank stands still.
+        The run failed, or the crank speed is zero.
     """
     from cycloid_mj.comparison import settling
     from cycloid_mj.dynamics.run import simulate
@@ -107,18 +107,19 @@ def run(told: Told, values: Any) -> Made:
 
     design = design_of(values)
     if design.drive.speed == 0.0:
-        raise DesignError("the crank stands still: give it a speed")
+        raise DesignError("the crank speed is zero: set a speed to simulate the drive")
     started = design.but(drive={"ramp": 0.0})
     settled, turn = settling(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
-    short = started.steady(settled, max(TURNS, settled / turn))  # no more than half of a hold is left out
+    short = started.steady(settled, max(MIN_CRANK_TURNS, settled / turn))  # at most half of a hold is not judged
 
-    def note(done: int, whole: int) -> None:
-        told({"doing": "running in MuJoCo", "share": done / whole})
+    def report_progress(done: int, total: int) -> None:
+        told({"doing": "simulating in MuJoCo", "share": done / total})
 
     told({"doing": "building the model", "share": 0.0})
-    run = simulate(short, progress=note)
-    return Made(page=report({design.name: run}, settle=settled))
+    run = simulate(short, progress=report_progress)
+    return Download(page=report({design.name: run}, settle=settled))
 
 
-def _packed(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
-    return {f"{name}.zip": zipped({f"{name}/{place}": content for place, content in sorted(files.items())})}
+def _zip(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return a zip file with a folder of files, by the name of the zip file."""
+    return {f"{name}.zip": zipped({f"{name}/{file}": content for file, content in sorted(files.items())})}

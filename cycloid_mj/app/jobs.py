@@ -1,4 +1,4 @@
-"""Long work for the page: one after the other, with what it tells on its way; it can be stopped."""
+"""Jobs of the page: long work that runs one after the other, reports its progress and can be stopped."""
 
 import itertools
 import threading
@@ -9,39 +9,62 @@ from typing import Any
 from cycloid_mj.app.workers import Work, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
 
-MOST_WAITING = 6
-MOST_KEPT = 40
-"""Jobs that wait, and that are kept after they are done or stopped."""
+MAX_QUEUED = 6
+"""Jobs that may wait for others; further ones are refused."""
+
+MAX_FINISHED = 40
+"""Finished and stopped jobs whose results are kept, the latest."""
 
 
 @dataclass
 class Job:
-    """One long-running job: `told` is its last progress report, `files` and `page` are its downloads."""
+    """A job.
+
+    Attributes
+    ----------
+    number
+        Its number in the addresses of its files.
+    state
+        ``queued``, ``running``, ``done`` or ``stopped``.
+    progress
+        Its last progress report, in JSON values.
+    result, error
+        What it returned in JSON values, or why it failed.
+    files, page
+        Its downloads by name, and its HTML page.
+    """
 
     number: int
-    state: str = "waits"
-    told: Any = None
+    state: str = "queued"
+    progress: Any = None
     result: Any = None
     error: str = ""
     files: Mapping[str, bytes] = field(default_factory=dict)
     page: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert it to JSON values: files by their names alone."""
-        state = {"job": self.number, "state": self.state, "told": self.told, "result": self.result, "error": self.error}
-        return {**state, "files": list(self.files), "page": bool(self.page)}
+        """Convert the job to JSON values, with the names of its files only."""
+        return {
+            "job": self.number,
+            "state": self.state,
+            "progress": self.progress,
+            "result": self.result,
+            "error": self.error,
+            "files": list(self.files),
+            "page": bool(self.page),
+        }
 
 
 @dataclass(frozen=True)
-class Made:
-    """What a job makes to be fetched: files by name, or a page."""
+class Download:
+    """The result of a job that is not JSON: files by name, or an HTML page."""
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     page: str = ""
 
 
 class Jobs:
-    """All long work of the page."""
+    """The jobs of a page, which share one worker process."""
 
     def __init__(self, worker: Worker) -> None:
         self._worker, self._numbers = worker, itertools.count(1)
@@ -49,19 +72,20 @@ class Jobs:
         self._turn, self._running = threading.Lock(), 0
 
     def start(self, work: Work, *args: Any) -> Job:
-        """Start a work, or let it wait for those before it.
+        """Start a job, or queue it behind the others.
 
         Raises
         ------
         UsageError
-            Too many wait.
+            Too many jobs are queued.
         """
-        if sum(job.state in ("waits", "runs") for job in self._jobs.values()) > MOST_WAITING:
-            raise UsageError("too much work waits already: stop some of it, or wait")
+        if sum(job.state in ("queued", "running") for job in self._jobs.values()) > MAX_QUEUED:
+            raise UsageError(f"{MAX_QUEUED} jobs are queued already: stop one of them, or wait")
         job = Job(next(self._numbers))
         self._jobs[job.number] = job
-        for old in [one for one, other in self._jobs.items() if other.state in ("done", "stopped")][:-MOST_KEPT]:
-            del self._jobs[old]
+        finished = [number for number, other in self._jobs.items() if other.state in ("done", "stopped")]
+        for number in finished[:-MAX_FINISHED]:
+            del self._jobs[number]
         threading.Thread(target=self._run, args=(job, work, args), daemon=True).start()
         return job
 
@@ -71,17 +95,19 @@ class Jobs:
         Raises
         ------
         UsageError
-            It is gone.
+            There is no such job, or its results are no longer kept.
         """
         if number not in self._jobs:
-            raise UsageError("this work is gone: start it again")
+            raise UsageError("this job is no longer available: start it again")
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:
-        """Stop a job, wherever it is; errors as `get`."""
+        """Stop a queued or running job; errors as `get`."""
         job = self.get(number)
-        waits, job.state = job.state == "waits", "stopped" if job.state in ("waits", "runs") else job.state
-        if not waits and self._running == number:
+        queued = job.state == "queued"
+        if job.state in ("queued", "running"):
+            job.state = "stopped"
+        if not queued and self._running == number:
             self._worker.stop()
         return job
 
@@ -89,13 +115,13 @@ class Jobs:
         with self._turn:
             if job.state == "stopped":
                 return
-            job.state, self._running = "runs", job.number
+            job.state, self._running = "running", job.number
             try:
-                result = self._worker.do(work, *args, told=lambda content: setattr(job, "told", content))
+                result = self._worker.do(work, *args, told=lambda content: setattr(job, "progress", content))
             except CycloidError as error:
                 job.error = "" if job.state == "stopped" else str(error)
             else:
-                if isinstance(result, Made):
+                if isinstance(result, Download):
                     job.files, job.page = result.files, result.page
                 else:
                     job.result = result

@@ -1,7 +1,7 @@
-"""Processes beside the page's own that solve and make: it redraws at once whatever they are busy with.
+"""Worker processes of the page, so that it redraws at once whatever they are computing.
 
-One is for what follows every move of a slider, one for what takes a moment longer, so that neither waits for the other,
-and one for long work, which can be stopped.
+One answers the questions that follow every move of a slider, one those that take longer, so that neither waits for the
+other, and one runs the jobs, which can be stopped.
 """
 
 import gc
@@ -16,39 +16,49 @@ from typing import Any
 from cycloid_mj.base.engine.housekeeping import serve_parent
 from cycloid_mj.base.errors import CycloidError
 
-BEHIND = 5
-"""How much nicer than the page's own the processes are whose answers take a moment: moves of a slider go first."""
+NICENESS = 5
+"""Niceness of the slower worker processes relative to the page's own: moves of a slider have priority."""
 
 Work = Callable[..., Any]
-Told = Callable[[Any], None]
-Warm = Iterable[tuple[Work, tuple[Any, ...]]]
+Progress = Callable[[Any], None]
+WarmUp = Iterable[tuple[Work, tuple[Any, ...]]]
 
 
-class Died(CycloidError):
-    """A process ended while it was at work, as for want of memory or because it was stopped."""
+class WorkerDied(CycloidError):
+    """A worker process ended during its work: it was stopped, or the memory was exhausted."""
 
 
 class Worker:
-    """One process, which does one work after the other; it ends with this one, however that ends."""
+    """A process that runs one function after the other; it ends with this process, however that ends."""
 
-    def __init__(self, warm: Warm = (), behind: bool = True) -> None:
-        """Start it; it does the `warm` works once, for their code to be loaded when somebody waits.
+    def __init__(self, warm_up: WarmUp = (), nice: bool = True) -> None:
+        """Start the process.
 
-        One that stands `behind` leaves the processor to others that want it.
+        Parameters
+        ----------
+        warm_up
+            Functions with their arguments that are called once, so that their code is loaded before the first question.
+        nice
+            Whether other processes have priority (`NICENESS`).
         """
-        self._warm, self._behind, self._lock = tuple(warm), behind, threading.Lock()
+        self._warm_up, self._nice, self._lock = tuple(warm_up), nice, threading.Lock()
         self._closed = False
         self._start()
 
-    def do(self, work: Work, *args: Any, told: Told | None = None) -> Any:
-        """Run a job in the worker; with `told`, the job gets a callback for its progress as first argument.
+    def do(self, work: Work, *args: Any, told: Progress | None = None) -> Any:
+        """Call a function in the process and return its result.
+
+        Parameters
+        ----------
+        told
+            Called with each progress report; the function then gets a callback for these as its first argument.
 
         Raises
         ------
         CycloidError
-            What the work raises.
-        Died
-            The process ended; another one stands ready.
+            The function raised an error.
+        WorkerDied
+            The process ended; a new one has been started.
         """
         with self._lock:
             pipe = self._pipe
@@ -65,10 +75,10 @@ class Worker:
             except (EOFError, OSError) as error:
                 if not self._closed:
                     self._start()
-                raise Died("the work was stopped, or its process ended, as for want of memory") from error
+                raise WorkerDied("the job was stopped, or its process ended (out of memory?)") from error
 
     def stop(self) -> None:
-        """Abort the current job: `do` raises then."""
+        """End the process: a call of `do` that is under way raises `WorkerDied`."""
         self._process.terminate()
 
     def close(self) -> None:
@@ -79,47 +89,47 @@ class Worker:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
-        self._process = context.Process(target=_serve, args=(other, self._warm, self._behind), daemon=False)
+        self._process = context.Process(target=_serve, args=(other, self._warm_up, self._nice), daemon=False)
         self._process.start()
         other.close()
 
 
 class Workers:
-    """The processes, which all windows share; each does those works once first that it is given to warm up."""
+    """The three worker processes, which all windows of the page share; each with its functions to warm up."""
 
-    def __init__(self, quick: Warm = (), slower: Warm = ()) -> None:
-        self.quick, self.slower, self.long = Worker(quick, behind=False), Worker(slower), Worker()
+    def __init__(self, quick: WarmUp = (), slower: WarmUp = ()) -> None:
+        self.quick, self.slower, self.long = Worker(quick, nice=False), Worker(slower), Worker()
 
     def close(self) -> None:
-        """Terminate the workers at once; what they do is needed no more."""
+        """Terminate all processes for good."""
         for worker in (self.quick, self.slower, self.long):
             worker.close()
 
 
-def _serve(pipe: Connection, warm: Warm, behind: bool) -> None:
-    """Serve the page's process, and load what the works need."""
+def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
+    """Answer the calls of the page's process until it closes the pipe."""
     serve_parent()
-    if behind and hasattr(os, "nice"):  # Windows has none
-        os.nice(BEHIND)
-    for work, args in warm:
-        with suppress(CycloidError):  # the page may begin with a design that cannot be built
+    if nice and hasattr(os, "nice"):  # not on Windows
+        os.nice(NICENESS)
+    for work, args in warm_up:
+        with suppress(CycloidError):  # the first design may be one that cannot be built
             work(*args)
-    gc.freeze()  # modules, and what all questions share: the rest is searched for circles in a millisecond
+    gc.freeze()  # modules and common data: a collection of the rest takes a millisecond
     while True:
-        gc.collect()  # values of a design refer to each other: 350 MB of them in 200 moves, left to Python
+        gc.collect()  # reducers contain reference cycles: 350 MB in 200 moves if left to Python's own schedule
         try:
-            work, args, tells = pipe.recv()
+            work, args, reports = pipe.recv()
         except EOFError:
             return
         try:
-            done = work(_teller(pipe), *args) if tells else work(*args)
+            done = work(_reporter(pipe), *args) if reports else work(*args)
         except CycloidError as error:
             pipe.send(("failed", str(error)))
-        except Exception as error:  # whatever goes wrong with one design, the page goes on
+        except Exception as error:  # a failure with one design must not end the page
             pipe.send(("failed", f"{type(error).__name__}: {error}"))
         else:
             pipe.send(("done", done))
 
 
-def _teller(pipe: Connection) -> Told:
+def _reporter(pipe: Connection) -> Progress:
     return lambda content: pipe.send(("told", content))

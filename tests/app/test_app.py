@@ -27,10 +27,10 @@ from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, sum
 from cycloid_mj.app.api import compared, draw, forces, life, loaded, long_work, statics
 from cycloid_mj.app.controls import knobs
 from cycloid_mj.app.drawing import PLACES, section
-from cycloid_mj.app.jobs import MOST_KEPT, MOST_WAITING, Jobs, Made
+from cycloid_mj.app.jobs import MAX_FINISHED, MAX_QUEUED, Download, Jobs
 from cycloid_mj.app.state import changed, design_of, values_of
 from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
-from cycloid_mj.app.workers import BEHIND, Died, Worker
+from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, Design, override
@@ -532,7 +532,7 @@ class Slow:
     def do(self, work: Any, *args: Any, told: Any) -> Any:
         self.go.wait(20.0)
         if self.stopped:
-            raise Died("stopped")
+            raise WorkerDied("stopped")
         return work(told, *args)
 
     def stop(self) -> None:
@@ -544,11 +544,11 @@ def test_jobs_tell_their_way_and_their_end() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first = jobs.start(lambda told: told({"share": 0.5}) or {"found": 1})
-    second = jobs.start(lambda told: Made(files={"a.txt": b"a"}))
-    assert second.state == "waits"
+    second = jobs.start(lambda told: Download(files={"a.txt": b"a"}))
+    assert second.state == "queued"
     worker.go.set()
     assert waiting(first, "done").as_json()["result"] == {"found": 1}
-    assert first.told == {"share": 0.5}
+    assert first.progress == {"share": 0.5}
     assert waiting(second, "done").as_json()["files"] == ["a.txt"]
     with pytest.raises(UsageError):
         jobs.get(99)
@@ -558,7 +558,7 @@ def test_a_job_is_stopped_while_it_runs_and_while_it_waits() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first, second = (jobs.start(lambda told: {}) for _ in range(2))
-    waiting(first, "runs")
+    waiting(first, "running")
     jobs.stop(second.number)
     jobs.stop(first.number)
     assert waiting(first, "stopped").error == ""
@@ -569,13 +569,13 @@ def test_only_the_last_jobs_are_kept_done_or_stopped() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first = jobs.start(lambda told: {})
-    waiting(first, "runs")
+    waiting(first, "running")
     stopped = []
-    for _ in range(MOST_KEPT + 2):
+    for _ in range(MAX_FINISHED + 2):
         stopped.append(jobs.start(lambda told: {}))
         jobs.stop(stopped[-1].number)
     assert jobs.get(first.number) is first
-    with pytest.raises(UsageError, match="gone"):
+    with pytest.raises(UsageError, match="no longer available"):
         jobs.get(stopped[0].number)
     assert jobs.get(stopped[-1].number).state == "stopped"
     worker.go.set()
@@ -584,22 +584,22 @@ def test_only_the_last_jobs_are_kept_done_or_stopped() -> None:
 def test_only_so_much_waits() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
-    for _ in range(MOST_WAITING + 1):
+    for _ in range(MAX_QUEUED + 1):
         jobs.start(lambda told: {})
-    with pytest.raises(UsageError, match="waits already"):
+    with pytest.raises(UsageError, match="queued already"):
         jobs.start(lambda told: {})
     worker.go.set()
 
 
 @pytest.mark.slow
 def test_a_process_does_works_tells_mistakes_and_is_replaced_when_it_ends() -> None:
-    worker = Worker(warm=[(design_of, ({"no.key": 1},))])  # as where the page begins with what cannot be built
+    worker = Worker(warm_up=[(design_of, ({"no.key": 1},))])  # as where the page begins with what cannot be built
     try:
         assert worker.do(math.hypot, 3.0, 4.0) == 5.0
         with pytest.raises(CycloidError, match="ValueError"):
             worker.do(math.sqrt, -1.0)
         threading.Timer(1.0, worker.stop).start()
-        with pytest.raises(Died):
+        with pytest.raises(WorkerDied):
             worker.do(time.sleep, 30.0)
         assert worker.do(math.hypot, 3.0, 4.0) == 5.0
     finally:
@@ -617,7 +617,7 @@ def test_every_button_gives_a_file_under_the_designs_own_name(kind: str) -> None
 
 
 def test_a_crank_that_stands_still_is_not_run() -> None:
-    with pytest.raises(CycloidError, match="stands still"):
+    with pytest.raises(CycloidError, match="speed is zero"):
         artifacts.run(lambda _: None, values_of(PRESETS["nonpin"].but(drive={"speed": 0.0})))
 
 
@@ -714,9 +714,9 @@ def test_a_worker_does_not_grow() -> None:
 
 @pytest.mark.skipif(not hasattr(os, "nice"), reason="Windows knows no niceness")
 def test_what_takes_a_moment_leaves_the_processor_to_what_follows_a_move() -> None:
-    ahead, after = Worker(behind=False), Worker()
+    ahead, after = Worker(nice=False), Worker()
     try:
-        assert after.do(os.nice, 0) - ahead.do(os.nice, 0) == BEHIND
+        assert after.do(os.nice, 0) - ahead.do(os.nice, 0) == NICENESS
     finally:
         ahead.stop()
         after.stop()

@@ -120,7 +120,7 @@ def test_the_header_is_seen_from_the_last_slider(page: Tab, width: int) -> None:
 @pytest.mark.parametrize("width", SIZES)
 def test_nothing_sticks_out_of_any_screen(page: Tab, width: int, scheme: str) -> None:
     page.screen(width, SIZES[width], scheme)
-    for word in ("Figures", "Loads", "Life", "A | B", "Make"):
+    for word in ("Figures", "Loads", "Life", "A | B", "Export"):
         page.click("[role=tab]", word)
         assert page.run("document.querySelector('[aria-selected=true]').innerText") == word, "something covers the tab"
         assert not page.run(OVERHANG), word

@@ -1,4 +1,4 @@
-// The page: its state, which stands in the address, what follows a change, undo and redo, files.
+// The page: its state, which is kept in the address; requests after a change; undo and redo; files.
 
 import { ask, newest, work, download } from "./net.js";
 import { el, byId, number, toast, fill, refill, JUDGED } from "./dom.js";
@@ -9,14 +9,14 @@ import { Start } from "./start.js";
 
 const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, ways: null };
 const history = { past: [], at: -1, key: "", time: 0 };
-const COALESCED = 900; // ms: changes of one slider within it are one step of undo
-const ADDRESSED = 250; // ms after a change
+const COALESCED = 900; // ms: changes of one slider within this time are undone together
+const ADDRESSED = 250; // ms from a change to the update of the address
 
 const section = new Section(byId("section"), byId("controls"), byId("legend"));
 const tabs = new Tabs(byId("tabs"), () => state, apply);
 const start = new Start(byId("start"), take, open);
 
-// --- asking
+// --- requests
 
 const solved = {
   statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
@@ -55,7 +55,7 @@ function show(told) {
   state.name = told.name;
   state.shown = told;
   state.ways = null;
-  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // they solve while it is drawn
+  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // solved by the workers while the browser draws
   showKnobs(byId("knobs"), told.knobs, apply);
   section.show(told.section, told.errors);
   byId("name").value = told.name;
@@ -74,10 +74,10 @@ function show(told) {
   showHead();
 }
 
-// Show nothing any longer of the design before: another one comes in its place.
+// Remove everything that belongs to the previous design: another one replaces it.
 function another() {
   state.statics = state.life = state.checks = null;
-  fill(byId("checks"), el("p", { class: "soft" }, "checking …"));
+  fill(byId("checks"), el("p", { class: "soft" }, "Checking …"));
   tabs.another();
 }
 
@@ -115,7 +115,7 @@ function showHead() {
   }));
 }
 
-// --- what is wrong
+// --- failures and warnings
 
 function showWrong(errors) {
   const box = byId("wrong");
@@ -124,8 +124,8 @@ function showWrong(errors) {
   if (!errors.length) return;
   const [first, ...others] = errors;
   refill(box,
-    el("b", {}, "This cannot be built."), el("p", {}, `${first.what}: ${first.why}`),
-    remedies(first), others.length ? el("small", {}, `and ${others.length} more, beside`) : null);
+    el("b", {}, "This design cannot be built."), el("p", {}, `${first.what}: ${first.why}`),
+    remedies(first), others.length ? el("small", {}, `and ${others.length} more in the list of checks`) : null);
 }
 
 function remedies(check) {
@@ -133,7 +133,7 @@ function remedies(check) {
     { class: "remedy", title: `Sets ${Object.entries(change.changes).map(([key, value]) => `${key} = ${value}`).join(", ")}`, onclick: () => apply(change.changes) }, change.words)));
 }
 
-// The checks with the ways that were tried for those that tell none; either may come first.
+// The checks, with the remedies that were tried for those without one; either may arrive first.
 function mended() {
   if (!state.checks) return;
   for (const one of state.checks.failed) one.changes = state.ways?.[one.name] ?? one.changes;
@@ -167,7 +167,7 @@ function remember(key) {
   address();
 }
 
-// The address follows when the drawing stands: to change it takes the browser as long as all the rest.
+// The address is updated after the drawing: changing it takes the browser as long as everything else.
 function address() {
   byId("undo").disabled = history.at < 1;
   byId("redo").disabled = history.at >= history.past.length - 1;
@@ -187,7 +187,7 @@ function fromAddress() {
   const design = {}, asked = {};
   for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
     let value = text;
-    try { value = JSON.parse(text); } catch { /* a word */ }
+    try { value = JSON.parse(text); } catch { /* not JSON: a word */ }
     if (key.startsWith("asked.")) asked[key.slice(6)] = value; else design[key] = value;
   }
   return { design, asked };
@@ -267,7 +267,7 @@ window.addEventListener("pagehide", writeAddress);
 
 tabs.swap = entry => put(entry);
 
-// --- begin
+// --- start
 
 const offers = await ask("start");
 start.offer(offers);

@@ -1,4 +1,4 @@
-// Charts as SVG: lines over an angle, bars, histograms. All numbers come from the server.
+// Charts as SVG: lines over an angle, bars, histograms. All numbers are computed by the server.
 
 import { el, svg, number, fill } from "./dom.js";
 
@@ -13,7 +13,7 @@ function ticks(low, high, count = 5) {
   return found;
 }
 
-// `steps` are the marks along x, else round numbers.
+// `steps` are the tick marks along x; by default round numbers.
 function frame(x, y, labels, steps = ticks(...x, 6)) {
   const across = value => LEFT + (value - x[0]) / (x[1] - x[0] || 1) * (W - LEFT - RIGHT);
   const up = value => H - BOTTOM - (value - y[0]) / (y[1] - y[0] || 1) * (H - TOP - BOTTOM);
@@ -27,7 +27,7 @@ function frame(x, y, labels, steps = ticks(...x, 6)) {
 
 const chart = (title, ...inside) => svg("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": title, class: "chart" }, ...inside);
 
-// Lines over the crank angle: series of {name, y, look}; `x` is shared. What stands under the cursor is told below.
+// Lines over the crank angle: series of {name, y, look} with common `x`. The values at the cursor are shown below.
 export function lines(title, x, series, labels) {
   const all = series.flatMap(one => one.y);
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)], room = 0.06 * (high - low || 1);
@@ -49,12 +49,12 @@ export function lines(title, x, series, labels) {
   return el("figure", {}, el("h3", {}, title), drawn, told);
 }
 
-// Upright bars at orders; those named stand out: [order, name] each. Names stand over all bars.
+// Vertical bars at orders; `named` highlights some of them: [order, name] each. The names are drawn above all bars.
 export function spikes(title, orders, values, labels, named) {
   const most = Math.max(...orders, 1), { across, up, axes } = frame([0, 1.02 * most], [0, 1.12 * Math.max(...values) || 1], labels);
   const wide = Math.min(9, Math.max(2, 0.5 * (across(1) - across(0))));
   const name = order => named.filter(([at]) => Math.abs(at - order) < 1e-3).map(([, word]) => word).join(", ");
-  const bar = (value, at) => svg("rect", { x: across(orders[at]) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: name(orders[at]) ? "spike named" : "spike" }, svg("title", {}, `order ${number(orders[at])}: ${number(value)}`));
+  const bar = (value, at) => svg("rect", { x: across(orders[at]) - wide / 2, y: up(value), width: wide, height: Math.max(0, up(0) - up(value)), class: name(orders[at]) ? "spike named" : "spike" }, svg("title", {}, `Order ${number(orders[at])}: ${number(value)}`));
   const word = (value, at) => name(orders[at]) ? svg("text", { x: across(orders[at]), y: Math.max(TOP + 10, up(value) - 4), "text-anchor": "middle", class: "label over" }, name(orders[at])) : null;
   return el("figure", {}, el("h3", {}, title), chart(title, axes, values.map(bar), values.map(word)));
 }
@@ -67,7 +67,7 @@ export function histogram(title, edges, counts, unit, marks) {
     el("figcaption", {}, marks.map(([value, word]) => el("span", {}, `${word}: ${number(value, 3)} ${unit}`))));
 }
 
-// Lying bars: {name, share (0 to 1), text, look, title}.
+// Horizontal bars: {name, share (0 to 1), text, look, title}.
 export const bars = items => el("div", { class: "lying" }, items.map(one => {
   const fill = el("span", { class: `fill ${one.look || ""}` });
   fill.style.width = `${100 * Math.max(0, Math.min(1, one.share))}%`;

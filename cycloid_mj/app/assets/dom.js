@@ -1,4 +1,4 @@
-// Elements in few words.
+// Short forms to create elements, and the formats of numbers and judgements.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -18,7 +18,7 @@ export const el = (tag, attributes, ...children) => filled(document.createElemen
 export const svg = (tag, attributes, ...children) => filled(document.createElementNS(SVG, tag), attributes, children);
 export const fill = (element, ...children) => element.replaceChildren(...there(children));
 
-// Fill anew what may have the focus: it stays on what has the same id or words, else on the element.
+// Replace the children of an element that may contain the focus: it moves to the new child with the same id or text, else to the element.
 export function refill(element, ...children) {
   const held = element.contains(document.activeElement) && document.activeElement;
   fill(element, ...children);
@@ -37,7 +37,7 @@ export const JUDGED = {
 
 export const byId = id => document.getElementById(id);
 
-// A number with some digits, without an exponent where people would write none.
+// Format a number with significant digits, without an exponent between 1e-4 and 1e7.
 export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";

@@ -1,4 +1,4 @@
-// Sliders and lists: each with its unit, range, what it is, and its value to be typed.
+// Sliders and lists of the parameters, each with unit, range, description and an input field for its value.
 
 import { el, number, fill } from "./dom.js";
 

@@ -1,4 +1,4 @@
-// Questions to the server: JSON to JSON. A mistake is thrown as an Error with the server's own words.
+// Requests to the server: JSON to JSON. A refusal is thrown as an Error with the message of the server.
 
 export async function ask(name, content = {}) {
   let answer;
@@ -15,7 +15,7 @@ export async function ask(name, content = {}) {
   return told;
 }
 
-// Ask for the newest only: questions that arrive while an older one is answered replace each other.
+// Send only the newest request: those that arrive while an older one is being answered replace each other.
 export function newest(name, shown, failed) {
   let waiting = null, busy = false, round = 0;
   async function go() {
@@ -38,11 +38,11 @@ export function newest(name, shown, failed) {
   };
 }
 
-// Start long work and follow it until it is done; `told` hears of its way. Returns its end.
+// Start a job and poll it until it ends; `told` is called with each state. Return the last state.
 export async function work(content, told = () => {}) {
   let job = await ask("job", content);
   told(job);
-  while (job.state === "waits" || job.state === "runs") {
+  while (job.state === "queued" || job.state === "running") {
     await new Promise(done => setTimeout(done, 250));
     job = await ask("look", { job: job.job });
     told(job);

@@ -1,9 +1,9 @@
-// The section: parts placed at a crank angle, force arrows, load bars, play magnified, dimensions, zoom, animation.
+// The cross-section: parts at a crank angle, force arrows, load bars, magnified clearances, dimensions, zoom, animation.
 
 import { el, svg, number, fill } from "./dom.js";
 
-const SECONDS = 8; // of a crank turn that is played
-const FRAME = 1.34; // half of the picture over the outside of the reducer: room for load bars
+const SECONDS = 8; // duration of one crank turn of the animation
+const FRAME = 1.34; // half the picture over the outer radius of the reducer: leaves space for the load bars
 
 export class Section {
   constructor(place, controls, legend) {
@@ -15,7 +15,7 @@ export class Section {
     this.#mouse();
   }
 
-  // Draw outlines anew; forces of the design before are gone.
+  // Draw new outlines; the forces of the previous design are removed.
   show(drawn, errors) {
     this.drawn = drawn;
     this.acting = null;
@@ -40,19 +40,19 @@ export class Section {
 
   #controls(place) {
     const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this.shows[key], onchange: event => { this.shows[key] = event.target.checked; this.#build(); this.#place(); } }), words);
-    this.button = el("button", { "aria-pressed": "false", title: "Turn the crank (space)", onclick: () => this.#toggle() }, "▶ Turn");
+    this.button = el("button", { "aria-pressed": "false", title: "Rotate the crank (space)", onclick: () => this.#toggle() }, "▶ Rotate");
     this.angle = el("input", { id: "crank", type: "range", min: 0, max: 360, step: 1, "aria-label": "Crank angle in degrees", oninput: event => { this.#halt(); this.crank = event.target.valueAsNumber; this.#place(); } });
     this.degrees = el("output", { for: "crank" });
     this.factor = el("select", { id: "play", onchange: event => { this.play = +event.target.value; this.changedPlay(); } },
-      [1, 5, 20, 50, 200].map(times => el("option", { value: times }, times === 1 ? "as it is" : `${times} × as wide`)));
+      [1, 5, 20, 50, 200].map(times => el("option", { value: times }, times === 1 ? "true scale" : `× ${times}`)));
     place.append(
       el("div", { class: "crank" }, this.button, this.angle, this.degrees),
       el("div", { class: "shows" }, toggle("arrows", "Forces"), toggle("bars", "Load bars"), toggle("dimensions", "Dimensions"),
-        el("label", {}, "Play ", this.factor),
+        el("label", { title: "Factor by which clearances are magnified in the drawing" }, "Clearances ", this.factor),
         el("span", { class: "zooms" },
-          el("button", { title: "Nearer (+)", "aria-label": "Nearer", onclick: () => this.#nearer(1.4) }, "+"),
-          el("button", { title: "Farther (−)", "aria-label": "Farther", onclick: () => this.#nearer(1 / 1.4) }, "−"),
-          el("button", { title: "All of it (0)", onclick: () => this.#whole() }, "All"))));
+          el("button", { title: "Zoom in (+)", "aria-label": "Zoom in", onclick: () => this.#nearer(1.4) }, "+"),
+          el("button", { title: "Zoom out (−)", "aria-label": "Zoom out", onclick: () => this.#nearer(1 / 1.4) }, "−"),
+          el("button", { title: "Show everything (0)", onclick: () => this.#whole() }, "All"))));
   }
 
   #mouse() {
@@ -129,11 +129,11 @@ export class Section {
   #halt() {
     this.playing = 0;
     this.crank %= 360;
-    this.button.textContent = "▶ Turn";
+    this.button.textContent = "▶ Rotate";
     this.button.setAttribute("aria-pressed", "false");
   }
 
-  // The parts as elements, which `#place` then moves.
+  // Create the elements of the parts; `#place` moves them.
   #build() {
     const d = this.drawn;
     if (!d) return;
@@ -185,7 +185,7 @@ export class Section {
     }));
   }
 
-  // Forces at the crank angle, between the angles at which they were solved.
+  // Forces at the crank angle, interpolated between the angles at which they were solved.
   #now() {
     const turn = Math.floor(this.crank / 360 + 1e-9);
     const told = this.ahead.get(turn) || (this.playing ? null : this.acting);
@@ -226,7 +226,7 @@ export class Section {
   #forces(now, centre, lag) {
     fill(this.over);
     fill(this.bars);
-    if (!now) { this.legend.textContent = this.drawn.whole ? "" : "No forces: it cannot be built."; return; }
+    if (!now) { this.legend.textContent = this.drawn.whole ? "" : "No forces: this design cannot be built."; return; }
     const d = this.drawn, { told } = now, row = now.share < 0.5 ? now.low : now.low + 1;
     const largest = kind => Math.max(...told[kind].force.map(discs => Math.max(...discs.map(one => Math.max(...one)))));
     const most = { teeth: largest("teeth"), output: largest("output"), cam: Math.max(...told.cam.map(discs => Math.max(...discs.map(([x, y]) => Math.hypot(x, y))))) };
@@ -257,7 +257,7 @@ export class Section {
         if (force > 0.004 * most.teeth) this.bars.append(svg("line", { x1: from * Math.cos(angle), y1: from * Math.sin(angle), x2: to * Math.cos(angle), y2: to * Math.sin(angle), class: "bar", "stroke-width": wide }));
       }
     }
-    const told_ = (kind, words) => `${words} ${number(here[kind], 3)} N (${number(most[kind], 3)} N in the turn)`;
-    this.legend.textContent = `At ${number(told.load_nm, 3)} N m, now: ${told_("teeth", "a tooth")}, ${told_("output", "an output pin")}, ${told_("cam", "the cam")}. Arrows: each kind to its own scale.${d.play > 1 ? ` Play is drawn ${d.play} times as wide.` : ""}`;
+    const force = (kind, words) => `${words} ${number(here[kind], 3)} N (maximum over the turn ${number(most[kind], 3)} N)`;
+    this.legend.textContent = `Largest forces at this angle under ${number(told.load_nm, 3)} N m: ${force("teeth", "tooth")}, ${force("output", "output pin")}, ${force("cam", "cam")}. Arrows of each kind have their own scale.${d.play > 1 ? ` Clearances are magnified ${d.play} times.` : ""}`;
   }
 }

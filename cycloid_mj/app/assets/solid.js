@@ -1,4 +1,4 @@
-// The assembly in 3-D: triangles of the parts, by WebGL, turned by mouse or arrow keys; its crank turns.
+// The assembly in 3-D: triangles of the parts in WebGL, rotated by mouse or arrow keys, with a running crank.
 
 import { el } from "./dom.js";
 
@@ -6,9 +6,9 @@ const VERTEX = `attribute vec3 corner, normal; uniform mat4 place, view; uniform
 void main() { vec4 at = view * place * vec4(corner, 1.0); n = mat3(view) * mat3(place) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
 const FRAGMENT = `precision mediump float; uniform vec4 colour; varying vec3 n;
 void main() { vec3 m = normalize(n); if (m.z > 0.0) m = -m; float light = 0.5 + 0.45 * max(0.0, dot(m, normalize(vec3(0.35, 0.6, -0.7)))) + 0.16 * max(0.0, dot(m, normalize(vec3(-0.7, 0.1, -0.5)))); gl_FragColor = vec4(colour.rgb * min(light, 1.1), colour.a); }`;
-const CREASE = 0.8; // cosine of the angle between faces from which on their edge is drawn sharp
+const CREASE = 0.8; // cosine of the angle between two faces above which their edge is drawn sharp
 
-// Normals at the corners of triangles: those of the faces that meet there, as far as they do not meet in an edge.
+// Normals at the corners of triangles: the mean of the faces that meet there without a sharp edge.
 function normalsOf(corners) {
   const faces = [], meeting = new Map(), normals = new Float32Array(corners.length);
   const spot = at => `${corners[at].toFixed(3)} ${corners[at + 1].toFixed(3)} ${corners[at + 2].toFixed(3)}`;
@@ -35,11 +35,11 @@ const columns = (angle, x, y) => { const [c, s] = [Math.cos(angle), Math.sin(ang
 export class Solid {
   constructor(told) {
     Object.assign(this, { told, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
-    this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The assembly in 3-D; drag or arrow keys turn it, + and − zoom" });
+    this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The assembly in 3-D. Drag or use the arrow keys to rotate it, + and − to zoom" });
     this.gl = this.canvas.getContext("webgl", { antialias: true, alpha: true, preserveDrawingBuffer: true });
     const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this[key], onchange: event => { this[key] = event.target.checked; this.#draw(); } }), words);
-    this.element = el("div", {}, this.gl ? [this.canvas, el("div", { class: "shows" }, toggle("turns", "Turning"), toggle("cut", "Look into it"), el("span", { class: "soft" }, "drag, or arrow keys; + and −"))]
-      : el("p", { class: "near" }, "This browser has no WebGL: take the STEP file, under Make."));
+    this.element = el("div", {}, this.gl ? [this.canvas, el("div", { class: "shows" }, toggle("turns", "Rotate crank"), toggle("cut", "Transparent housing"), el("span", { class: "soft" }, "Drag or arrow keys: rotate; + and −: zoom"))]
+      : el("p", { class: "near" }, "This browser has no WebGL. The STEP file (tab Export) shows the assembly in a CAD program."));
     if (!this.gl) return;
     this.#upload();
     this.#hands();

@@ -1,21 +1,21 @@
-// The start form: what a drive is to do; the answer is drives to take, or the most that goes and ways out as buttons.
+// The start form: the requirements of a drive. The answer is up to three drives, or the largest feasible torque and alternatives as buttons.
 
 import { work, stop } from "./net.js";
 import { el, number, fill, refill, JUDGED } from "./dom.js";
 
 const FIELDS = [
-  ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Turns of the crank for one of the output"],
-  ["diameter_mm", "Diameter", "mm", 60, { min: 1, step: "any" }, "Outside, at most"],
-  ["torque_nm", "Torque", "N m", 2, { min: 0, step: "any" }, "On the output, for all of the life; twice that is held once"],
-  ["life_h", "Life", "h", 6000, { min: 1, step: "any" }, "Hours at that torque"],
+  ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Input turns per output turn"],
+  ["diameter_mm", "Diameter", "mm", 60, { min: 1, step: "any" }, "Outer diameter with covers, at most"],
+  ["torque_nm", "Torque", "N m", 2, { min: 0, step: "any" }, "Continuous output torque; twice this is allowed as a peak"],
+  ["life_h", "Life", "h", 6000, { min: 1, step: "any" }, "Hours at this torque"],
 ];
 const MORE = [
-  ["speed_rpm", "Crank speed", "rpm", 1500, { min: 1, step: "any" }, "Of the motor"],
-  ["length_mm", "Length, at most", "mm", "", { min: 1, step: "any" }, "Empty: any"],
-  ["backlash_arcmin", "Backlash, at most", "arcmin", "", { min: 0, step: "any" }, "Empty: any. Clearances follow"],
+  ["speed_rpm", "Crank speed", "rpm", 1500, { min: 1, step: "any" }, "Motor speed"],
+  ["length_mm", "Maximum length", "mm", "", { min: 1, step: "any" }, "Empty: no limit"],
+  ["backlash_arcmin", "Maximum backlash", "arcmin", "", { min: 0, step: "any" }, "Empty: no limit. Clearances are chosen to suit"],
 ];
 const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Steel", "hardened and ground, 5 µm"] };
-const LAYOUT = { 0: ["One or two discs", "two where one is too few"], 1: ["One disc", "simplest; shakes"], 2: ["Two discs", "balanced"] };
+const LAYOUT = { 0: ["One or two discs", "two if one is not sufficient"], 1: ["One disc", "simplest; unbalanced"], 2: ["Two discs", "balanced"] };
 
 export class Start {
   constructor(dialog, take, open) { Object.assign(this, { dialog, take, open_: open, offers: null, job: null }); }
@@ -39,19 +39,19 @@ export class Start {
     const materials = () => {
       const before = values.material;
       const names = this.offers.processes[this.form.elements.process.value];
-      fill(this.material, el("option", { value: "" }, `usual: ${names[0]}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
+      fill(this.material, el("option", { value: "" }, `default: ${names[0]}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
     };
     this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => event.target.name === "process" && materials() },
       el("div", { class: "fields" }, FIELDS.map(field)),
-      el("fieldset", {}, el("legend", {}, "How it is made"), choice("process", PROCESS, values.process)),
+      el("fieldset", {}, el("legend", {}, "Manufacturing process"), choice("process", PROCESS, values.process)),
       el("fieldset", {}, el("legend", {}, "Layout"), choice("discs", LAYOUT, values.discs)),
       el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== usual) || Boolean(values.material) }, el("summary", {}, "More: speed, length, backlash, material"),
-        el("div", { class: "fields" }, MORE.map(field), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Of gear and housing")))),
-      el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "searched by statics and life, with pins and bearings in stock")));
+        el("div", { class: "fields" }, MORE.map(field), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Material of disc and housing")))),
+      el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "Search by static load and life calculation, with standard pins and bearings")));
     fill(this.dialog,
       el("form", { method: "dialog", class: "close" }, el("button", { "aria-label": "Close" }, "×")),
-      el("h2", { id: "start-title" }, "What is the drive to do?"), this.form, this.answer,
-      el("p", { class: "instead" }, "Or begin with ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
+      el("h2", { id: "start-title" }, "Requirements of the drive"), this.form, this.answer,
+      el("p", { class: "instead" }, "Or start from ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
         " or ", el("button", { class: "link", type: "button", onclick: () => { this.dialog.close(); document.getElementById("open").click(); } }, "a design file"), "."));
     materials();
     this.dialog.onclose = () => this.#stop();
@@ -66,7 +66,7 @@ export class Start {
     return form;
   }
 
-  // A drive is there: what is said of it comes next.
+  // A drive was chosen: move the focus to its checks.
   #shut() {
     this.dialog.close();
     document.getElementById("checks").focus();
@@ -78,7 +78,7 @@ export class Start {
     clearInterval(this.clock);
   }
 
-  // Ask for other values: they stand in the form, too.
+  // Search with other values, and show them in the form.
   #instead(asked) {
     this.#build({ ...asked, material: asked.material || "" });
     this.#find(Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null && value !== "")));
@@ -99,15 +99,15 @@ export class Start {
     try {
       const job = await work({ kind: "size", form }, told => {
         this.job = mine = told.job;
-        if (told.state === "waits") doing.textContent = "waits for work before it";
-        if (told.told?.doing) doing.textContent = told.told.doing;
-        if (told.told?.answer) {
-          doing.textContent = "what would help: trying larger ones, other processes, other materials";
-          if (told.told.answer.ways.length !== ways) { // else the buttons stay: one may just be pressed
+        if (told.state === "queued") doing.textContent = "waiting for other jobs";
+        if (told.progress?.doing) doing.textContent = told.progress.doing;
+        if (told.progress?.answer) {
+          doing.textContent = "searching for alternatives: larger diameters, other processes, other materials";
+          if (told.progress.answer.ways.length !== ways) { // else the buttons stay: one may just be about to be pressed
             const first = ways < 0;
-            ways = told.told.answer.ways.length;
-            this.#refused(found, told.told.answer, false);
-            if (first) look(); // later ones must not move what somebody reads
+            ways = told.progress.answer.ways.length;
+            this.#refused(found, told.progress.answer, false);
+            if (first) look(); // later ones must not move the text that is being read
           }
         }
       });
@@ -117,13 +117,13 @@ export class Start {
       this.answer.firstChild.remove();
       if (job.result.drives.length) this.#drives(found, job.result);
       else this.#refused(found, job.result, true);
-      // not from under the hands of who goes on typing, or has chosen already
+      // not while the user is typing, or has already chosen
       if ([place, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
     } catch (error) {
       if (mine !== this.job) return;
       clearInterval(this.clock);
       this.job = null;
-      fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, "✗ "), error.message), el("p", { class: "soft" }, "Change a value above and search again."));
+      fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, `${JUDGED.failed.mark} `), error.message), el("p", { class: "soft" }, "Change a value above and search again."));
     }
   }
 
@@ -143,13 +143,13 @@ export class Start {
   #refused(place, answer, done) {
     const most = answer.most ? `${number(answer.most, 3)} N m` : "";
     refill(place,
-      el("h3", { class: "fails" }, `✗ ${number(answer.asked.torque_nm)} N m ${answer.most ? "is too much here" : "cannot be had here"}`),
-      el("p", {}, answer.most ? [el("b", {}, `${most} is the most`), ` that goes with these values; ${answer.limit} sets the limit.`] : `${answer.limit}.`),
-      el("h4", {}, done ? "What would do it" : "What would do it, so far"),
+      el("h3", { class: "fails" }, `${JUDGED.failed.mark} No design reaches ${number(answer.asked.torque_nm)} N m with these requirements`),
+      el("p", {}, answer.most ? ["Maximum: ", el("b", {}, most), `, limited by: ${answer.limit}.`] : `${answer.limit}.`),
+      el("h4", {}, done ? "Alternatives" : "Alternatives so far"),
       el("div", { class: "ways" },
         answer.ways.map(way => el("button", { type: "button", class: "way", onclick: () => this.#instead(way.asked) }, el("b", {}, way.words), el("small", {}, this.#also(way.asked)))),
-        answer.most ? el("button", { type: "button", class: "way less", onclick: () => this.#instead({ ...answer.asked, torque_nm: answer.most }) }, el("b", {}, most), el("small", {}, "as it is, with less torque")) : null,
-        !answer.ways.length && done && !answer.most ? el("p", { class: "soft" }, "Nothing that was tried: take a larger diameter, a smaller torque or another process above.") : null));
+        answer.most ? el("button", { type: "button", class: "way less", onclick: () => this.#instead({ ...answer.asked, torque_nm: answer.most }) }, el("b", {}, most), el("small", {}, "the same requirements with less torque")) : null,
+        !answer.ways.length && done && !answer.most ? el("p", { class: "soft" }, "No alternative was found. Try a larger diameter, a smaller torque or another process.") : null));
   }
 
   #also(asked) {

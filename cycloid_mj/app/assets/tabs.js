@@ -1,14 +1,14 @@
-// The tabs beside the section: figures and charts of the design, long studies, A against B, and what can be made.
+// The tabs next to the cross-section: figures and charts of the design, long studies, the comparison of A and B, exports.
 
 import { ask, newest, work, stop, download } from "./net.js";
 import { el, number, toast, refill, JUDGED } from "./dom.js";
 import { lines, spikes, histogram, bars } from "./charts.js";
 import { Solid } from "./solid.js";
 
-const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Make" };
+const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const AUTOMATIC = { error: "error", solid: "solid" };
 
-// Bars of judged rows; the server judges, and tells how long each bar is.
+// Bars of judged rows: judgement and length of each bar come from the server.
 const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
 
 export class Tabs {
@@ -18,7 +18,7 @@ export class Tabs {
       error: newest("error", told => this.told("error", told), words => this.failed("error", words)),
       solid: newest("solid", told => this.told("solid", told), words => this.failed("solid", words)),
     };
-    this.list = el("div", { role: "tablist", "aria-label": "Looks at the design", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
+    this.list = el("div", { role: "tablist", "aria-label": "Results", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
     this.panel = el("div", { role: "tabpanel", id: "panel", tabindex: "0", "aria-labelledby": "tab-figures" });
     place.append(this.list, this.panel);
@@ -47,7 +47,7 @@ export class Tabs {
     this.list.children[(to + keys.length) % keys.length].focus();
   }
 
-  // The design has changed: what was found of the one before is not shown any longer.
+  // The design has changed: results of the previous one are no longer shown.
   changed() {
     this.errors = null;
     for (const key of ["error", "solid"]) delete this.last[key];
@@ -84,7 +84,7 @@ export class Tabs {
     if (this.open !== "solid" && this.solid) { this.solid.end(); this.solid = null; }
     const draws = { figures: this.#figures, turn: this.#turn, error: this.#error, losses: this.#losses, life: this.#life, scatter: this.#scatter, stress: this.#stress, solid: this.#solid, compare: this.#compare, make: this.#make };
     if (this.errors && !["compare", "make"].includes(this.open)) {
-      refill(this.panel, el("p", { class: "soft" }, "No figures: what cannot be built has none. What is wrong, and what mends it, stands above."));
+      refill(this.panel, el("p", { class: "soft" }, "No results: this design cannot be built. The errors and their remedies are listed above."));
       return;
     }
     refill(this.panel, ...[draws[this.open].call(this)].flat(3).filter(Boolean));
@@ -98,9 +98,9 @@ export class Tabs {
 
   #figures() {
     return this.#of("statics", told => [
-      el("p", { class: "soft" }, `By statics at ${told.condition}.`),
+      el("p", { class: "soft" }, `Static equilibrium at ${told.condition}.`),
       el("table", { class: "figures" }, el("tbody", {}, told.rows.map(row => el("tr", { title: row.note }, el("th", { scope: "row" }, row.name), el("td", {}, row.value))))),
-      el("details", {}, el("summary", {}, "What these stand on"), el("ul", {}, told.assumptions.map(one => el("li", {}, one))))]);
+      el("details", {}, el("summary", {}, "Assumptions"), el("ul", {}, told.assumptions.map(one => el("li", {}, one))))]);
   }
 
   #turn() {
@@ -112,8 +112,8 @@ export class Tabs {
       const pins = told.teeth.force[0][0].length;
       return [
         lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: told.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
-        lines("Force on single ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: place(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
-        lines("Teeth that carry", x, [{ name: "more than 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
+        lines("Force on three ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: place(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
+        lines("Loaded teeth", x, [{ name: "force above 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
     });
   }
 
@@ -122,8 +122,8 @@ export class Tabs {
       const [loaded, idle] = told.curves;
       return [
         lines("Transmission error of the output", told.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
-        spikes("Orders, at the load", told.orders, told.amplitudes, ["per turn of the crank", "amplitude [arcsec]"], told.named),
-        el("p", { class: "soft" }, "By statics, without friction, about its mean; manufacturing errors are those of the design.")];
+        spikes("Orders at the load", told.orders, told.amplitudes, ["order [per crank turn]", "amplitude [arcsec]"], told.named),
+        el("p", { class: "soft" }, "Static equilibrium without friction, mean value subtracted. Manufacturing errors are those of the design.")];
     });
   }
 
@@ -131,7 +131,7 @@ export class Tabs {
     return this.#of("statics", told => {
       const { parts, input_power: supplied, output_power: out } = told.losses, lost = parts.reduce((sum, one) => sum + one.watts, 0);
       return [
-        el("p", {}, el("b", {}, `${number(lost, 3)} W are lost`), ` of ${number(supplied, 3)} W; ${number(Math.abs(out), 3)} W come out. ${told.condition}.`),
+        el("p", {}, "Losses ", el("b", {}, `${number(lost, 3)} W`), ` of ${number(supplied, 3)} W input power; output power ${number(Math.abs(out), 3)} W. ${told.condition}.`),
         bars(parts.map(one => ({ name: one.name, share: one.watts / Math.max(lost, 1e-12), text: `${number(one.watts, 3)} W · ${number(100 * one.watts / Math.max(lost, 1e-12), 3)} %`, look: "cam" })))];
     });
   }
@@ -143,21 +143,21 @@ export class Tabs {
       el("p", { class: "soft" }, "Bars show the margin on a logarithmic scale; at the line the requirement is just met. ✓ passed, ! warning, ✗ failed.")]);
   }
 
-  // How far work has come, and a button that stops it: made once, and brought up to date where it stands.
+  // Progress of a job, and a button that stops it; created once and updated in place.
   #progress(job, told) {
-    if (told) Object.assign(job, { number: told.job, told: told.told });
+    if (told) Object.assign(job, { number: told.job, progress: told.progress });
     if (!job.row) {
       job.bar = el("progress", { max: "1" });
       job.says = el("span", { class: "soft" });
       job.row = el("div", { class: "go" }, job.bar, job.says, el("button", { onclick: () => job.number && stop(job.number) }, "Stop"));
     }
-    if (job.told?.share === undefined) job.bar.removeAttribute("value");
-    else job.bar.value = job.told.share;
-    job.says.textContent = `${job.words}: ${job.told?.doing || "waits"}`;
+    if (job.progress?.share === undefined) job.bar.removeAttribute("value");
+    else job.bar.value = job.progress.share;
+    job.says.textContent = `${job.words}: ${job.progress?.doing || "queued"}`;
     return job.row;
   }
 
-  // Long studies: a button starts them, they tell what they find on their way.
+  // Long studies: started by a button; intermediate results are shown as they arrive.
   #study(key, label, content, draw, before = null) {
     const last = this.last[key], job = this.jobs[key];
     const begin = async () => {
@@ -168,7 +168,7 @@ export class Tabs {
       try {
         const done = await work({ kind: key, design: this.state().design, ...content() }, told => {
           this.#progress(mine, told);
-          const found = told.told?.seen || (told.told?.rows && { rows: told.told.rows, rated: told.told.rated });
+          const found = told.progress?.seen || (told.progress?.rows && { rows: told.progress.rows, rated: told.progress.rated });
           if (!found || JSON.stringify(found) === seen) return;
           seen = JSON.stringify(found);
           this.last[key] = { told: found };
@@ -181,23 +181,23 @@ export class Tabs {
     };
     return [
       job ? this.#progress(job) : el("div", { class: "go" }, before, el("button", { class: "strong", onclick: begin }, label)),
-      last?.old ? el("p", { class: "near" }, "! The design has changed since: do it again.") : null,
+      last?.old ? el("p", { class: "near" }, `${JUDGED.warning.mark} The design has changed: these results are out of date.`) : null,
       last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.told))) : null];
   }
 
   #scatter() {
     const usual = this.spread ?? Math.max(1, Math.round((this.state().shown?.knobs.find(knob => knob.key.startsWith("clearance."))?.value || 4) / 4));
     const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), id: "spread", oninput: event => { this.spread = event.target.valueAsNumber; } });
-    const before = el("label", {}, "Each size ± ", typed, " µm ");
-    return [el("p", { class: "soft" }, "Drives drawn within that of each clearance, pin place and eccentricity (uniform, seed 0), each balanced all round. More and more of them, while you look."),
-      ...this.#study("scatter", "Make thousands", () => ({ spread_um: Number(typed.value) }), told => [
-        el("p", {}, el("b", {}, `${told.samples} drives`), `: ${told.jam ? `${number(100 * told.jam, 3)} % jam` : "none jams"}.`, el("span", { class: "sentence soft" }, `${told.condition}.`)),
-        told.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "half"], [one.p95, "95 %"]])),
-        told.budget?.length ? [el("h3", {}, `What to tighten first: share in the spread of the ${told.budget_of}`), bars(told.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
+    const before = el("label", {}, "Tolerance of each size ± ", typed, " µm ");
+    return [el("p", { class: "soft" }, "Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0). Each sample is solved over all crank angles; the charts are updated as samples arrive."),
+      ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: Number(typed.value) }), told => [
+        el("p", {}, el("b", {}, `${told.samples} samples`), `, ${told.jam ? `of which ${number(100 * told.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${told.condition}.`)),
+        told.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
+        told.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${told.budget_of}`), bars(told.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
   }
 
   #stress() {
-    return [el("p", { class: "soft" }, "Contact and fatigue stress by the rating, and the largest bulk stress of each part by finite elements on coarse grids, from a MuJoCo run of one crank turn at the load. Takes 15 s of processor time or more."),
+    return [el("p", { class: "soft" }, "Contact and fatigue stress by the rating, and the largest bulk stress of each part by finite elements on coarse grids, from a MuJoCo run of one crank turn at the load. This takes 15 s of CPU time or more."),
       ...this.#study("stress", "Compute stresses", () => ({}), found => [
         el("h3", {}, "Contact and fatigue (rating)"), judgedBars(found.rated, true),
         el("h3", {}, "Bulk stress and yield strength (finite elements)"), judgedBars(found.rows, false)])];
@@ -211,7 +211,7 @@ export class Tabs {
     });
   }
 
-  // The values in which A and B differ, in words: asked for when the designs are others.
+  // The values in which A and B differ, in words; requested again when one of the designs has changed.
   #differences(a, b) {
     const key = JSON.stringify([a, b]);
     if (this.differing?.key !== key) {
@@ -227,7 +227,7 @@ export class Tabs {
     const { shown, statics, life, design, asked } = this.state();
     const mine = { name: shown?.name, head: shown?.head, statics, life, design: { ...design }, asked: { ...asked } };
     const keep = el("button", { class: "strong", onclick: () => { this.other = mine; this.#draw(); } }, this.other ? "Keep this design as A instead" : "Keep this design as A");
-    if (!this.other) return [el("p", {}, "Keep the present design as A, then change it: both are compared here."), keep];
+    if (!this.other) return [el("p", {}, "Keep the present design as A, then change it: A and B are compared here."), keep];
     const rows = [["Ratio", one => one.head?.ratio, ":1"], ["Diameter", one => one.head?.diameter_mm, "mm"], ["Mass", one => one.head?.mass_kg, "kg"], ["Rated torque", one => one.life?.rated_torque_nm, "N m"], ["Life", one => one.life?.life_h, "h"]];
     const named = row => one => Number.parseFloat(one.statics?.rows.find(other => other.name === row.name)?.value);
     for (const row of statics?.rows || this.other.statics?.rows || []) rows.push([row.name, named(row), row.value.replace(/^[^ ]+ /, "")]);
@@ -255,11 +255,11 @@ export class Tabs {
     };
     const blocked = Boolean(this.errors || running);
     return [
-      el("h3", {}, "Run it"), el("div", { class: "go" }, el("button", { class: "strong", disabled: blocked, onclick: () => { this.wrong = ""; begin("run", "Run in MuJoCo"); } }, "Run in MuJoCo"),
-        this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "a turn at full speed under the load; its report opens beside")),
-      el("h3", {}, "Take it along"), el("div", { class: "make" }, Object.entries(this.offers?.files || {}).map(([kind, words]) => el("button", { disabled: blocked && kind !== "toml", onclick: () => { this.wrong = ""; begin(kind, words); } }, words))),
+      el("h3", {}, "Simulation"), el("div", { class: "go" }, el("button", { class: "strong", disabled: blocked, onclick: () => { this.wrong = ""; begin("run", "Run in MuJoCo"); } }, "Run in MuJoCo"),
+        this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "One crank turn at full speed under the load. The report opens in a new window.")),
+      el("h3", {}, "Files"), el("div", { class: "make" }, Object.entries(this.offers?.files || {}).map(([kind, words]) => el("button", { disabled: blocked && kind !== "toml", onclick: () => { this.wrong = ""; begin(kind, words); } }, words))),
       running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
-      this.errors ? el("p", { class: "fails" }, "✗ It cannot be built yet: mend it first, the buttons above the tabs say how.") : null];
+      this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null];
   }
 }
