@@ -18,7 +18,7 @@ from app_walk import serving
 from chromium import tab
 
 from cycloid_mj.app import summary
-from cycloid_mj.app.api import draw, loaded
+from cycloid_mj.app.api import draw, with_load
 from cycloid_mj.app.state import changed, values_of
 from cycloid_mj.design import Design, resolve
 from cycloid_mj.reducer import Reducer
@@ -51,7 +51,7 @@ def main() -> int:
         if taken:
             print(f"  {step:9} {statistics.median(taken):6.0f} {min(taken):6.0f} {max(taken):6.0f}")
     print("computed alone [ms of CPU]: median and least of 8 designs")
-    for name, taken in _computed(loaded(resolve(options.design))):
+    for name, taken in _computed(with_load(resolve(options.design))):
         print(f"  {name:9} {statistics.median(taken):6.1f} {min(taken):6.1f}")
     return 0
 

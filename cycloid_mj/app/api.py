@@ -1,7 +1,6 @@
-"""What the page may ask for: each by name, a function from JSON values to JSON values.
+"""Questions that the page may ask: functions from JSON values to JSON values, by name.
 
-Those in `AT_ONCE` are answered by the page's own process, those in `QUICK` by one beside it, those in `SLOWER` by
-another, and long work by a third.
+`AT_ONCE` are answered by the page's own process, `QUICK` and `SLOWER` by a worker process each, and jobs by a third.
 """
 
 import json
@@ -10,8 +9,8 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, summary, turn
-from cycloid_mj.app.controls import in_words, knobs, value_in_words
+from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
+from cycloid_mj.app.controls import controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.state import changed, design_of, differences, values_of
 from cycloid_mj.base.errors import UsageError
@@ -20,127 +19,140 @@ from cycloid_mj.design.file import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of
 
-LARGEST_PLAY = 1000.0
+MAX_MAGNIFICATION = 1000.0
+"""Largest factor by which the page draws clearances."""
+
+MAX_TURN = 1000
+"""Highest number of a crank turn whose forces the page requests."""
 
 Content = Mapping[str, Any]
 
 
 def draw(content: Content) -> dict[str, Any]:
-    """Draw a design with changes to it: its values then, sliders, outlines, reasons why it cannot be built."""
+    """Apply ``changes`` to a ``design``, and return everything that is shown at once (`view`)."""
     design = changed(design_of(content.get("design", {})), content.get("changes", {}))
-    return shown(design, content)
+    return view(design, content)
 
 
-def opened(content: Content) -> dict[str, Any]:
-    """Read a design file, or take a preset."""
+def open_design(content: Content) -> dict[str, Any]:
+    """Return the `view` of a ``preset`` or of the ``text`` of a design file."""
     text, preset = content.get("text"), content.get("preset")
     if isinstance(preset, str) and preset in PRESETS:
         design = PRESETS[preset]
     elif isinstance(text, str):
         design = loads(text, str(content.get("name", "the file"))[:80])
     else:
-        raise UsageError(f"there is no preset {preset!r}: it is one of {', '.join(PRESETS)}")
-    return shown(loaded(design), content)
+        raise UsageError(f"unknown preset {preset!r}; available: {', '.join(PRESETS)}")
+    return view(with_load(design), content)
 
 
-def loaded(design: Design) -> Design:
-    """Put the rated torque on a design without load."""
+def with_load(design: Design) -> Design:
+    """Return a design under its load; without one under its rated torque."""
     load, _ = load_of(Reducer(design))
     return design.but(load={"torque": load})
 
 
-def shown(design: Design, content: Content) -> dict[str, Any]:
-    """Return all that follows from a design at once."""
-    play = content.get("play", 1.0)
-    if not isinstance(play, int | float) or not 1.0 <= play <= LARGEST_PLAY:
-        raise UsageError(f"play {play!r}: give from 1 to {LARGEST_PLAY:g}")
+def view(design: Design, content: Content) -> dict[str, Any]:
+    """Return everything of a design that needs no solution: values, header, controls, cross-section, errors.
+
+    Parameters
+    ----------
+    content
+        ``play`` is the magnification of clearances, ``asked`` the requirements that the header is judged by.
+    """
+    factor = content.get("play", 1.0)
+    if not isinstance(factor, int | float) or not 1.0 <= factor <= MAX_MAGNIFICATION:
+        raise UsageError(f"magnification {factor!r} is out of range: 1 to {MAX_MAGNIFICATION:g}")
     reducer = Reducer(design)
     return {
         "design": values_of(design),
         "name": design.name,
         "head": summary.geometry(reducer, content.get("asked")),
         "load_nm": abs(design.load.torque),
-        "life_h": design.service.life,
-        "knobs": [asdict(knob) for knob in knobs(design)],
-        "section": section(reducer, float(play)),
+        "controls": [asdict(control) for control in controls(design)],
+        "section": section(reducer, float(factor)),
         "errors": summary.errors(reducer),
     }
 
 
 def _reducer(content: Content) -> Reducer:
-    return _kept(json.dumps(content.get("design"), sort_keys=True))
+    return _cached_reducer(json.dumps(content.get("design"), sort_keys=True))
 
 
-@lru_cache(maxsize=1)  # the questions on one design come one after the other: each goes on from what is solved
-def _kept(values: str) -> Reducer:
+@lru_cache(maxsize=1)  # consecutive questions are on the same design: each reuses what has been solved
+def _cached_reducer(values: str) -> Reducer:
     return Reducer(design_of(json.loads(values)))
 
 
 def statics(content: Content) -> dict[str, Any]:
-    """Solve the figures by statics."""
+    """Return the figures of the static equilibrium."""
     return summary.statics(_reducer(content), content.get("asked"))
 
 
 def life(content: Content) -> dict[str, Any]:
-    """Rate a design."""
+    """Return the rating."""
     return summary.life(_reducer(content), content.get("asked"))
 
 
 def checks(content: Content) -> dict[str, Any]:
-    """Check a design."""
+    """Return failures and warnings."""
     return summary.checks(_reducer(content))
 
 
-def ways(content: Content) -> dict[str, Any]:
-    """Find what mends the checks of life, heat and strength."""
-    return summary.ways(_reducer(content))
+def remedies(content: Content) -> dict[str, Any]:
+    """Return changes that resolve the warnings of life, heat and strength."""
+    return summary.remedies(_reducer(content))
 
 
-def compared(content: Content) -> dict[str, Any]:
-    """List in words the values in which two designs differ."""
+def compare(content: Content) -> dict[str, Any]:
+    """Return the values in which the designs ``a`` and ``b`` differ, in words."""
     rows = differences(content.get("a"), content.get("b"))
-    words = ((key, in_words(key), value_in_words(key, a), value_in_words(key, b)) for key, a, b in rows)
-    return {"rows": [{"key": key, "label": label, "a": a, "b": b} for key, label, a, b in words]}
+    return {
+        "rows": [
+            {"key": key, "label": key_in_words(key), "a": value_in_words(key, a), "b": value_in_words(key, b)}
+            for key, a, b in rows
+        ]
+    }
 
 
 def forces(content: Content) -> dict[str, Any]:
-    """Solve the forces over a turn of the crank."""
+    """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
-    if type(number) is not int or not 0 <= number <= 1000:
-        raise UsageError(f"turn {number!r}: give a whole number from 0 to 1000")
+    if type(number) is not int or not 0 <= number <= MAX_TURN:
+        raise UsageError(f"turn {number!r} is out of range: an integer from 0 to {MAX_TURN}")
     return turn.forces(_reducer(content), number)
 
 
 def error(content: Content) -> dict[str, Any]:
-    """Solve the transmission error over a turn."""
+    """Return the transmission error over a crank turn and its orders."""
     return turn.error(_reducer(content))
 
 
 def shape(content: Content) -> dict[str, Any]:
-    """Make the meshes of all parts where they stand."""
+    """Return the meshes of the assembly."""
     return solid.assembly(_reducer(content))
 
 
-AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": opened, "compare": compared}
+AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": open_design, "compare": compare}
 
 QUICK: Mapping[str, Callable[[Content], dict[str, Any]]] = {"statics": statics, "forces": forces}
 
 SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "checks": checks,
     "life": life,
-    "ways": ways,
+    "remedies": remedies,
     "error": error,
     "solid": shape,
 }
 
 
-def long_work(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-    """Return long work and what it is done with.
+def job_of(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+    """Return the function of a job and its arguments.
 
     Raises
     ------
     UsageError
-        There is no such work.
+        There is no such job, or its arguments are out of range.
     """
     kind, design = str(content.get("kind")), content.get("design")
     if kind == "size":
@@ -148,11 +160,11 @@ def long_work(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         return requirement.size, (content.get("form"),)
     if kind in artifacts.FILES:
         return artifacts.make, (design, kind)
-    works: Mapping[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+    jobs: Mapping[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
         "run": (artifacts.run, (design,)),
-        "scatter": (scatter.samples, (design, content.get("spread_um"))),
-        "stress": (stressed.stress, (design,)),
+        "scatter": (monte_carlo.samples, (design, content.get("spread_um"))),
+        "stress": (part_stress.stress, (design,)),
     }
-    if kind not in works:
-        raise UsageError(f"there is no work {kind!r}")
-    return works[kind]
+    if kind not in jobs:
+        raise UsageError(f"there is no job {kind!r}")
+    return jobs[kind]

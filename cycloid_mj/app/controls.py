@@ -1,4 +1,4 @@
-"""The design values that the page changes by sliders and lists, each with unit, range and meaning."""
+"""The parameters that the page changes by sliders and lists, each with unit, range and description."""
 
 import math
 import re
@@ -13,19 +13,19 @@ from cycloid_mj.design.units import file_key, unit_of
 
 
 @dataclass(frozen=True)
-class Knob:
-    """One slider, or one list where it has options.
+class Control:
+    """A slider, or a list if it has options.
 
     Attributes
     ----------
     key
         ``table.key`` of the design file.
     group, label, unit, meaning
-        What stands over, beside and behind it, and in its tooltip.
+        Heading, name, unit, and the description in its tooltip.
     value, low, high, step
-        In the unit of the file.
+        Value, range and step, in the unit of the design file.
     options
-        Values and their words.
+        Values of a list and their words.
     """
 
     key: str
@@ -41,7 +41,7 @@ class Knob:
 
 
 LABELS: Mapping[str, Mapping[str, str]] = {
-    "Gear and ring": {
+    "Disc and ring": {
         "ring.teeth": "Ring teeth",
         "ring.pin_circle_radius": "Pin circle radius",
         "ring.pin_radius": "Pin radius",
@@ -66,27 +66,29 @@ LABELS: Mapping[str, Mapping[str, str]] = {
     "Load": {
         "load.torque": "Output torque",
         "drive.speed": "Crank speed",
-        "service.life": "Life asked for",
+        "service.life": "Required life",
     },
 }
-"""Heading -> ``table.name`` of the model -> label; the clearance of the teeth is that of the design's kind of ring."""
+"""Heading -> ``table.name`` of the model -> label; ``mesh`` is the tooth clearance of the kind of ring."""
 
 WORDS: Mapping[str, tuple[str, Mapping[Any, str]]] = {
     "ring.kind": ("Ring", {"pin": "pins", "nonpin": "internal gear"}),
     "ring.pins": ("Ring pins", {"free": "free to roll", "fixed": "pressed in", "sleeved": "in sleeves"}),
     "gear.discs": ("Discs", {1: "one", 2: "two", 3: "three", 4: "four"}),
-    "output.member": ("Output", {"carrier": "carrier of the pins", "ring": "ring with housing"}),
-    "output.support": ("Output pins held", {"cantilever": "at one end", "both_ends": "at both ends"}),
+    "output.member": ("Output", {"carrier": "pin carrier", "ring": "ring with housing"}),
+    "output.support": ("Output pin support", {"cantilever": "at one end", "both_ends": "at both ends"}),
 }
-"""Key -> label and options; a value that is none of them is added as it is."""
+"""Key -> label and options; another value of a design is added as it is."""
 
 MADE_OF = {
-    "material": "Gear and housing",
+    "material": "Disc and housing",
     "pin_material": "Ring pins",
     "output_material": "Output",
     "shaft_material": "Crank",
 }
-"""Tables of materials, and whose they are."""
+"""Tables of materials -> the parts that they belong to."""
+
+SETS_VALUES = "Material of the library; its name sets all its values"
 
 LAYOUT, MATERIAL = "Layout", "Materials"
 
@@ -115,29 +117,33 @@ SYMBOLS = {
 """Units in keys of a design file -> their symbols; the others are their own."""
 
 COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
-"""Whole numbers, and how many times more or less of them a slider reaches."""
+"""Integers -> range of the slider, as a factor of the value."""
 
 SPAN = {"clearance": 3.0, "load": 4.0, "drive": 3.0, "service": 5.0}
-"""How many times more, and less, than the value a slider goes, by table; else `NARROW`."""
+"""Range of the sliders of a table, as a factor of the value."""
 
-NARROW = 1.8
+DEFAULT_SPAN = 1.8
+"""The same of the other tables: lengths of parts."""
 
-STEPS = 400
-"""Steps of a slider, about."""
+MIN_CLEARANCE_RANGE_UM = 20.0
+"""Upper end of the sliders of clearances, at least [um]."""
+
+SLIDER_STEPS = 400
+"""Approximate number of steps of a slider."""
 
 
-def knobs(design: Design) -> tuple[Knob, ...]:
-    """List the lists and sliders of a design."""
-    return (*_lists(design), *(_slider(design, *one) for one in _rows()))
+def controls(design: Design) -> tuple[Control, ...]:
+    """Return the lists and sliders of a design."""
+    return (*_lists(design), *(_slider(design, *row) for row in _rows()))
 
 
 def label_of(key: str) -> str:
-    """Return the page's word for a key of the design file; the key itself where the page has none."""
+    """Return the label of a key of the design file; the key itself if the page has no control for it."""
     return _labels().get(key, key)
 
 
-def in_words(key: str) -> str:
-    """Return a key of the design file in words, in the middle of a sentence; other words as they are."""
+def key_in_words(key: str) -> str:
+    """Return a key of the design file in words for the middle of a sentence; other words are returned unchanged."""
     if "." not in key:
         return key
     word = label_of(key)
@@ -155,7 +161,7 @@ def in_words(key: str) -> str:
 
 
 def value_in_words(key: str, value: Any) -> str:
-    """Return a value of the design file with its unit, or in the words of its list."""
+    """Return a value of the design file as text: with its unit, or in the words of its list."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
@@ -174,28 +180,31 @@ def value_in_words(key: str, value: Any) -> str:
 
 
 def with_symbols(text: str) -> str:
-    """Put the symbol for the unit um in a sentence."""
+    """Replace the unit um by its symbol in a sentence."""
     return re.sub(r"(?<=[0-9] )um\b", SYMBOLS["um"], text)
 
 
 def _rows() -> Iterator[tuple[str, str, str]]:
+    """Yield heading, name of the value and label of each slider."""
     for group, labels in LABELS.items():
         for name, label in labels.items():
             yield group, name, label
 
 
 def _labels() -> dict[str, str]:
+    """Return the label of each key of the design file that has a control."""
     words = {key: label for key, (label, _) in WORDS.items()}
     for group, name, label in _rows():
         table, _, key = name.partition(".")
         named = f"Clearance of {label.lower()}" if table == "clearance" else label
-        for one in ("pin_gear", "tooth") if key == "mesh" else (key,):
-            field = type(getattr(Design(), table)).model_fields[one]
-            words[f"{table}.{file_key(one, field)}"] = named if group else label
+        for name in ("pin_gear", "tooth") if key == "mesh" else (key,):
+            field = type(getattr(Design(), table)).model_fields[name]
+            words[f"{table}.{file_key(name, field)}"] = named if group else label
     return words
 
 
-def _lists(design: Design) -> Iterator[Knob]:
+def _lists(design: Design) -> Iterator[Control]:
+    """Yield the lists of a design: layout, then materials."""
     for key, (label, words) in WORDS.items():
         if key == "ring.pins" and design.ring.kind != "pin":
             continue
@@ -203,18 +212,27 @@ def _lists(design: Design) -> Iterator[Knob]:
         section = getattr(design, table)
         value, field = getattr(section, name), type(section).model_fields[name]
         known = get_args(field.annotation)
-        options = tuple((one, word) for one, word in words.items() if not known or one in known)
+        options = tuple(option for option in words.items() if not known or option[0] in known)
         if value not in words:
             options += ((value, str(value).replace("_", " ")),)
-        yield Knob(key, LAYOUT, label, "", _sentence(field.description), value, options=options)
+        yield Control(key, LAYOUT, label, "", _sentence(field.description), value, options=options)
     for table, label in MADE_OF.items():
         value = value_of(design, f"{table}.name")
         names = tuple(MATERIALS) if value in MATERIALS else (value, *MATERIALS)
         options = tuple((name, name) for name in names)
-        yield Knob(f"{table}.name", MATERIAL, label, "", "Its numbers come with its name.", value, options=options)
+        yield Control(
+            f"{table}.name",
+            MATERIAL,
+            label,
+            "",
+            SETS_VALUES,
+            value,
+            options=options,
+        )
 
 
-def _slider(design: Design, group: str, name: str, label: str) -> Knob:
+def _slider(design: Design, group: str, name: str, label: str) -> Control:
+    """Return a slider with a range around the value of the design, in round steps."""
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key
     section = getattr(design, table)
@@ -223,17 +241,18 @@ def _slider(design: Design, group: str, name: str, label: str) -> Knob:
     path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
     if name in COUNTS:
         low = max(4 if name == "ring.teeth" else 2, math.floor(current / COUNTS[name]))
-        return Knob(path, group, label, "", meaning, current, low, math.ceil(current * COUNTS[name]), 1)
+        return Control(path, group, label, "", meaning, current, low, math.ceil(current * COUNTS[name]), 1)
     value = unit.from_si(current)
     middle = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
-    span = SPAN.get(table, NARROW)
-    high = max(20.0, span * middle) if table == "clearance" else span * middle
-    step = 10.0 ** math.floor(math.log10(high / STEPS))
+    span = SPAN.get(table, DEFAULT_SPAN)
+    high = max(MIN_CLEARANCE_RANGE_UM, span * middle) if table == "clearance" else span * middle
+    step = 10.0 ** math.floor(math.log10(high / SLIDER_STEPS))
     low = step if table == "clearance" else max(1.0, math.floor(middle / span / step)) * step
     reach = math.ceil(high / step) * step
-    return Knob(path, group, label, SYMBOLS.get(unit.suffix, unit.suffix), meaning, value, low, reach, step)
+    return Control(path, group, label, SYMBOLS.get(unit.suffix, unit.suffix), meaning, value, low, reach, step)
 
 
 def _sentence(text: str | None) -> str:
+    """Return a description with a capital letter."""
     text = text or ""
     return f"{text[:1].upper()}{text[1:]}"

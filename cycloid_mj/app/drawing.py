@@ -1,6 +1,6 @@
-"""The section of a reducer as outlines in millimetres, quick enough to be drawn anew while a slider moves.
+"""The cross-section of a reducer as outlines in millimetres, fast enough to be redrawn while a slider moves.
 
-The page places them: a disc orbits and turns with the crank at the rates that are told beside it.
+The page moves them: each disc orbits and rotates with the crank at the rates given with the outlines.
 """
 
 from collections.abc import Mapping
@@ -18,11 +18,11 @@ from cycloid_mj.parts import Prism, circle, output_centres, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 
-FINENESS = 4000.0
-"""What is drawn is as fine as half of the picture's width by this: finer than a screen shows."""
+CHORDS_PER_RADIUS = 4000.0
+"""Outer radius over the chord error of outlines: finer than a screen shows."""
 
-POINTS = 40
-"""Of a lobe that cannot be made."""
+POINTS_PER_LOBE = 40
+"""Points of each lobe of a profile that cannot be manufactured."""
 
 PLACES: Mapping[str, str] = {
     "loops": "gear",
@@ -62,23 +62,23 @@ PLACES: Mapping[str, str] = {
     "counterweight": "shaft",
     "counterweight_room": "shaft",
 }
-"""Check -> the part of the section at which it is shown."""
+"""Check -> the part of the cross-section at which it is marked."""
 
 
 def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
-    """Draw a design as outlines [mm], +y up, with its clearances `play` times as wide.
+    """Return the outlines of a design [mm], y upward, in JSON values; clearances are magnified by the factor `play`.
 
-    Where the design cannot be made its outlines are drawn as they would be, and ``whole`` is false.
+    For a design that cannot be built ``whole`` is false, and the profile has the loops or cuts that it would have.
     """
-    shown = reducer if play == 1.0 else _loosened(reducer, play)
+    shown = reducer if play == 1.0 else _magnify_clearances(reducer, play)
     try:
-        outlines, whole = _made(shown), True
+        outlines, buildable = _outlines(shown), True
     except CycloidError:
-        outlines, whole = _unmade(reducer), False
+        outlines, buildable = _unbuildable_outlines(reducer), False
     design = reducer.design
     ring, output = design.ring, design.output
     return {
-        "whole": whole,
+        "whole": buildable,
         "play": play if shown is not reducer else 1.0,
         "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
         "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
@@ -96,32 +96,33 @@ def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
     }
 
 
-def _loosened(reducer: Reducer, play: float) -> Reducer:
-    """Widen every clearance, as far as the parts can still be drawn with it."""
-    clearance = {name: play * value for name, value in reducer.design.clearance if isinstance(value, float)}
+def _magnify_clearances(reducer: Reducer, factor: float) -> Reducer:
+    """Return a reducer with every clearance magnified; unchanged where its parts cannot be drawn then."""
+    clearance = {name: factor * value for name, value in reducer.design.clearance if isinstance(value, float)}
     try:
         return reducer.but(clearance=clearance)
     except CycloidError:
         return reducer
 
 
-def _made(reducer: Reducer) -> dict[str, Any]:
+def _outlines(reducer: Reducer) -> dict[str, Any]:
+    """Return the outlines of housing and discs as SVG paths."""
     design = reducer.design
-    solids = parts(reducer, design.housing.outer_radius / FINENESS)
+    solids = parts(reducer, design.housing.outer_radius / CHORDS_PER_RADIUS)
     discs = [_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
     return {"ring": _path(solids[HOUSING].prisms[0]), "discs": discs}
 
 
-def _unmade(reducer: Reducer) -> dict[str, Any]:
-    """Draw what cannot be made: the wall as a ring, and the gear with the loops or cuts that its teeth would have."""
+def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
+    """Return the outlines of parts that cannot be built: a plain ring, and discs with their uncorrected profile."""
     design = reducer.design
-    fine = design.housing.outer_radius / FINENESS
+    fine = design.housing.outer_radius / CHORDS_PER_RADIUS
     walls = [circle(radius, fine) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
     inner = [circle(design.gear.bore_radius, fine)]
     inner += [circle(design.output.hole_radius, fine) + centre for centre in output_centres(reducer)]
     try:
         gear = tooth_profile(design)
-        t = np.linspace(0.0, 2.0 * np.pi, POINTS * gear.lobes, endpoint=False)
+        t = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
         teeth = [profile.outline(gear, t, profile_offset(design))]
     except CycloidError:
         teeth = []
@@ -130,7 +131,7 @@ def _unmade(reducer: Reducer) -> dict[str, Any]:
 
 
 def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
-    """List the circles that are dimensioned: word, and diameter [mm]."""
+    """Return name and diameter [mm] of the circles with a dimension line."""
     design = reducer.design
     ring, output = design.ring, design.output
     radii = {
@@ -150,5 +151,5 @@ def _loop(points: Array) -> str:
     return f"M{' '.join(f'{x:.5g},{y:.5g}' for x, y in (MILLIMETRES * points).tolist())}Z"
 
 
-def _points(places: Array) -> list[list[float]]:
-    return [[x, y] for x, y in (MILLIMETRES * places).round(5).tolist()]
+def _points(positions: Array) -> list[list[float]]:
+    return [[x, y] for x, y in (MILLIMETRES * positions).round(5).tolist()]

@@ -1,4 +1,4 @@
-"""What a new drive is asked for on the page, and the answer: up to three drives, or the most that goes and ways out."""
+"""The start form of the page: requirements of a new drive, and up to three drives or the alternatives."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -15,9 +15,10 @@ from cycloid_mj.sizing.answer import Answer, SizedDrive, answered
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
 
-WHOLE = ("ratio", "discs")
+INTEGERS = ("ratio", "discs")
 NUMBERS = ("diameter_mm", "torque_nm", "life_h", "speed_rpm", "length_mm", "backlash_arcmin", "clearance_um")
 WORDS = ("process", "material", "fit")
+"""Fields of the form by the kind of their values."""
 
 NAMES = {
     "ratio": "ratio",
@@ -31,62 +32,63 @@ NAMES = {
 
 
 def requirement_of(form: Any) -> Requirement:
-    """Read what is asked for from the page's form; what is empty is left out.
+    """Return the requirement of a form of the page; empty fields are left out.
 
     Raises
     ------
     UsageError
-        A value is missing, none, or out of its range.
+        A value is missing, no number, or out of its range.
     """
     if not isinstance(form, Mapping):
-        raise UsageError("a form is asked for: its fields with their values")
-    given = {key: value for key, value in form.items() if value not in ("", None)}
-    if unknown := set(given) - {*WHOLE, *NUMBERS, *WORDS, "custom"}:
-        raise UsageError(f"there is no field {min(unknown)!r}")
+        raise UsageError("expected a form: an object of its fields with their values")
+    values = {key: value for key, value in form.items() if value not in ("", None)}
+    if unknown := set(values) - {*INTEGERS, *NUMBERS, *WORDS, "custom"}:
+        raise UsageError(f"the form has no field {min(unknown)!r}")
     for key in ("ratio", "diameter_mm", "torque_nm"):
-        if key not in given:
+        if key not in values:
             raise UsageError(f"the {key.partition('_')[0]} is missing")
-    for key in (*WHOLE, *NUMBERS):
-        if key in given and not (type(given[key]) in (int, float) and math.isfinite(given[key])):
-            raise UsageError(f"the {key.partition('_')[0]} is {given[key]!r}: give a number")
-    if given.get("process", "steel") not in PROCESSES:
-        raise UsageError(f"there is no process {given['process']!r}: it is one of {', '.join(PROCESSES)}")
+    for key in (*INTEGERS, *NUMBERS):
+        if key in values and not (type(values[key]) in (int, float) and math.isfinite(values[key])):
+            raise UsageError(f"the {key.partition('_')[0]} is {values[key]!r}: expected a number")
+    if values.get("process", "steel") not in PROCESSES:
+        raise UsageError(f"unknown process {values['process']!r}; available: {', '.join(PROCESSES)}")
     for key in WORDS:
-        if not isinstance(given.get(key, ""), str):
-            raise UsageError(f"the {key} is {given[key]!r}: give a word")
-    return required(**given)
+        if not isinstance(values.get(key, ""), str):
+            raise UsageError(f"the {key} is {values[key]!r}: expected a word")
+    return required(**values)
 
 
-def form_of(asked: Requirement) -> dict[str, Any]:
-    """Write a requirement as the page's form has it."""
+def form_of(requirement: Requirement) -> dict[str, Any]:
+    """Return the form of a requirement; a field without a limit is None."""
 
-    def plain(value: float) -> float | None:
+    def limit(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")
 
     return {
-        "ratio": asked.ratio,
-        "diameter_mm": plain(MILLIMETRES * asked.diameter),
-        "torque_nm": asked.torque,
-        "life_h": asked.life,
-        "speed_rpm": plain(asked.speed / RPM),
-        "process": asked.process,
-        "discs": asked.discs,
-        "length_mm": plain(MILLIMETRES * asked.length),
-        "backlash_arcmin": plain(asked.backlash),
-        "material": asked.material,
-        "clearance_um": plain(MICROMETRES * asked.clearance),
-        "fit": asked.fit,
-        "custom": asked.custom,
+        "ratio": requirement.ratio,
+        "diameter_mm": limit(MILLIMETRES * requirement.diameter),
+        "torque_nm": requirement.torque,
+        "life_h": requirement.life,
+        "speed_rpm": limit(requirement.speed / RPM),
+        "process": requirement.process,
+        "discs": requirement.discs,
+        "length_mm": limit(MILLIMETRES * requirement.length),
+        "backlash_arcmin": limit(requirement.backlash),
+        "material": requirement.material,
+        "clearance_um": limit(MICROMETRES * requirement.clearance),
+        "fit": requirement.fit,
+        "custom": requirement.custom,
     }
 
 
 def size(told: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for a requirement; pass on a refusal as its ways out are found."""
-    told({"doing": "searching proportions that hold it"})
+    """Find drives for a requirement; `told` is called with the alternatives of an infeasible one as they are found."""
+    told({"doing": "searching for proportions that meet the requirements"})
     return _answer(answered(requirement_of(form), lambda answer: told({"answer": _answer(answer)})))
 
 
 def _answer(answer: Answer) -> dict[str, Any]:
+    """Return the result of a search in JSON values: drives with their verdicts, or the limit and alternatives."""
     drives = [_drive(drive, answer.asked) for drive in answer.drives]
     return {
         "asked": form_of(answer.asked),
@@ -100,6 +102,7 @@ def _answer(answer: Answer) -> dict[str, Any]:
 
 
 def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
+    """Return a drive in JSON values, judged by the requirement with its covers."""
     figures = dict(drive.figures)
     verdicts = requirement_verdicts(form_of(required), figures)
     violated = {field: one for field, one in verdicts.items() if one["judgement"] != Judgement.PASSED}

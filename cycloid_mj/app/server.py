@@ -23,12 +23,12 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from cycloid_mj.app.access import AccessControl
-from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, loaded, long_work
+from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, job_of, with_load
 from cycloid_mj.app.artifacts import FILES
 from cycloid_mj.app.connections import TIMEOUT_S, LimitedConnection
 from cycloid_mj.app.jobs import Jobs
 from cycloid_mj.app.state import values_of
-from cycloid_mj.app.summary import in_words
+from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import plain
@@ -82,7 +82,7 @@ class Page:
         if name == "start":
             return self.start
         if name == "job":
-            work, args = long_work(content)
+            work, args = job_of(content)
             return self.jobs.start(work, *args).as_json()
         number = content.get("job")
         if name in ("look", "stop") and isinstance(number, int):
@@ -144,7 +144,7 @@ def application(page: Page, token: str) -> ASGIApp:
 def start_values(design: Design) -> dict[str, Any]:
     """Return what the page begins with: the design, and the options of its start form, which opens without a design."""
     return {
-        "design": values_of(loaded(design)),
+        "design": values_of(with_load(design)),
         "fresh": design == PRESETS["pin"],
         "presets": list(PRESETS),
         "processes": {name: [limits.material, *limits.others] for name, limits in PROCESSES.items()},
@@ -208,7 +208,7 @@ def serve(design: Design, listener: socket.socket, token: str, show: bool) -> No
     show
         Open the page in the default browser.
     """
-    question = {"design": values_of(loaded(design))}
+    question = {"design": values_of(with_load(design))}
     slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
     workers = Workers([(work, (question,)) for work in QUICK.values()], slower)
     try:
@@ -235,7 +235,7 @@ def _answer(page: Page, name: str, body: bytes) -> Response:
             raise ValueError("an object is expected")
         return _json(HTTPStatus.OK, page.answer(name, content))
     except CycloidError as error:  # status 200: browsers log every other status as an error of the page
-        return _json(HTTPStatus.OK, {"refused": in_words(str(error).removeprefix("override: "))})
+        return _json(HTTPStatus.OK, {"refused": sentence_in_words(str(error).removeprefix("override: "))})
     except KeyError:
         return _error(HTTPStatus.NOT_FOUND, "there is no such question")
     except (ValueError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""The reducer put together as triangles, for the page to turn: each part where it stands, with its colour."""
+"""The assembly as triangles for the 3-D view of the page: position, colour and motion of each part."""
 
 import base64
 from typing import Any
@@ -13,11 +13,14 @@ from cycloid_mj.scene import ring_places
 from cycloid_mj.scene.shape import shapes
 
 MOVES = {SHAFT: "crank", OUTPUT: "output"}
-"""Body -> what it moves with; discs move each with its own phase, others stand."""
+"""Body -> what it moves with. Discs orbit with a phase each; other bodies are fixed."""
 
 
 def assembly(reducer: Reducer) -> dict[str, Any]:
-    """Build the meshes of all bodies: float32 corners of triangles [mm] in base64, colour, how the body moves."""
+    """Return the meshes of all bodies and the rates of their motion, in JSON values.
+
+    Corners of triangles are float32 [mm] in base64, shape (triangles, 3, 3); ``gear_rate`` is in turns per crank turn.
+    """
     design, bodies = reducer.design, list[dict[str, Any]]()
     phases = dict(zip(gears(design.gear.discs), map(float, reducer.phases), strict=True))
     for name, pieces in shapes(reducer).items():
@@ -30,12 +33,13 @@ def assembly(reducer: Reducer) -> dict[str, Any]:
                     "moves": "disc" if name in phases else MOVES.get(name, ""),
                     "phase": phases.get(name, 0.0),
                     "colour": list(piece.colour),
-                    "corners": _packed(corners),
+                    "corners": _base64(corners),
                     "places": np.round(MILLIMETRES * places, 4).tolist(),
                 }
             )
     return {"bodies": bodies, "orbit": MILLIMETRES * design.gear.eccentricity, "gear_rate": -1.0 / design.lobes}
 
 
-def _packed(corners: Array) -> str:
+def _base64(corners: Array) -> str:
+    """Encode corners [m] as float32 in millimetres."""
     return base64.b64encode((MILLIMETRES * corners).astype("<f4").tobytes()).decode()

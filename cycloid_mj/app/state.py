@@ -1,4 +1,4 @@
-"""A design as the page has it, and as its address tells it: the keys of the file in which it differs from ``pin``."""
+"""Designs of the page: the keys of the design file in which they differ from the preset ``pin``, as in its address."""
 
 import tomllib
 from collections.abc import Mapping
@@ -13,13 +13,13 @@ from cycloid_mj.statics.sheet import load_of
 BASE = PRESETS["pin"]
 
 TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
-"""Keys with which the holes of the output pins change: they stay as wide as output pin and eccentricity make them."""
+"""Keys on which the radius of the output holes depends: it follows unless it is set itself."""
 
 Values = Mapping[str, Any]
 
 
 def design_of(values: Any) -> Design:
-    """Read a design from the page's values.
+    """Return the design of values of the page.
 
     Raises
     ------
@@ -27,14 +27,14 @@ def design_of(values: Any) -> Design:
         There is no such key, or its value is not allowed.
     """
     if not isinstance(values, Mapping):
-        raise UsageError("a design is asked for: keys of the design file with their values")
-    return override(BASE, {str(key): _whole(key, value) for key, value in values.items()})
+        raise UsageError("expected a design: an object of keys of the design file with their values")
+    return override(BASE, {str(key): _integer(key, value) for key, value in values.items()})
 
 
 def values_of(design: Design) -> dict[str, Any]:
-    """Collect the values in which a design differs from the preset ``pin``, by the keys of its file.
+    """Return the values in which a design differs from the preset ``pin``, by the keys of its file.
 
-    A material that is as its name says is told by its name alone.
+    A material with the values of the library is represented by its name only.
 
     Raises
     ------
@@ -42,8 +42,8 @@ def values_of(design: Design) -> dict[str, Any]:
         The design lacks what ``pin`` has.
     """
     own, base = _flat(design), _base()
-    if lost := [key for key in base if key not in own]:
-        raise DesignError(f"the page cannot hold a design without {', '.join(lost)}: change its file instead")
+    if missing := [key for key in base if key not in own]:
+        raise DesignError(f"the page does not support a design without {', '.join(missing)}: edit its file instead")
     values = {key: value for key, value in own.items() if base.get(key) != value}
     for name in [key for key in values if key.endswith("material.name")]:
         table = name.removesuffix("name")
@@ -67,44 +67,45 @@ def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
 
 
 def changed(design: Design, changes: Any) -> Design:
-    """Return a design with changes in the words of its file, and what is tied to them; errors as `design_of`.
+    """Return a design with changes, by the keys of its file, and with the values that follow; errors as `design_of`.
 
-    The page has one torque: the load is what the drive is made for, whichever of the two is given.
+    The page has one torque: load and nominal torque of the drive are set together.
     """
     if not isinstance(changes, Mapping):
-        raise UsageError("changes are asked for: keys of the design file with their values")
+        raise UsageError("expected changes: an object of keys of the design file with their values")
     if not changes:
         return design
-    new = override(design, {str(key): _whole(key, value) for key, value in changes.items()})
+    new = override(design, {str(key): _integer(key, value) for key, value in changes.items()})
     if any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
         new = new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
     if "drive.torque_nm" in changes:
         return new.but(load={"torque": new.rated_torque})
     if new.load.torque and (new.load.torque, new.reduction) != (design.load.torque, design.reduction):
-        return made_for(Reducer(new), abs(new.load.torque)).design
+        return with_nominal_torque(Reducer(new), abs(new.load.torque)).design
     return new
 
 
-def made_for(reducer: Reducer, torque: float) -> Reducer:
-    """Return a reducer whose drive is made for a torque on the output [N m], with as much power to spare as before."""
+def with_nominal_torque(reducer: Reducer, torque: float) -> Reducer:
+    """Return a reducer whose motor has a nominal torque at the output [N m]; its power reserve stays the same."""
     drive, needed = reducer.design.drive, torque / reducer.design.reduction
     return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
 
 
 def at_load(reducer: Reducer) -> Reducer:
-    """Return a reducer that is made for its load: a file may tell of two torques, the page shows one."""
+    """Return a reducer whose nominal torque is its load: a design file may have two torques, the page shows one."""
     load, _ = load_of(reducer)
-    return made_for(reducer, load)
+    return with_nominal_torque(reducer, load)
 
 
-def _whole(key: str, value: Any) -> Any:
-    """Return a whole number as one where the file has one, for JSON's are floats."""
+def _integer(key: str, value: Any) -> Any:
+    """Convert a float without fraction to an integer where the design has one: JSON has floats only."""
     if isinstance(value, float) and value.is_integer() and isinstance(_base().get(key), int):
         return int(value)
     return value
 
 
 def _flat(design: Design) -> dict[str, Any]:
+    """Return the design file as one mapping: ``table.key`` -> value."""
     flat: dict[str, Any] = {}
     for key, value in tomllib.loads(dump(design)).items():
         if isinstance(value, dict):

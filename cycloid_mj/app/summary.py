@@ -1,6 +1,6 @@
-"""What the page says of a design: its head figures, its failed checks with their remedies, statics and life.
+"""Results of a design for the page: header, checks with their remedies, static equilibrium, life.
 
-Each function takes a reducer and gives what JSON has; numbers come with their units, as the page writes them.
+Each function takes a reducer and returns JSON values, numbers with their units as the page shows them.
 """
 
 import math
@@ -9,8 +9,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from cycloid_mj.app.controls import SYMBOLS, with_symbols
-from cycloid_mj.app.controls import in_words as key_in_words
+from cycloid_mj.app.controls import SYMBOLS, key_in_words, with_symbols
 from cycloid_mj.app.drawing import PLACES
 from cycloid_mj.app.state import at_load
 from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, verdict
@@ -39,17 +38,17 @@ NAMES = {
     "capacity_nm": "Torque at first yield",
     "pin_gear_peak_force_n": "Largest force on a pin",
     "tooth_peak_force_n": "Largest force on a tooth",
-    "pin_gear_pressure_mpa": "Its Hertz pressure",
-    "tooth_pressure_mpa": "Its Hertz pressure",
+    "pin_gear_pressure_mpa": "Hertz pressure on a pin",
+    "tooth_pressure_mpa": "Hertz pressure on a tooth",
     "output_peak_force_n": "Largest force on an output pin",
-    "cam_peak_force_n": "Largest force of the cam",
+    "cam_peak_force_n": "Largest force on the cam",
 }
-"""Keys of the catalogue -> short names, in their order on the page."""
+"""Keys of the catalogue -> names on the page, in their order."""
 
 LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "seals"}
 
 CLEARANCE = "clearance of "
-"""Before the pairs whose clearance it is."""
+"""Start of the labels of clearances."""
 
 POSES = 61
 """Crank angles of the rated torque in the header; its accuracy is `TORQUE_RTOL`."""
@@ -61,7 +60,7 @@ def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     A diameter that is met is not judged here: `life` does so with the covers.
     """
     design, mass = reducer.design, None
-    with suppress(CycloidError):  # a part of it cannot be made: the checks say which
+    with suppress(CycloidError):  # a part cannot be built: the checks say which
         mass = figure("mass_kg").value(reducer)
     diameter = 2e3 * design.housing.outer_radius
     verdicts = requirement_verdicts(required, {"ratio": design.reduction, "drive_diameter_mm": diameter})
@@ -71,8 +70,8 @@ def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def errors(reducer: Reducer) -> list[dict[str, Any]]:
-    """List the reasons for which a design cannot be built; none of a sound one."""
-    return _broken(reducer, (one for one in soundness(reducer) if one.severity == "error"))
+    """Return the checks that a design fails and without which it cannot be built; empty for a sound design."""
+    return _unmet(reducer, (one for one in soundness(reducer) if one.severity == "error"))
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
@@ -81,19 +80,19 @@ def checks(reducer: Reducer) -> dict[str, Any]:
     every = check_design(loaded.design)
     return {
         "count": len(every),
-        "judgement": gravest(one.judgement for one in every),
+        "judgement": gravest(check.judgement for check in every),
         "words": f"{len(every)} checks: {every.counts}"
         if every.failures or every.warnings
         else f"All {len(every)} checks passed",
-        "failed": _broken(loaded, (*every.failures, *every.warnings)),
+        "failed": _unmet(loaded, (*every.failures, *every.warnings)),
     }
 
 
-def ways(reducer: Reducer) -> dict[str, Any]:
-    """List, for each check of life, heat and strength that does not hold at the load, the changes that mend it."""
+def remedies(reducer: Reducer) -> dict[str, Any]:
+    """Return the changes that resolve each warning of life, heat and strength at the load: check -> changes."""
     loaded = at_load(reducer)
     return {
-        _spoken(name): [_change(loaded, dict([change])) for change in changes]
+        _check_name(name): [_change(loaded, dict([change])) for change in changes]
         for name, changes in life_remedies(loaded).items()
     }
 
@@ -116,7 +115,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
         "backlash_arcmin": computed["backlash_arcmin"].value,
         "verdicts": requirement_verdicts(required, {"backlash_arcmin": computed["backlash_arcmin"].value}),
         "rows": [
-            {"name": name, "value": _written(computed[key]), "note": computed[key].note or figure(key).definition}
+            {"name": name, "value": _with_unit(computed[key]), "note": computed[key].note or figure(key).definition}
             for key, name in NAMES.items()
             if key in computed
         ],
@@ -180,58 +179,60 @@ def cased(reducer: Reducer) -> dict[str, float] | None:
         return None
 
 
-def _broken(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
+def _unmet(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
+    """Return the checks that are not passed as rows; the remedies of `KINDS` are requested by `remedies`."""
     return [
         {
-            "name": _spoken(one.name),
-            "severity": one.severity,
-            "judgement": one.judgement,
-            "place": PLACES.get(one.name, ""),
-            "what": in_words(f"{key_in_words(one.key)} is {one.got}, must be {one.limit}"),
-            "why": in_words(one.why),
-            "remedy": "" if one.name in KINDS else in_words(one.remedy),  # of those the page asks for ways
-            "changes": [_change(reducer, change) for change in one.changes],
+            "name": _check_name(check.name),
+            "severity": check.severity,
+            "judgement": check.judgement,
+            "place": PLACES.get(check.name, ""),
+            "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
+            "why": sentence_in_words(check.why),
+            "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
+            "changes": [_change(reducer, change) for change in check.changes],
         }
-        for one in failed
-        if not one.passed
+        for check in failed
+        if not check.passed
     ]
 
 
-def _spoken(name: str) -> str:
-    """Return the name of a check as it is spoken."""
+def _check_name(name: str) -> str:
+    """Return the name of a check in words."""
     return name.replace("_", " ")
 
 
 def _change(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
-    """Return a way of a remedy as a button has it: the drive's torque as that of its output."""
+    """Return a remedy as a button has it: values by key, the motor torque as output torque, and words."""
     values = dict(change)
     if "drive.torque_nm" in values:
         values["load.torque_nm"] = float(f"{values.pop('drive.torque_nm') * reducer.design.reduction:.10g}")
-    return {"changes": values, "words": _turned(reducer, values)}
+    return {"changes": values, "words": _change_in_words(reducer, values)}
 
 
-def _turned(reducer: Reducer, values: Mapping[str, float]) -> str:
-    """Tell to which values keys of the file go, in the page's words: those that go to the same value together."""
-    alike: dict[tuple[str, str], list[str]] = {}
+def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:
+    """Describe new values of keys in words; keys with the same new value are listed together."""
+    groups: dict[tuple[str, str], list[str]] = {}
     for key, value in values.items():
         unit = unit_of(declared(key)).suffix
         sense = "raise" if value > value_of(reducer.design, key) else "lower"
-        alike.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(key_in_words(key))
-    told = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in alike.items())
-    return "; ".join(told).replace(f", {CLEARANCE}", ", ")
+        groups.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(key_in_words(key))
+    parts = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in groups.items())
+    return "; ".join(parts).replace(f", {CLEARANCE}", ", ")
 
 
-def in_words(text: str) -> str:
-    """Put the page's words and symbols for the keys of the file and the units in a sentence."""
-    text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda key: key_in_words(key[0]), text)
+def sentence_in_words(text: str) -> str:
+    """Replace keys of the design file and units in a sentence by the words and symbols of the page."""
+    text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda match: key_in_words(match[0]), text)
     text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)
     return with_symbols(text)
 
 
 def _pairs(listed: re.Match[str]) -> str:
-    """Name kinds of pairs that are added up."""
+    """Name the pairs of parts of a sum such as ``cam + output``."""
     return " + ".join(key_in_words(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
 
 
-def _written(quantity: Quantity) -> str:
+def _with_unit(quantity: Quantity) -> str:
+    """Format a quantity with four digits and its unit."""
     return "-" if math.isnan(quantity.value) else f"{quantity.value:.4g} {quantity.unit}"

@@ -1,4 +1,4 @@
-"""Forces and motions of a reducer over one turn of its crank, as the section and the charts show them."""
+"""Contact forces, displacements and transmission error over one crank turn, for the cross-section and the charts."""
 
 from typing import Any
 
@@ -13,38 +13,47 @@ from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
 
-POSES = 72
-"""Crank angles in a turn at which forces are solved."""
+CRANK_ANGLES = 72
+"""Crank angles per turn at which forces are solved."""
 
-PER_PERIOD = 12
-"""Crank angles in a mesh period at which the transmission error is solved."""
+ANGLES_PER_MESH = 12
+"""Crank angles per mesh period of the transmission error over one turn."""
 
-MOST_ORDER = 60.0
-"""Cycles in a turn of the crank."""
+MAX_ORDER = 60.0
+"""Highest order of the spectrum [cycles per crank turn]."""
 
-FEWER = 6
-"""Crank angles in a mesh period for the orders, which take all turns of the crank in one of the output."""
+SPECTRUM_ANGLES_PER_MESH = 6
+"""Crank angles per mesh period of the spectrum, which covers a full turn of the output."""
 
-DRAWN = 2e-3
-"""Share of the strongest order from which on an order is drawn."""
+MIN_AMPLITUDE = 2e-3
+"""Amplitude above which an order is drawn, relative to the largest."""
 
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
-    """Compute the forces on every disc over one turn of the crank, the first or a later one, seen from the ring.
+    """Compute the forces on every disc over one crank turn in the frame of the ring, in JSON values.
 
-    Each contact has a place [mm], a direction and a force [N] at each angle; of each disc and of the output there are
-    the departures from their ideal places, by which plays are drawn: x, y [mm] and turn [rad].
+    Parameters
+    ----------
+    turn
+        Number of the turn from 0; turns differ as output pins pass at another rate than teeth.
+
+    Returns
+    -------
+    dict
+        For ``teeth`` and ``output``: ``force`` [N], ``place`` [mm] and direction ``way``, shape (angles, discs,
+        contacts, ...); ``cam`` [N], shape (angles, discs, 2); ``discs``, the displacements of each disc from its ideal
+        pose (x, y [mm], rotation [rad]), by which clearances are drawn; ``output_turn`` [rad]; ``share`` of each disc.
     """
-    reducer, load = _loaded(reducer)
+    reducer, load = _with_load(reducer)
     design = reducer.design
-    shown = 2.0 * np.pi * (turn + np.arange(POSES + 1) / POSES)
+    shown = 2.0 * np.pi * (turn + np.arange(CRANK_ANGLES + 1) / CRANK_ANGLES)
     crank = shown / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank)
     solved = loads(reducer, springs, load, follow=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
     discs, lobes, departures = design.gear.discs, design.lobes, solved.departures
     poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
-    of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # where the disc of each contact has its x and y
+    of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # columns of x and y of the disc of each contact
     way = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
     rings, pins = ring_places(reducer), output_centres(reducer)
     turned = np.stack([moved(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
@@ -53,8 +62,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     return {
         "turn": turn,
         "load_nm": abs(load),
-        "teeth": _acting(solved.teeth, teeth, way[:, : springs.teeth], discs),
-        "output": _acting(solved.output, output, way[:, springs.teeth :], discs),
+        "teeth": _rounded(solved.teeth, teeth, way[:, : springs.teeth], discs),
+        "output": _rounded(solved.output, output, way[:, springs.teeth :], discs),
         "cam": np.round(solved.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
@@ -63,39 +72,41 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
 
 
 def error(reducer: Reducer) -> dict[str, Any]:
-    """Compute the transmission error over a turn, at the load and without it, and its orders at the load, by statics.
+    """Compute the transmission error over one crank turn at the load and at 1 % of it, and its orders at the load.
 
-    Output pins pass at no whole order, so that nothing repeats before the output has turned once.
+    The orders are those of a full turn of the output: output pins pass at a fractional order of the crank.
     """
-    reducer, load = _loaded(reducer)
+    reducer, load = _with_load(reducer)
     design = reducer.design
-    crank = np.linspace(0.0, reducer.mesh_turn, PER_PERIOD * design.ring.teeth, endpoint=False)
+    crank = np.linspace(0.0, reducer.mesh_turn, ANGLES_PER_MESH * design.ring.teeth, endpoint=False)
     curves = []
-    for name, share in (("at the load", 1.0), ("at 1 % of it", 0.01)):
+    for name, share in (("at the load", 1.0), ("at 1 % of the load", 0.01)):
         angle = _output_error(reducer, crank, share * load)
         curves.append({"name": name, "arcsec": np.round(angle, 4).tolist(), "peak_to_peak": float(np.ptp(angle))})
-    whole = np.linspace(0.0, design.lobes * reducer.mesh_turn, FEWER * design.lobes * design.ring.teeth, endpoint=False)
-    found = periodic_orders(whole, _output_error(reducer, whole, load), reducer.share / design.lobes, MOST_ORDER)
-    drawn = found.amplitude > DRAWN * found.amplitude.max(initial=0.0)
+    count = SPECTRUM_ANGLES_PER_MESH * design.lobes * design.ring.teeth
+    full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
+    deviation = _output_error(reducer, full_turn, load)
+    spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, MAX_ORDER)
+    drawn = spectrum.amplitude > MIN_AMPLITUDE * spectrum.amplitude.max(initial=0.0)
     mesh = float(reducer.mesh_periods)
     pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
     return {
         "crank_deg": np.round(np.degrees(crank), 3).tolist(),
         "curves": curves,
-        "orders": np.round(found.order[drawn], 4).tolist(),
-        "amplitudes": np.round(found.amplitude[drawn], 5).tolist(),
+        "orders": np.round(spectrum.order[drawn], 4).tolist(),
+        "amplitudes": np.round(spectrum.amplitude[drawn], 5).tolist(),
         "named": [[mesh, "mesh"], [2.0 * mesh, "2 x mesh"], [round(pins, 4), "output pins"]],
     }
 
 
 def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
-    """Compute the transmission error of the output about its mean [arcsec], shape (n,)."""
+    """Compute the transmission error of the output at crank angles [rad], mean subtracted [arcsec], shape (n,)."""
     angle = ARCSECONDS * reducer.member.sense * transmission_error(reducer, crank, load)[:, 1]
     return np.asarray(angle - angle.mean())
 
 
-def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any]:
-    """Round forces [N], places [mm] and directions, shape (poses, discs, contacts, ...)."""
+def _rounded(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any]:
+    """Convert forces [N], positions [m] and directions to rounded lists, shape (angles, discs, contacts, ...)."""
     shape = (len(force), discs, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),
@@ -104,8 +115,9 @@ def _acting(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any
     }
 
 
-def _loaded(reducer: Reducer) -> tuple[Reducer, float]:
+def _with_load(reducer: Reducer) -> tuple[Reducer, float]:
+    """Return a reducer under its load, and the torque [N m], positive in the direction of the crank speed."""
     design = reducer.design
     load, _ = load_of(reducer)
-    way = float(np.sign(design.drive.speed)) or 1.0
-    return reducer.but(load={"torque": load}).working_at(load), way * load
+    sense = float(np.sign(design.drive.speed)) or 1.0
+    return reducer.but(load={"torque": load}).working_at(load), sense * load

@@ -23,9 +23,9 @@ import psutil
 import pytest
 from designs import UNLIKE, unlike
 
-from cycloid_mj.app import artifacts, requirement, scatter, solid, stressed, summary, turn
-from cycloid_mj.app.api import compared, draw, forces, life, loaded, long_work, statics
-from cycloid_mj.app.controls import knobs
+from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
+from cycloid_mj.app.api import compare, draw, forces, job_of, life, statics, with_load
+from cycloid_mj.app.controls import controls
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.jobs import MAX_FINISHED, MAX_QUEUED, Download, Jobs
 from cycloid_mj.app.state import changed, design_of, values_of
@@ -65,21 +65,21 @@ def test_a_material_is_told_by_its_name_alone_unless_its_numbers_are_others() ->
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_sliders_start_where_the_design_is_and_say_what_they_are(design: Design) -> None:
-    for knob in knobs(loaded(design)):
-        assert knob.meaning, knob.key
-        if knob.options:
-            assert knob.value in [value for value, _ in knob.options]
+    for control in controls(with_load(design)):
+        assert control.meaning, control.key
+        if control.options:
+            assert control.value in [value for value, _ in control.options]
         else:
-            assert knob.low <= knob.value <= knob.high
-            assert knob.low < knob.low + knob.step < knob.high
-    sliders = {knob.key: knob.value for knob in knobs(loaded(design)) if not knob.options}
-    again = changed(loaded(design), sliders)
-    assert again.but(output={"hole_radius": design.output.hole_radius}) == loaded(design)
+            assert control.low <= control.value <= control.high
+            assert control.low < control.low + control.step < control.high
+    sliders = {control.key: control.value for control in controls(with_load(design)) if not control.options}
+    again = changed(with_load(design), sliders)
+    assert again.but(output={"hole_radius": design.output.hole_radius}) == with_load(design)
 
 
 def test_a_finger_on_a_slider_of_300_pixels_does_not_change_a_drive_beyond_knowledge() -> None:
     """A drag of 36 px once took 16 teeth to 86."""
-    (teeth,) = (knob for knob in knobs(unlike("few")) if knob.key == "ring.teeth")
+    (teeth,) = (control for control in controls(unlike("few")) if control.key == "ring.teeth")
     assert 36 / 300 * (teeth.high - teeth.low) < 0.25 * teeth.value
 
 
@@ -145,11 +145,11 @@ def test_checks_are_shown_at_parts_of_the_section() -> None:
 
 def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
     """The file of the printed drive is loaded by 10 N m, and made for 10.4; both bearings before the disc bear more."""
-    reducer = Reducer(loaded(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
+    reducer = Reducer(with_load(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
     failed = {one["name"]: one["what"] for one in summary.checks(reducer)["failed"]}
     assert [*failed] == ["momentary torque", "life"]
     assert f"life is {summary.life(reducer)['life']} by" in failed["life"]
-    for name, ways in summary.ways(reducer).items():
+    for name, ways in summary.remedies(reducer).items():
         assert [*ways[0]["changes"]] == ["load.torque_nm"]
         for way in ways:
             left = summary.checks(Reducer(changed(reducer.design, way["changes"])))["failed"]
@@ -157,7 +157,7 @@ def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
 
 
 def test_the_page_has_one_torque() -> None:
-    design = loaded(PRESETS["pin"])
+    design = with_load(PRESETS["pin"])
     less = changed(design, {"load.torque_nm": 12.34})
     assert less.rated_torque == pytest.approx(12.34)
     assert less.drive.power / less.drive.torque == pytest.approx(design.drive.power / design.drive.torque)
@@ -186,7 +186,7 @@ def test_a_change_of_a_check_is_what_its_remedy_says() -> None:
     ],
 )
 def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list[str], name: str) -> None:
-    reducer = Reducer(loaded(override(PRESETS["pin"], changes)))
+    reducer = Reducer(with_load(override(PRESETS["pin"], changes)))
     broken = summary.errors(reducer)
     failed = {one["name"]: one for one in broken or summary.checks(reducer)["failed"]}
     (button,) = failed[name]["changes"]
@@ -220,7 +220,7 @@ def test_figures_follow_the_design() -> None:
     ids=["pin", "twodisc", "light"],
 )
 def test_every_design_has_its_figures(design: Design) -> None:
-    design = loaded(design)
+    design = with_load(design)
     told = summary.statics(Reducer(design))
     assert {"Backlash", "Efficiency", "Transmission error, peak to peak"} <= {row["name"] for row in told["rows"]}
     lost = sum(one["watts"] for one in told["losses"]["parts"])
@@ -246,7 +246,7 @@ def test_every_design_has_its_figures(design: Design) -> None:
 
 
 def rated_for(torque: float) -> Reducer:
-    return Reducer(loaded(override(PRESETS["printed"], {"load.torque_nm": torque})))
+    return Reducer(with_load(override(PRESETS["printed"], {"load.torque_nm": torque})))
 
 
 @pytest.mark.parametrize("torque", [0.2, 10.0])
@@ -343,9 +343,9 @@ def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypat
 def test_stress_below_yield_stands_next_to_the_items_that_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pin drive at its rated torque pits within hours, although no part yields in its bulk."""
     entry = SimpleNamespace(name="stress", definition="largest", value=lambda _: 100.0)
-    monkeypatch.setattr(stressed, "figure", lambda _: entry)
+    monkeypatch.setattr(part_stress, "figure", lambda _: entry)
     heard: list[Any] = []
-    found = stressed.stress(heard.append, values_of(loaded(PRESETS["pin"])))
+    found = part_stress.stress(heard.append, values_of(with_load(PRESETS["pin"])))
     assert [row["judgement"] for row in found["rows"]] == ["passed"] * 5
     judged = {row["name"]: row["judgement"] for row in found["rated"]}
     assert judged["teeth on pins, pitting"] == "failed"
@@ -353,13 +353,13 @@ def test_stress_below_yield_stands_next_to_the_items_that_fail(monkeypatch: pyte
 
 
 def test_values_that_differ_are_listed_in_words() -> None:
-    rows = compared({"a": {"gear.face_width_mm": 12}, "b": {"ring.pins": "fixed", "material.name": "PLA"}})["rows"]
+    rows = compare({"a": {"gear.face_width_mm": 12}, "b": {"ring.pins": "fixed", "material.name": "PLA"}})["rows"]
     assert [(row["label"], row["a"], row["b"]) for row in rows] == [
         ("face width", "12 mm", "10 mm"),
         ("ring pins", "free to roll", "pressed in"),
-        ("material of gear and housing", "alloy steel", "PLA"),
+        ("material of disc and housing", "alloy steel", "PLA"),
     ]
-    everything = compared({"a": {}, "b": values_of(PRESETS["twodisc"])})["rows"]
+    everything = compare({"a": {}, "b": values_of(PRESETS["twodisc"])})["rows"]
     for row in everything:
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]|as pin|None", f"{row['label']} {row['a']} {row['b']}"), row
 
@@ -367,7 +367,7 @@ def test_values_that_differ_are_listed_in_words() -> None:
 @pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "light"])
 def test_forces_of_a_turn_balance_the_load(name: str) -> None:
     """The moment of the forces on the output pins is the load's, but for how far the parts gave way."""
-    design = loaded(DESIGNS[name])
+    design = with_load(DESIGNS[name])
     told = turn.forces(Reducer(design))
     output = told["output"]
     place, way, force = (np.array(output[key]) for key in ("place", "way", "force"))
@@ -376,13 +376,13 @@ def test_forces_of_a_turn_balance_the_load(name: str) -> None:
     assert np.abs(moment) == pytest.approx(carried, rel=0.03)
     teeth = told["teeth"]
     place, way, force = (np.array(teeth[key]) for key in ("place", "way", "force"))
-    assert force.shape == (turn.POSES + 1, design.gear.discs, design.ring.teeth)
+    assert force.shape == (turn.CRANK_ANGLES + 1, design.gear.discs, design.ring.teeth)
     later = turn.forces(Reducer(design), 1)["teeth"]["force"]
     assert force[-1] == pytest.approx(np.array(later)[0], abs=1e-3 * force.max())  # turns follow each other
 
 
 def test_the_transmission_error_of_the_page_is_that_of_statics() -> None:
-    design = loaded(PRESETS["pin"])
+    design = with_load(PRESETS["pin"])
     told = turn.error(Reducer(design))
     loaded_curve = told["curves"][0]
     assert loaded_curve["peak_to_peak"] == pytest.approx(np.ptp(loaded_curve["arcsec"]), abs=1e-3)
@@ -392,7 +392,7 @@ def test_the_transmission_error_of_the_page_is_that_of_statics() -> None:
 @pytest.mark.parametrize(("member", "passing"), [("carrier", 8 * 36 / 35), ("ring", 8.0)])
 def test_orders_are_told_apart_over_a_turn_of_the_output(member: str, passing: float) -> None:
     """Eight output pins pass at no whole order of the crank but where they are held; without weight that is all."""
-    reducer = Reducer(loaded(override(PRESETS["pin"], {"output.member": member, "environment.gravity_y_m_s2": 0.0})))
+    reducer = Reducer(with_load(override(PRESETS["pin"], {"output.member": member, "environment.gravity_y_m_s2": 0.0})))
     told = turn.error(reducer)
     orders, amplitudes = np.array(told["orders"]), np.array(told["amplitudes"])
     mesh = reducer.design.ring.teeth - (member == "ring")
@@ -435,7 +435,7 @@ def test_a_drawing_of_the_page_has_what_it_shows() -> None:
     assert told["design"] == pytest.approx({"gear.eccentricity_mm": 0.9, "output.hole_radius_mm": 4.9})
     assert told["head"]["ratio"] == 35
     assert told["errors"] == []
-    assert {knob["key"] for knob in told["knobs"]} >= {"ring.teeth", "material.name", "gear.discs"}
+    assert {control["key"] for control in told["controls"]} >= {"ring.teeth", "material.name", "gear.discs"}
 
 
 # --- what a drive is asked for
@@ -451,10 +451,10 @@ def test_a_form_becomes_a_requirement_and_back() -> None:
     ("change", "told"),
     [
         ({"torque_nm": None}, "torque is missing"),
-        ({"torque_nm": "2"}, "give a number"),
-        ({"torque_nm": True}, "give a number"),
+        ({"torque_nm": "2"}, "expected a number"),
+        ({"torque_nm": True}, "expected a number"),
         ({"ratio": 2}, "from 3 to"),
-        ({"process": "baked"}, "no process"),
+        ({"process": "baked"}, "unknown process"),
         ({"material": "cheese"}, "no material"),
         ({"speed": 3}, "no field"),
     ],
@@ -494,18 +494,18 @@ def test_a_drive_that_is_found_can_be_taken() -> None:
 
 def test_tolerances_of_the_page_are_those_of_the_design_or_one_for_all() -> None:
     pin = PRESETS["pin"]
-    assert scatter.spread_design(pin, None) is pin
-    assert scatter.spread_design(pin, 2).tolerance.cam == "uniform 2"
+    assert monte_carlo.spread_design(pin, None) is pin
+    assert monte_carlo.spread_design(pin, 2).tolerance.cam == "uniform 2"
     for value in (0, -1.0, "x", True, math.nan, 1e9):
         with pytest.raises(UsageError):
-            scatter.spread_design(pin, value)
+            monte_carlo.spread_design(pin, value)
 
 
 def test_samples_are_told_block_after_block(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scatter, "DRIVES", 260)
-    monkeypatch.setattr(scatter, "tolerance", lambda *_: SimpleNamespace(budget=(), budget_of="backlash_arcmin"))
+    monkeypatch.setattr(monte_carlo, "SAMPLES", 260)
+    monkeypatch.setattr(monte_carlo, "tolerance", lambda *_: SimpleNamespace(budget=(), budget_of="backlash_arcmin"))
     heard: list[Any] = []
-    last = scatter.samples(heard.append, {}, 0.2)
+    last = monte_carlo.samples(heard.append, {}, 0.2)
     assert [one["seen"]["samples"] for one in heard] == [200, 260, 260]
     assert last["samples"] == 260
     assert last["charts"]
@@ -651,11 +651,11 @@ def test_a_joint_comes_with_a_scene_that_opens(tmp_path: Path) -> None:
 
 def test_long_work_is_told_by_its_kind() -> None:
     for kind in (*artifacts.FILES, "run", "scatter", "stress"):
-        work, _ = long_work({"kind": kind, "design": {}})
+        work, _ = job_of({"kind": kind, "design": {}})
         assert callable(work)
     for kind in ("__import__", None, [], {}):
-        with pytest.raises(UsageError, match="there is no work"):
-            long_work({"kind": kind})
+        with pytest.raises(UsageError, match="there is no job"):
+            job_of({"kind": kind})
 
 
 def test_shapes_that_a_slider_went_through_are_let_go() -> None:

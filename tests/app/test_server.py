@@ -18,7 +18,7 @@ import pytest
 from cycloid_mj.app.access import MAX_PATH_LENGTH, is_local
 from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER
 from cycloid_mj.app.connections import LimitedConnection
-from cycloid_mj.app.controls import knobs
+from cycloid_mj.app.controls import controls
 from cycloid_mj.app.jobs import Job
 from cycloid_mj.app.server import BACKLOG, MAX_BODY_BYTES, MAX_QUESTIONS, Page, application, open_socket, server_of
 from cycloid_mj.base.errors import CycloidError
@@ -256,7 +256,7 @@ def test_every_question_of_the_page_has_an_answer() -> None:
 
 
 def test_sliders_are_written_in_json() -> None:
-    assert json.dumps([asdict(knob) for knob in knobs(PRESETS["twodisc"])])
+    assert json.dumps([asdict(control) for control in controls(PRESETS["twodisc"])])
 
 
 # --- malformed requests

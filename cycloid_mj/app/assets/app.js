@@ -3,11 +3,11 @@
 import { ask, newest, work, download } from "./net.js";
 import { el, byId, number, toast, fill, refill, JUDGED } from "./dom.js";
 import { Section } from "./section.js";
-import { showKnobs, markKnob } from "./knobs.js";
+import { showControls, markControl } from "./controls.js";
 import { Tabs } from "./tabs.js";
 import { Start } from "./start.js";
 
-const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, ways: null };
+const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, remedies: null };
 const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within this time are undone together
 const ADDRESSED = 250; // ms from a change to the update of the address
@@ -21,9 +21,9 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
   forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
-  checks: newest("checks", told => { state.checks = told; mended(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
+  checks: newest("checks", told => { state.checks = told; showRemedies(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
   life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
-  ways: newest("ways", told => { state.ways = told; mended(); }, () => {}),
+  remedies: newest("remedies", told => { state.remedies = told; showRemedies(); }, () => {}),
 };
 
 section.nextTurn = turn => ask("forces", { design: state.design, turn });
@@ -54,9 +54,9 @@ function show(told) {
   state.design = told.design;
   state.name = told.name;
   state.shown = told;
-  state.ways = null;
+  state.remedies = null;
   if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // solved by the workers while the browser draws
-  showKnobs(byId("knobs"), told.knobs, apply);
+  showControls(byId("parameters"), told.controls, apply);
   section.show(told.section, told.errors);
   byId("name").value = told.name;
   document.title = `${told.name}: ${told.head.ratio}:1, ${number(told.head.diameter_mm)} mm – cycloid_mj`;
@@ -83,8 +83,8 @@ function another() {
 
 function refuse(changes, words) {
   if (Object.keys(changes).length && state.shown) {
-    showKnobs(byId("knobs"), state.shown.knobs, apply);
-    for (const key of Object.keys(changes)) markKnob(key, words);
+    showControls(byId("parameters"), state.shown.controls, apply);
+    for (const key of Object.keys(changes)) markControl(key, words);
   }
   toast(words);
 }
@@ -134,9 +134,9 @@ function remedies(check) {
 }
 
 // The checks, with the remedies that were tried for those without one; either may arrive first.
-function mended() {
+function showRemedies() {
   if (!state.checks) return;
-  for (const one of state.checks.failed) one.changes = state.ways?.[one.name] ?? one.changes;
+  for (const one of state.checks.failed) one.changes = state.remedies?.[one.name] ?? one.changes;
   showChecks(state.checks.failed, state.checks);
 }
 
@@ -150,7 +150,7 @@ function showChecks(failed, verdict, words = "") {
     ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
       el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
       el("p", {}, `${one.what}: ${one.why}.`),
-      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.ways ? "No single change was found that resolves it." : "Searching for a change that resolves it …")))));
+      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.remedies ? "No single change was found that resolves it." : "Searching for a change that resolves it …")))));
   section.marks(failed);
 }
 

@@ -186,7 +186,7 @@ export class Tabs {
   }
 
   #scatter() {
-    const usual = this.spread ?? Math.max(1, Math.round((this.state().shown?.knobs.find(knob => knob.key.startsWith("clearance."))?.value || 4) / 4));
+    const usual = this.spread ?? Math.max(1, Math.round((this.state().shown?.controls.find(one => one.key.startsWith("clearance."))?.value || 4) / 4));
     const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), id: "spread", oninput: event => { this.spread = event.target.valueAsNumber; } });
     const before = el("label", {}, "Tolerance of each size ± ", typed, " µm ");
     return [el("p", { class: "soft" }, "Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0). Each sample is solved over all crank angles; the charts are updated as samples arrive."),

@@ -1,0 +1,70 @@
+// Sliders and lists of the parameters, each with unit, range, description and an input field for its value.
+
+import { el, number, fill } from "./dom.js";
+
+let layout = "";
+
+export function showControls(place, controls, apply) {
+  const shape = controls.map(control => `${control.key}:${control.options.length}`).join();
+  if (shape !== layout) {
+    layout = shape;
+    const groups = new Map();
+    for (const control of controls) groups.set(control.group, [...(groups.get(control.group) || []), control]);
+    fill(place, ...[...groups].map(([group, inside]) => el("fieldset", {}, el("legend", {}, group),
+      inside.map(control => control.options.length ? list(control, apply) : slider(control, apply)))));
+  }
+  for (const control of controls) update(place.querySelector(`[data-key="${control.key}"]`), control);
+}
+
+export function markControl(key, words) {
+  const row = document.querySelector(`[data-key="${key}"]`);
+  if (!row) return;
+  row.classList.add("refused");
+  row.querySelector(".said").textContent = words;
+}
+
+const tip = control => `${control.meaning} · ${control.key}`;
+
+function list(control, apply) {
+  const id = `k-${control.key}`;
+  return el("div", { class: "control list", "data-key": control.key, "data-tip": tip(control) },
+    el("label", { for: id }, control.label),
+    el("select", { id, onchange: event => apply({ [control.key]: JSON.parse(event.target.value) }) }),
+    el("span", { class: "said" }));
+}
+
+function slider(control, apply) {
+  const id = `k-${control.key}`;
+  const send = event => {
+    const value = event.target.valueAsNumber;
+    if (Number.isFinite(value)) apply({ [control.key]: value });
+    else event.target.value = event.target.defaultValue;
+  };
+  return el("div", { class: "control", "data-key": control.key, "data-tip": tip(control) },
+    el("label", { for: id }, control.label),
+    el("span", { class: "value" }, el("input", { type: "number", step: "any", "aria-label": `${control.label}${control.unit ? ` in ${control.unit}` : ""}, typed`, onchange: send }), el("span", { class: "unit" }, control.unit)),
+    el("input", { id, type: "range", oninput: send }),
+    el("span", { class: "ends", "aria-hidden": "true" }, el("span", {}), el("span", {})),
+    el("span", { class: "said" }));
+}
+
+function update(row, control) {
+  row.classList.remove("refused");
+  row.querySelector(".said").textContent = "";
+  row.dataset.tip = tip(control);
+  const select = row.querySelector("select");
+  if (select) {
+    fill(select, ...control.options.map(([value, words]) => el("option", { value: JSON.stringify(value) }, words)));
+    select.value = JSON.stringify(control.value);
+    return;
+  }
+  const [range, typed, ends] = [row.querySelector("[type=range]"), row.querySelector("[type=number]"), row.querySelector(".ends")];
+  const held = range === document.activeElement && control.value >= +range.min && control.value <= +range.max;
+  if (!held) Object.assign(range, { min: Math.min(control.low, control.value), max: Math.max(control.high, control.value), step: control.step });
+  if (!held || Math.abs(range.valueAsNumber - control.value) > control.step / 2) range.value = control.value;
+  range.setAttribute("aria-valuetext", `${number(control.value, 6)} ${control.unit}`);
+  range.style.setProperty("--at", `${100 * (range.valueAsNumber - range.min) / (range.max - range.min)}%`);
+  typed.value = typed.defaultValue = Number(control.value.toPrecision(6));
+  ends.firstChild.textContent = number(+range.min);
+  ends.lastChild.textContent = number(+range.max);
+}
