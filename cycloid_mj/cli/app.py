@@ -5,12 +5,12 @@ Ctrl-C, SIGTERM and SIGHUP.
 """
 
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from inspect import BoundArguments
 from typing import TYPE_CHECKING
 
-from cyclopts import App, CycloptsError, Group, Parameter
+from cyclopts import App, CoercionError, CycloptsError, Group
 
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
@@ -18,9 +18,10 @@ from cycloid_mj.base.interrupt import cause, exit_code
 from cycloid_mj.base.overwrite_guard import one_command
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
+from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
 from cycloid_mj.cli.terminal import log_to_stderr, tell, tell_error, warnings_kept
-from cycloid_mj.cli.validation_errors import sentence
+from cycloid_mj.cli.validation_errors import sentence, with_known_case
 
 if TYPE_CHECKING:
     from cycloid_mj.papers import Paper
@@ -44,6 +45,8 @@ ABOUT_PAPERS = """Run a published paper again and judge its claims.
 Papers are packages of their own, found by entry points of the group cycloid_mj.papers.
 """
 
+ABOUT_COMPLETION = "Install completion of commands, flags and files for this shell."
+
 REPRODUCE, COMPLETION = "reproduce", "--install-completion"
 RENAMED = {"--jobs": "--workers"}
 FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics"), "plot": ("log", "plot")}
@@ -63,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
                 raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
-            command, bound, _ = app.parse_args(words)
+            command, bound = parsed(app, words)
             with at_most(_workers(bound)):
                 code = command(*bound.args, **bound.kwargs)
         sys.stdout.flush()
@@ -91,13 +94,13 @@ def application(wanted: Collection[str] | None = None) -> App:
 
     A name costs nothing; a command imports its modules.
     """
-    app = App(
+    app = CompletingApp(
         name="cycloid-mj",
         version=__version__,
         help=page.paragraphs(ABOUT),
         help_epilogue=EXAMPLES,
         help_format="plaintext",
-        default_parameter=Parameter(negative=(), show_default=False),
+        default_parameter=page.FLAGS,
         result_action="return_value",
         exit_on_error=False,
         print_error=False,
@@ -115,7 +118,9 @@ def application(wanted: Collection[str] | None = None) -> App:
         if title == HERE:
             for flag in (*app.help_flags, *app.version_flags):
                 app[flag].group = group
-            app.register_install_completion_command(help="Make this shell complete commands and flags.", group=group)
+            app.register_install_completion_command(
+                help="Install completion of commands, flags and files for this shell.", group=group
+            )
     return app
 
 
@@ -136,6 +141,19 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
         app.command(several)
     if wanted:
         page.flowing(app[REPRODUCE])
+
+
+def parsed(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
+    """Parse a command line; a word of a fixed set, such as a solver's name, may be in capital or small letters."""
+    while True:
+        try:
+            command, bound, _ = app.parse_args(words)
+            return command, bound
+        except CoercionError as error:
+            corrected = with_known_case(error, words)
+            if corrected is None:
+                raise
+            words = corrected
 
 
 def _has_command(paper: "Paper") -> bool:

@@ -3,13 +3,16 @@
 import re
 from typing import TYPE_CHECKING
 
-from cyclopts import App
+from cyclopts import App, Parameter
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 NARROWEST, WIDEST = 60, 80
 """Columns of a help page on a narrow terminal, and on a wide one or none: below 60, names of flags would be cut off."""
+
+FLAGS = Parameter(negative=(), show_default=False)
+"""What every flag has in common: no ``--no-...`` or ``--empty-...``, and its default stands in its help."""
 
 FOLD = " \\"
 """At the end of a line that a shell goes on from."""
@@ -24,7 +27,9 @@ def console(stderr: bool = False) -> "Console":
 
 
 def flowing(app: App) -> App:
-    """Build an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
+    """Set the help of an app and of all its commands: lines break where the page ends, and no flag has a negative."""
+    # its own, too: the command reference and completion look at a command without the defaults of the app around it
+    app.default_parameter = FLAGS
     app.help = paragraphs(app.help)
     app.help_epilogue = "\n".join(folded(line) for line in (app.help_epilogue or "").splitlines()) or None
     for name in commands(app):

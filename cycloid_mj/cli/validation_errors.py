@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from difflib import get_close_matches
+from typing import Any, Literal, get_args, get_origin
 
 from cyclopts import App, CycloptsError, Group
 from cyclopts.exceptions import (
@@ -22,6 +23,33 @@ def sentence(error: CycloptsError) -> str:
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
     what = " ".join(_what(error).split()).rstrip(".")
     return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"
+
+
+def with_known_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
+    """Return a command line whose wrong word is replaced by the choice that differs in capital and small letters alone.
+
+    None where the flag has no fixed choices, or none of them is that word.
+    """
+    if error.token is None or error.argument is None:
+        return None
+    flag, wrong = error.token.keyword or "", error.token.value
+    known = [choice for choice in _choices(error.argument.hint) if choice.casefold() == wrong.casefold()]
+    corrected, current = list(words), ""
+    for place, word in enumerate(words):
+        current = word if word.startswith("--") else current
+        if word == f"{flag}={wrong}" and wrong not in known and known:
+            corrected[place] = f"{flag}={known[0]}"
+        elif word == wrong and current == flag and wrong not in known and known:
+            corrected[place] = known[0]
+    return corrected if corrected != words else None
+
+
+def _choices(hint: Any) -> tuple[str, ...]:
+    """Return the words of a type that is a Literal, optional, or a collection of one."""
+    parts = get_args(hint)
+    if get_origin(hint) is Literal:
+        return tuple(part for part in parts if isinstance(part, str))
+    return tuple(choice for part in parts for choice in _choices(part))
 
 
 def _what(error: CycloptsError) -> str:

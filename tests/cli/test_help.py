@@ -16,7 +16,7 @@ import pytest
 from cyclopts import App
 
 from cycloid_mj.cli import main
-from cycloid_mj.cli.app import ABOUT_PAPERS, application
+from cycloid_mj.cli.app import ABOUT_PAPERS, application, parsed
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
 from cycloid_mj.cli.page import NARROWEST, WIDEST, commands, folded
@@ -339,3 +339,27 @@ def test_examples_of_a_page_can_be_pasted_one_after_the_other(chain: tuple[str, 
     lines = [line.strip() for line in (app.help_epilogue or "").replace("\\\n", " ").splitlines()]
     found = [results for line in lines if line.startswith("cycloid-mj") and (results := results_of(line))]
     assert len(set(found)) == len(found), found
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "value"),
+    [
+        (["simulate", "pin", "--solver", "PLANAR"], "solver", "planar"),
+        (["simulate", "pin", "--solver=Planar", "--contact", "Profile"], "contact", "profile"),
+        (["export", "pin", "--out", "STL", "--format", "STL"], "format_", "stl"),
+        (["design", "new", "my", "--process", "Printed"], "process", "printed"),
+    ],
+)
+def test_a_word_of_a_fixed_set_is_taken_in_any_case(words: list[str], name: str, value: object) -> None:
+    bound = parsed(application(words[:1]), words)[1]
+    assert bound.arguments[name] == value
+
+
+def test_a_wrong_word_of_a_fixed_set_is_refused_with_the_choices(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", "pin", "--solver", "planarr"]) == 2
+    assert 'Choose from: "mujoco", "planar"' in capsys.readouterr().err
+
+
+def test_the_command_reference_lists_the_flags_of_help_alone() -> None:
+    text = application().generate_docs(output_format="markdown")
+    assert re.findall(r"`--(?:no|empty)-[\w-]+|default: ", text) == []
