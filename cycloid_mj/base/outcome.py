@@ -40,7 +40,10 @@ class Outcome:
     text
         What the terminal shows in place of these: paths of files that were made, a design file, a list, line by line.
     headline
-        The figures that one looks for first, a dozen at most: name -> value with its unit.
+        The figures that one looks for first, a dozen at most: name -> value with its unit, or the values of several
+        columns.
+    headline_columns
+        Headings of these columns; none where each figure has one value.
     failures, warnings, passes
         What does not hold, what to know before trusting the figures, and what holds, a sentence each.
     summary
@@ -68,7 +71,8 @@ class Outcome:
     title: str
     condition: str = ""
     text: Sequence[str] | None = None
-    headline: Mapping[str, str] = field(default_factory=dict)
+    headline: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
+    headline_columns: Sequence[str] = ()
     failures: Sequence[str] = ()
     warnings: Sequence[str] = ()
     passes: Sequence[str] = ()
@@ -84,6 +88,12 @@ class Outcome:
     filed: bool = True
     page: Callable[[], str] | None = None
     code: int = 0
+
+    @property
+    def headline_table(self) -> Table:
+        """The headline as a table without a title."""
+        rows = ((name, *([cells] if isinstance(cells, str) else cells)) for name, cells in self.headline.items())
+        return Table("", ("figure", *(self.headline_columns or ("value",))), tuple(rows))
 
     def __post_init__(self) -> None:
         """Refuse a headline that is longer than what one looks for first."""

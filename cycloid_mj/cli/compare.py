@@ -1,6 +1,7 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import LogError, UsageError
+from cycloid_mj.base.errors import CycloidError, LogError, UsageError, warn
 from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
 from cycloid_mj.cli.flags import (
@@ -209,9 +210,39 @@ def compare(
         return deliver(_from_logs(logs, q, place), place, delivery)
     first = designed(designs[0], (*DEFAULTS, *options.set_), options.first)
     plan = _planned(all_cases([designed(name, options.set_, ()) for name in designs], first, options), options)
+    warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
     place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
     return deliver(_from_runs(plan, q, place, delivery), place, delivery)
+
+
+def warn_of_overloads(cases: Iterable[Design]) -> None:
+    """Warn of each design whose contacts yield under its load, before it is run under it."""
+    for case in cases:
+        load, capacity = abs(case.load.torque), _capacity(case)
+        if load > capacity:
+            warn(
+                case.name,
+                [
+                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, at "
+                    "which a contact first yields: its figures under load are those of a damaged drive. Use "
+                    f"--load-nm {0.99 * capacity:.3g} or less"
+                ],
+            )
+
+
+def _capacity(case: Design) -> float:
+    """Compute the torque at which a contact of a design first yields [N m]; NaN where statics do not find it."""
+    from cycloid_mj.figures import figure
+
+    if not case.load.torque:
+        return math.nan
+    for share in (1.0, 0.1):  # a large overload has no static balance, or flattens contacts beyond their model
+        try:
+            return figure("capacity_nm").value(Reducer(case).but(load={"torque": share * case.load.torque}))
+        except CycloidError:
+            continue
+    return math.nan
 
 
 def _place(into: Path, wanted: Delivery) -> Destination:

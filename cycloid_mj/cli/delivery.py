@@ -14,7 +14,7 @@ from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.flags import CommonFlags, Delivery
 from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
-from cycloid_mj.cli.terminal import json_text, note, say, say_json, say_table, show, tell, with_warnings
+from cycloid_mj.cli.terminal import json_text, note, say, say_json, show, tell, with_warnings
 from cycloid_mj.design import PRESETS
 
 RUNS = "runs"
@@ -205,7 +205,7 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
     for line in [title] if outcome.text is None else outcome.text:
         say(line)
     if outcome.headline:
-        say_table("", ("figure", "value"), list(outcome.headline.items()))
+        show(outcome.headline_table)
     for line in outcome.failures:
         say(f"FAIL  {line}")
     taken = FRAME_LINES + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))

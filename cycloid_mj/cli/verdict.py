@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from cycloid_mj.comparison import Comparison, Trial
 
 FORMATS = ("png",)
-SIDE_BY_SIDE = " / "
 
 HEADLINE = (
     *("backlash_arcmin", "lost_motion_arcmin", "stiffness_nm_per_arcmin", "te_loaded_arcsec", "capacity_nm", "mass_kg"),
@@ -35,12 +34,26 @@ def catalogued(designs: Sequence[Design]) -> dict[str, dict[str, Quantity]]:
 
 
 def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
-    """Put the figures of `HEADLINE` side by side."""
+    """Tabulate the figures of `HEADLINE`: a column for each design, their ratios to the first, and the unit."""
     first = next(iter(by_design.values()))
-    rows: list[tuple[str | float, ...]] = [
-        (key, *(of[key].value for of in by_design.values()), first[key].unit) for key in HEADLINE
-    ]
-    return Table("by geometry and statics: see `cycloid-mj figures`", ("figure", *by_design, "unit"), tuple(rows))
+    rows: list[tuple[str | float, ...]] = []
+    for key in HEADLINE:
+        values = [of[key].value for of in by_design.values()]
+        rows.append((key, *values, *ratios(values), first[key].unit))
+    header = ("figure", *by_design, *ratio_columns(tuple(by_design)), "unit")
+    return Table("by geometry and statics: see `cycloid-mj figures`", header, tuple(rows))
+
+
+def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
+    """List the headings of the ratios to the first design: "ratio" for two designs, else "second / first"."""
+    first, *others = designs
+    return ("ratio",) if len(others) == 1 else tuple(f"{other} / {first}" for other in others)
+
+
+def ratios(values: Sequence[float]) -> list[str]:
+    """Format the ratio of each further value to the first; "-" where there is none."""
+    first, *others = values
+    return [_number(other / first if first else math.nan) for other in others]
 
 
 def outcome_of(
@@ -59,9 +72,10 @@ def outcome_of(
     by_statics = catalogued([trial.design for trial in loaded])
     statics = {name: values_json(computed) for name, computed in by_statics.items()}
     return Outcome(
-        title=f"compare: {SIDE_BY_SIDE.join(comparison.designs)}",
+        title=f"compare: {' / '.join(comparison.designs)}",
         condition=f"runs under {load_words(comparison.loads[-1])}, {SOLVERS[comparison.solver]}",
         headline=_headline(loaded, by_statics),
+        headline_columns=(*by_statics, *ratio_columns(tuple(by_statics)), "unit"),
         tables=[*comparison.tables, catalogue_table(by_statics)],
         notes=[_differences(comparison), *judged.notes],
         summary=[
@@ -77,8 +91,10 @@ def outcome_of(
     )
 
 
-def _headline(trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]) -> dict[str, str]:
-    """Put a few figures side by side: of statics, and of the runs under one load."""
+def _headline(
+    trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]
+) -> dict[str, tuple[str, ...]]:
+    """Collect a few figures of statics and of the runs under one load: values by design, ratios to the first, unit."""
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 
     first = next(iter(by_statics.values()))
@@ -88,7 +104,7 @@ def _headline(trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Q
         values = [math.nan if spread is None else spread.mean for spread in spreads]
         if not all(map(math.isnan, values)):
             rows.append((f"{figure.words} (runs)", values, figure.unit))
-    return {name: f"{SIDE_BY_SIDE.join(map(_number, values))} {unit}" for name, values, unit in rows}
+    return {name: (*map(_number, values), *ratios(values), unit) for name, values, unit in rows}
 
 
 def _number(value: float) -> str:

@@ -14,10 +14,12 @@ import cycloid_mj.dynamics.run
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
 from cycloid_mj.cli.flags import designed
+from cycloid_mj.cli.verdict import catalogue_table, catalogued, ratio_columns
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.figures import figure as catalogue_figure
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.log import read
@@ -531,3 +533,29 @@ def test_cases_that_cannot_be_compared_are_refused_before_they_run() -> None:
     ):
         with pytest.raises(UsageError, match=words):
             comparable([pin, spoiled])
+
+
+@pytest.mark.parametrize("times", [0.5, 6.0, 60.0])
+def test_an_overload_is_reported_before_the_run(here, planned, capfd, times: float) -> None:
+    """A second design of a tenth of the face width, under a multiple of the torque at which it first yields."""
+    narrow = PRESETS["printed"].but(name="narrow", gear={"face_width": 0.5 * PRESETS["printed"].gear.face_width})
+    (here / "narrow.toml").write_text(dump(narrow))
+    load = times * catalogue_figure("capacity_nm").value(Reducer(narrow))
+    code, _, err = told("compare", "printed", "narrow.toml", "--quick", "--load-nm", f"{load:.6g}", "--out", "c")
+    assert code == 1
+    assert "nothing is run here" in err
+    said = " ".join(err.split())
+    assert ("narrow: the load of" in said) == (times > 1.0)
+    if times > 1.0:
+        ratio = float(re.search(r"narrow: the load of [\d.e+-]+ N m is ([\d.e+-]+) times its capacity", said)[1])
+        assert ratio == pytest.approx(times, rel=0.02)
+
+
+def test_the_headline_has_a_column_for_each_design_and_their_ratio() -> None:
+    by_design = catalogued([PRESETS["pin"], PRESETS["nonpin"]])
+    table = catalogue_table(by_design)
+    assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
+    key, pin, nonpin, ratio, unit = next(row for row in table.rows if row[0] == "mass_kg")
+    assert (key, unit) == ("mass_kg", "kg")
+    assert float(ratio) == pytest.approx(nonpin / pin, rel=1e-3)
+    assert ratio_columns(("a", "b", "c")) == ("b / a", "c / a")

@@ -127,7 +127,7 @@ def test_a_dominant_single_tolerance_keeps_its_control_variate_next_to_many_pins
 
 @pytest.mark.slow
 def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> None:
-    """`pin`, cam, pin and hole positions: the intervals of 24 seeds of 64 samples and the mean of 8 of 512."""
+    """`pin`, cam, pin and hole positions: the intervals of 24 seeds of 64 samples and the mean of 4 of 512."""
     words = {"cam": "uniform 0.3", "pin_position": "normal 0.3", "hole_position": "normal 0.3"}
     reducer = Reducer(override(PRESETS["pin"], {f"tolerance.{key}": text for key, text in words.items()}))
     zones = draw.tolerances(reducer)
@@ -140,7 +140,7 @@ def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> No
         drawn = [draw.departures(reducer, zones, seed, blocks[name]) for name in "AB"]
         return {share.source: share for share in budget.shares(zones, drawn, values)}
 
-    reference = [study(512, seed) for seed in range(8)]
+    reference = [study(512, seed) for seed in range(4)]
     few = [study(72, 100 + seed) for seed in range(24)]
     for key in zones:
         exact = float(np.mean([one[key].total for one in reference]))
