@@ -84,11 +84,19 @@ def unsettled(run: Run) -> Iterator[str]:
         )
 
 
-def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
-    """Say if the power balance of a run's samples is open, or its efficiency none, 0, or one that no reducer has.
+def unbalanced(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str, ...]:
+    """Return warnings where the power balance of a run's samples is open, or its efficiency is 0 or impossible.
 
     A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A
     reducer whose load is not the design's may be driven through both shafts.
+
+    Parameters
+    ----------
+    run, reducer
+        The run, and the drive under its load.
+    remedy
+        What to do about it, where the log rate and the duration of the run are not those of the design; by default
+        the design's keys for both.
     """
     design = reducer.design
     powers = mean_powers(run)
@@ -101,19 +109,19 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
         idles = powers.delivered <= idle
         through, most = (max(taken, IDLE * idle), IDLING_OPEN) if idles else (scale, OPEN)
         if abs(powers.missing) > most * through:
-            doubtful.append(_open(powers.missing, through, abs(design.drive.speed), idles))
+            doubtful.append(_open(powers.missing, through, abs(design.drive.speed), idles, remedy or COARSE))
     if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
         doubtful.append(
             f"the efficiency is {powers.efficiency:.2%}: friction takes {1.0 / powers.efficiency - 1.0:.3g} times what "
             "goes to the load; such a drive all but locks itself, check friction.*, clearances and the load"
         )
-    why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
+    why = remedy or ("the hold is too short to average over: lengthen drive.hold_s" if short else COARSE)
     of_load = abs(design.load.torque * design.drive.speed) / design.reduction
     if powers.supplied < AFLOAT * powers.delivered and powers.delivered > IDLE * of_load > 0.0:
         doubtful.append(
-            f"the load has not come to bear: {powers.supplied:.3g} W drive and {powers.delivered:.3g} W go out, as "
-            "parts cross their play; forces and efficiency are no steady ones: take a longer drive.hold_s, a larger "
-            "load or less clearance"
+            f"the load has not settled: {powers.supplied:.3g} W drive and {powers.delivered:.3g} W go out, as parts "
+            "still cross their clearances; forces and efficiency are not those of a steady state: use "
+            f"{'' if remedy else 'a longer drive.hold_s, '}a larger load or smaller clearances"
         )
     if powers.supplied <= AFLOAT * powers.delivered:
         # of what floats, and of what stands still, there is no efficiency
@@ -128,13 +136,13 @@ def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
     return tuple(doubtful)
 
 
-def _open(missing: float, through: float, speed: float, idles: bool) -> str:
+def _open(missing: float, through: float, speed: float, idles: bool, remedy: str) -> str:
     """Tell how far a balance is open, at a crank speed [rad/s], of the power that goes through it or into it [W]."""
     figures = "powers and losses" if idles else "powers, losses and efficiency"
     whose = f"{' of the idling drive' if idles else ''} at {RPM.from_si(speed):.4g} rpm"
     return (
         f"the power balance{whose} is open by {missing:.3g} W, {abs(missing) / through:.2%} of {through:.4g} W: "
-        f"{figures} are off by about as much; {COARSE}"
+        f"{figures} are off by about as much; {remedy}"
     )
 
 

@@ -85,14 +85,23 @@ def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     return (*(text for kind in kinds for text in _noise(reducer, kind)), *_unused(reducer))
 
 
+def passing_rate(reducer: Reducer) -> float:
+    """Compute how many teeth pass a contact per second at the design's crank speed [1/s]."""
+    design = reducer.design
+    return design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
+
+
+def lowest_log_rate(reducer: Reducer) -> float:
+    """Compute the log rate with `FEWEST_SAMPLES` of each passing tooth at the design's crank speed [Hz]."""
+    return FEWEST_SAMPLES * passing_rate(reducer)
+
+
 def pace(reducer: Reducer, fewest: float = FEWEST_STEPS) -> tuple[str, ...]:
     """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth.
 
     `fewest` is of steps, as the run's solver needs them.
     """
-    design = reducer.design
-    passing = design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
-    if not passing:
+    if not (passing := passing_rate(reducer)):
         return ()
     return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *creeping(reducer))
 

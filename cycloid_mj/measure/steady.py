@@ -7,6 +7,7 @@ from cycloid_mj.base.errors import warn
 from cycloid_mj.base.names import GEAR
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
 from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
@@ -18,6 +19,11 @@ SETTLED = 0.01
 
 NEAR_WHOLE = 0.1
 """By how much of a period the output pins may miss a whole number of theirs."""
+
+REMEDY = (
+    "the samples are too coarse for these powers: set settings.log_rate_hz to 40000 or more, or a shorter time step"
+)
+"""Remedy of an open power balance: the duration of these runs is not the design's."""
 
 HEAVY = 0.02
 """Weight of the discs, as a share of the load's force on their cams, from which the crank's turn shows in the losses:
@@ -66,17 +72,23 @@ def steady(
     A drive that settles more slowly than the paper's is given as much longer.
     """
     settled *= slowness(reducer)
-    timed = reducer.steady(settled, periods / reducer.mesh_periods)
+    timed = densely_logged(reducer).steady(settled, periods / reducer.mesh_periods)
     run = simulate(timed.design, compiled or model_for(solver, timed), course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
-    warn(reducer.design.name, unbalanced(run, reducer))
+    warn(reducer.design.name, unbalanced(run, reducer, REMEDY))
     return run
 
 
 def steady_design(reducer: Reducer) -> Reducer:
     """Return the design with the log rate of these runs, at full speed from the start."""
     require_motion(reducer)
-    return reducer.but(settings={"log_rate": LOG_RATE})
+    return reducer.but(settings={"log_rate": max(LOG_RATE, reducer.design.settings.log_rate)})
+
+
+def densely_logged(reducer: Reducer) -> Reducer:
+    """Return the design with a log rate that resolves the passing of its teeth."""
+    lowest = lowest_log_rate(reducer)
+    return reducer.but(settings={"log_rate": lowest}) if lowest > reducer.design.settings.log_rate else reducer
 
 
 def first_half(run: Run) -> Run:

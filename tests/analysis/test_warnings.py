@@ -241,7 +241,7 @@ def test_a_load_that_does_not_bear_has_no_efficiency(crank: float) -> None:
     (said,) = (
         text for text in unbalanced(judged, Reducer(design_of(run))) if "efficiency" in text and "open" not in text
     )
-    assert said.startswith("the load has not come to bear")
+    assert said.startswith("the load has not settled")
 
 
 def test_a_run_without_friction_may_have_an_efficiency_of_one_to_rounding() -> None:

@@ -1,16 +1,21 @@
 """The step of the static measures: chosen from mass and force of the pins, halved where a run goes wrong, and named."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from designs import unlike
 
+from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.swing import swing_period
+from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, hysteresis
+from cycloid_mj.measure.steady import REMEDY, steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Losses, course_along
 
@@ -95,3 +100,27 @@ def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkey
 def test_steps_are_named_longest_first():
     runs = [Run(np.zeros(1), {}, {}, {"timestep_s": step}) for step in ("5e-06", "1e-05", "5e-06")]
     assert bench.steps_text(runs) == "10 us and 5 us"
+
+
+def test_runs_of_measures_are_logged_densely_enough_at_any_speed() -> None:
+    """At 12 000 rpm 7000 teeth pass a second: 20 kHz would be 3 samples of each, and a warning none could follow."""
+    fast = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"', "drive.speed_rpm=12000"]))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run = steady(steady_design(fast), 1e-3, 4)
+    assert not [str(one.message) for one in caught if "log_rate_hz" in str(one.message)]
+    rate = 1.0 / float(np.mean(np.diff(run.time)))
+    assert rate >= 0.99 * min(lowest_log_rate(fast), 1.0 / timestep(fast))
+    own = override(PRESETS["pin"], ["settings.log_rate_hz=50000"])
+    assert steady_design(Reducer(own)).design.settings.log_rate == 50e3
+
+
+def test_the_remedy_of_an_open_balance_is_valid_for_a_measure() -> None:
+    """A measure takes no drive.hold_s: its warning names the log rate, which it does take."""
+    reducer = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"', "load.torque_nm=30"]))
+    run = steady(steady_design(reducer), 0.01, 8)
+    spoiled = replace(run, columns={**run.columns, "load_torque": 1.5 * run["load_torque"]})
+    said = unbalanced(spoiled, reducer, REMEDY)
+    assert said
+    assert all("drive.hold_s" not in one for one in said)
+    assert any("settings.log_rate_hz to 40000" in one for one in said)
