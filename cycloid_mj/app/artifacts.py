@@ -66,7 +66,7 @@ def print_plate(design: Design) -> dict[str, bytes]:
 def joint(design: Design) -> dict[str, bytes]:
     """Return a zip file with the joint for a robot model: the files of ``cycloid-mj reduce`` without its page."""
     from cycloid_mj.robot.files import joint_files, scenes
-    from cycloid_mj.robot.measured import reduce
+    from cycloid_mj.robot.identification import reduce
 
     reduced = reduce(design)
     figures = json.dumps(plain(reduced.as_json()), indent=1)

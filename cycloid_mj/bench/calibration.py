@@ -17,6 +17,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
+from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
 from cycloid_mj.bench.model_selection import (
     WRITTEN,
     LoopStretch,
@@ -29,9 +30,8 @@ from cycloid_mj.bench.model_selection import (
 )
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, parameters, rub
-from cycloid_mj.bench.reading import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
 from cycloid_mj.bench.search import DISCREPANCY, STEP, FitProblem, Trials
-from cycloid_mj.bench.spread import COVERED
+from cycloid_mj.bench.uncertainty import COVERED
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Held, Losses

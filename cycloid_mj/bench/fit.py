@@ -32,7 +32,7 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, FitProblem, Trials, offset_scales
-from cycloid_mj.bench.spread import COVERED, FitUncertainty, memory, spread
+from cycloid_mj.bench.uncertainty import COVERED, FitUncertainty, memory, spread
 
 AT_BOUND = 1e-3
 """Distance from a bound, on a value's scale, at which a value is at it."""

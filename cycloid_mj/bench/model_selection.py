@@ -10,9 +10,9 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.loop_figures import LEAPT, coulomb_of
 from cycloid_mj.bench.overlay import LoopCondition
 from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, parameters
-from cycloid_mj.bench.reading import LEAPT, coulomb_of
 from cycloid_mj.bench.search import DISCREPANCY, FitProblem, Trials
 
 WRITTEN = "hysteresis"

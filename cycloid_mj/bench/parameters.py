@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.reading import coulomb_of
+from cycloid_mj.bench.loop_figures import coulomb_of
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.explore.draw import tolerances

@@ -9,9 +9,9 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.loop_figures import LoopReading, read_figures
 from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
 from cycloid_mj.bench.parameters import Model
-from cycloid_mj.bench.reading import LoopReading, read_figures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Losses
 

@@ -18,7 +18,7 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, DEGREE, RPM
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, require_torque
-from cycloid_mj.bench.reading import LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
+from cycloid_mj.bench.loop_figures import LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.bench.te import MeasuredError, model_error
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis

@@ -14,9 +14,9 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint
-    from cycloid_mj.robot.against import Against
+    from cycloid_mj.robot.comparison import Against
     from cycloid_mj.robot.population import Population
-    from cycloid_mj.robot.study import Tried
+    from cycloid_mj.robot.stability import Tried
 
 OUT = "runs/reduce"
 LevelFlag = Annotated[
@@ -113,11 +113,11 @@ def reduce(
     spread, percentiles and correlation. Joint.varied of joint.py makes a joint of a row.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.robot.against import against
+    from cycloid_mj.robot.comparison import against
     from cycloid_mj.robot.files import BESIDE, FILES, scenes, without_slip
-    from cycloid_mj.robot.measured import reduce as measured
+    from cycloid_mj.robot.identification import reduce as measured
     from cycloid_mj.robot.population import population
-    from cycloid_mj.robot.study import study
+    from cycloid_mj.robot.stability import study
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
@@ -163,7 +163,7 @@ def _outcome(
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.files import joint_files
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
-    from cycloid_mj.robot.study import recommended, recommended_table, table
+    from cycloid_mj.robot.stability import recommended, recommended_table, table
 
     quantities = reduced.quantities
     efficiencies = lossy_efficiencies(reduced) if lossy else []

@@ -13,11 +13,11 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
-from cycloid_mj.robot.against import Against
+from cycloid_mj.robot.comparison import Against
 from cycloid_mj.robot.population import Population
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.robot.study import Tried, recommended_table
-from cycloid_mj.robot.study import table as study_table
+from cycloid_mj.robot.stability import Tried, recommended_table
+from cycloid_mj.robot.stability import table as study_table
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
 

@@ -10,7 +10,7 @@ from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.lossy import lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.robot.study import Tried, scene
+from cycloid_mj.robot.stability import Tried, scene
 from cycloid_mj.robot.trial import Integrator
 
 FILES = ("joint.xml", "scene.xml", "bam.json")
@@ -38,7 +38,7 @@ def scenes(
     inertia
         On the output [kg m2]; by default the reducer's own, reflected.
     timestep, integrator
-        [s]; by default the longest, and the first, with which an impact is right, as `study.scene` has it.
+        [s]; by default the longest, and the first, with which an impact is right, as `stability.scene` has it.
     """
     inertia = reduced.reflected_inertia if inertia is None else inertia
     if reduced.slips:

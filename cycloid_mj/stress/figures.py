@@ -14,9 +14,9 @@ from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
-from cycloid_mj.stress.given import given
 from cycloid_mj.stress.loads import part_names
 from cycloid_mj.stress.mounts import Mounts
+from cycloid_mj.stress.part_compliance import given
 from cycloid_mj.stress.study import QUICK, part_study
 
 SAMPLES = 720
@@ -99,7 +99,7 @@ shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_st
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
     """Compute by how much each part turns the output per torque on it [rad/(N m)], under the design's own load.
 
-    Beside the parts stands what mounts tell of a drawing, as in `given.given`.
+    Beside the parts stands what mounts tell of a drawing, as in `part_compliance.given`.
 
     Raises
     ------

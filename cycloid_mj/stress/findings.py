@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
-from cycloid_mj.stress.swing import Swing
+from cycloid_mj.stress.stress_range import Swing
 
 BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""

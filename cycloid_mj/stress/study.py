@@ -28,7 +28,7 @@ from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_p
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.stress.swing import SWINGING, Swing, sampled, swing
+from cycloid_mj.stress.stress_range import SWINGING, Swing, sampled, swing
 
 Told = Callable[[str, int, int], None]
 

@@ -32,12 +32,12 @@ from cycloid_mj.bench import (
 )
 from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped
 from cycloid_mj.bench.fit import Fitted, fit, fitted_at, widen
+from cycloid_mj.bench.loop_figures import read_figures
 from cycloid_mj.bench.model_selection import variants
 from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
-from cycloid_mj.bench.reading import read_figures
 from cycloid_mj.bench.search import DISCREPANCY, FAILED, FitProblem, Trials
-from cycloid_mj.bench.spread import COVERED, UNKNOWN, FitUncertainty, memory, spread
+from cycloid_mj.bench.uncertainty import COVERED, UNKNOWN, FitUncertainty, memory, spread
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve

@@ -10,6 +10,7 @@ import pytest
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench import MeasuredLoop, measured_loop, read_loop
+from cycloid_mj.bench.loop_figures import coulomb_of, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.bench.protocol import (
     CRANK_TORQUE,
     INTERVALS,
@@ -20,7 +21,6 @@ from cycloid_mj.bench.protocol import (
     protocol,
     read_started,
 )
-from cycloid_mj.bench.reading import coulomb_of, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import hysteresis

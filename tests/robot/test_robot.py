@@ -25,15 +25,15 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import play
 from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.robot import LEVELS, ReducedJoint, measured, standalone
-from cycloid_mj.robot.against import BOUNDS, POINTS, against
+from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
 from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.comparison import BOUNDS, POINTS, against
 from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.population import Population, parameters, population
 from cycloid_mj.robot.reducer import Slip
-from cycloid_mj.robot.study import ACCURATE, STEPS, longest, scene, study, tried, vibration
+from cycloid_mj.robot.stability import ACCURATE, STEPS, longest, scene, study, tried, vibration
 from cycloid_mj.robot.trial import bench
 from cycloid_mj.statics.locked import LockedCurve, SlipElements, locked_course
 from cycloid_mj.statics.sheet import sheet
@@ -883,7 +883,7 @@ def test_an_unknown_level_is_refused(few: ReducedJoint) -> None:
 
 def test_a_crank_at_rest_is_refused() -> None:
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
-        measured.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
+        identification.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
 
 
 @pytest.mark.slow

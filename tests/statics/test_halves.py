@@ -18,7 +18,7 @@ from cycloid_mj.parts.export import export, read_stl
 from cycloid_mj.parts.housing import SLIT
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
-from cycloid_mj.robot.measured import play_of
+from cycloid_mj.robot.identification import play_of
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.locked import locked_curve
 from cycloid_mj.statics.preload import IDLE, POSES, halves_torque, preloaded

@@ -14,7 +14,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.spread import COVERED, memory
+from cycloid_mj.bench.uncertainty import COVERED, memory
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
 LOADED = (0.5, 0.98)

@@ -13,10 +13,10 @@ from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import joint_powers
-from cycloid_mj.robot.measured import SMALL, Play, play_of
+from cycloid_mj.robot.identification import SMALL, Play, play_of
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.robot.study import vibration
+from cycloid_mj.robot.stability import vibration
 from cycloid_mj.robot.transmission import error, waves
 from cycloid_mj.robot.trial import TrialScene, bench
 from cycloid_mj.statics.balance import powers
