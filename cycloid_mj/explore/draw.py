@@ -17,6 +17,9 @@ from cycloid_mj.statics.samples import Samples, alike
 BLOCK = 512
 """Samples that are drawn together. The draws are those of a block of this size."""
 
+PIECE = 256
+"""Samples of a piece of work at most: small enough that no worker is left alone with one for long."""
+
 BEGINNING = 200
 """Samples that are balanced before all others, and tell whether there is any that does not jam."""
 
@@ -106,12 +109,16 @@ class Batch:
 
 
 def blocks(samples: int) -> list[Batch]:
-    """List the blocks of so many samples; the first `BEGINNING` of them are one of their own."""
-    whole = [Batch(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
-    begun, *others = whole
-    if begun.count <= BEGINNING:
-        return whole
-    return [Batch(0, BEGINNING), Batch(0, begun.count - BEGINNING, BEGINNING), *others]
+    """List the pieces of work of so many samples: parts of blocks, the first of `BEGINNING` samples."""
+    begin = min(BEGINNING, samples, BLOCK)
+    pieces = [Batch(0, begin)]
+    first = begin
+    while first < samples:
+        number, offset = divmod(first, BLOCK)
+        count = min(PIECE, BLOCK - offset, samples - first)
+        pieces.append(Batch(number, count, offset))
+        first += count
+    return pieces
 
 
 def drawn(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> Samples:
