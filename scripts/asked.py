@@ -16,7 +16,7 @@ from passes import Launched, launched, second_cost
 from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
+from cycloid_mj.explore.sampling import BLOCK, blocks, tolerances
 from cycloid_mj.explore.tolerances import balanced
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES

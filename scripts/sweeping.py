@@ -12,9 +12,9 @@ from dask_cluster import ROOT, Cluster
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.row import PointResult, Task, measured_row
+from cycloid_mj.explore.sampling import BLOCK, blocks, tolerances
 from cycloid_mj.explore.tolerances import balanced
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES

@@ -10,8 +10,8 @@ from cycloid_mj.app.state import at_load, design_of
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
-from cycloid_mj.explore.draw import blocks, tolerances
 from cycloid_mj.explore.jam import jams_of, jams_too_often
+from cycloid_mj.explore.sampling import blocks, tolerances
 from cycloid_mj.explore.tolerances import balanced, tolerance
 from cycloid_mj.figures import SAMPLED, figure
 from cycloid_mj.figures.sampled import ANGLES, condition

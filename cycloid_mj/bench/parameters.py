@@ -14,7 +14,7 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import coulomb_of
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
-from cycloid_mj.explore.draw import tolerances
+from cycloid_mj.explore.sampling import tolerances
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sliding import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness

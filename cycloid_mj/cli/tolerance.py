@@ -93,7 +93,7 @@ def tolerance(
     writes the samples balanced so far, which are those of a smaller --samples.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.limit import limit as read
+    from cycloid_mj.explore.constraints import limit as read
     from cycloid_mj.explore.tolerances import TooManyJams, Unfinished
     from cycloid_mj.explore.tolerances import tolerance as found_in
 

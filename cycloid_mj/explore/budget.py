@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
-from cycloid_mj.explore.draw import WAVE, Batch
+from cycloid_mj.explore.sampling import WAVE, Batch
 from cycloid_mj.explore.zone import Zone
 
 

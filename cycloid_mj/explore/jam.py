@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
-from cycloid_mj.explore.draw import Batch, departures, put, unchecked_design
+from cycloid_mj.explore.sampling import Batch, departures, put, unchecked_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import tightest

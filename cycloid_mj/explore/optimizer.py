@@ -16,12 +16,12 @@ from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.optimum import Checked, Optimum
 from cycloid_mj.explore.points import Wanted
 from cycloid_mj.explore.problem import FEASIBLE, Problem, evaluated, problem
 from cycloid_mj.explore.row import PointResult
+from cycloid_mj.explore.sampling import tolerances
 from cycloid_mj.explore.search import NEED, Point, searched
 from cycloid_mj.explore.tolerances import TooManyJams, tolerance
 from cycloid_mj.explore.verify import verified

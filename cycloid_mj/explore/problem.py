@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.checks import WALLS, check, soundness
 from cycloid_mj.design import Design, declared, override, value_of
-from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
-from cycloid_mj.explore.limit import FigureLimit, limit, require_consistent
+from cycloid_mj.explore.constraints import FigureLimit, limit, require_consistent
+from cycloid_mj.explore.linked_keys import Follower, by_themselves, followed, following
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.row import PointResult, one_line
 from cycloid_mj.figures import COMPUTED, compute, figure

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from cycloid_mj.base.errors import CycloidError, CycloidWarning
 from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
-from cycloid_mj.explore.followers import Follower, followed, values_of
+from cycloid_mj.explore.linked_keys import Follower, followed, values_of
 from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings, measured
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer

@@ -17,8 +17,8 @@ from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.followers import following
 from cycloid_mj.explore.journal import journal
+from cycloid_mj.explore.linked_keys import following
 from cycloid_mj.explore.measured import MeasureSettings, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
 from cycloid_mj.explore.row import PointResult, Task, measured_row

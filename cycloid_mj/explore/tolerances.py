@@ -18,7 +18,9 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
-from cycloid_mj.explore.draw import (
+from cycloid_mj.explore.constraints import FigureLimit, limit, require_consistent
+from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, cause, jams_of, jams_too_often, pressed_pairs
+from cycloid_mj.explore.sampling import (
     Batch,
     as_design,
     blocks,
@@ -31,8 +33,6 @@ from cycloid_mj.explore.draw import (
     sample_design,
     tolerances,
 )
-from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, cause, jams_of, jams_too_often, pressed_pairs
-from cycloid_mj.explore.limit import FigureLimit, limit, require_consistent
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import SAMPLED, compute, figure
-from cycloid_mj.measure.pressed import pressed
+from cycloid_mj.measure.contact_pressure import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 

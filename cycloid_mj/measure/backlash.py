@@ -23,7 +23,7 @@ from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.swing import way_time
-from cycloid_mj.measure import bench, play
+from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer, limits
@@ -183,13 +183,15 @@ def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
     """Collect the backlash [rad] by the closed forms, whole and by each clearance alone; none of a preloaded ring."""
     if reducer.design.ring.preload:
         return {}
-    turn = play.turn(reducer)
+    turn = rigid_backlash.turn(reducer)
     closed_forms = {}
-    if play.has_linear_gaps(reducer):
-        closed_forms[_ALL] = Known(play.total(reducer, np.array(cranks)), play.over_a_turn(reducer)[1])
+    if rigid_backlash.has_linear_gaps(reducer):
+        closed_forms[_ALL] = Known(
+            rigid_backlash.total(reducer, np.array(cranks)), rigid_backlash.over_a_turn(reducer)[1]
+        )
     for kind in reducer.design.pair_kinds:
         single = alone(reducer, kind)
-        sampled, whole = (play.parts_alone(single, way)[kind] for way in (np.array(cranks), turn))
+        sampled, whole = (rigid_backlash.parts_alone(single, way)[kind] for way in (np.array(cranks), turn))
         closed_forms[kind] = Known(sampled, whole)
     return closed_forms
 
@@ -243,7 +245,7 @@ def _curves(reducer: Reducer, by_kind: dict[str, list[Press]], closed: dict[str,
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([press.crank for press in presses])
         if name in closed:
-            turn = np.degrees(play.turn(reducer))
+            turn = np.degrees(rigid_backlash.turn(reducer))
             drawn.append(Curve(panel, "closed form", turn, closed[name].turn / ARCMINUTE, *axes, "theory"))
         values = np.array([press.backlash for press in presses]) / ARCMINUTE
         drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))

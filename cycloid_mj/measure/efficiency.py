@@ -14,7 +14,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.measure import build_up, spread
+from cycloid_mj.measure import loss_breakdown, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import drag_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
@@ -80,7 +80,7 @@ def efficiency(
         ),
         curves=_curves(efficiency_map),
         tables=(
-            build_up.table(efficiency_map.rated.powers, beside, efficiency_map.error),
+            loss_breakdown.table(efficiency_map.rated.powers, beside, efficiency_map.error),
             spread.table(
                 f"efficiency at {rated:g} N m", efficiency_map.rated.powers.efficiency, efficiency_map.by_input
             ),
@@ -89,7 +89,7 @@ def efficiency(
         assumptions=_assumptions(steady, whole_periods(steady, periods)),
         details={
             "losses_by_pair": [_details(point) for point in efficiency_map.grid],
-            **build_up.as_json(efficiency_map.rated.powers, beside),
+            **loss_breakdown.as_json(efficiency_map.rated.powers, beside),
             **spread.as_json(efficiency_map.rated.powers.efficiency, efficiency_map.by_input),
             **efficiency_map.rest.as_json(),
         },

@@ -15,7 +15,7 @@ from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
-from cycloid_mj.measure.braked import braked_run
+from cycloid_mj.measure.brake_test import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS

@@ -20,8 +20,8 @@ from cycloid_mj.dynamics.swing import deepest
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved
+from cycloid_mj.measure.contact_pressure import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pressed import CARRIES, ContactPressures, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.measure import bench, play
+from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer
@@ -127,10 +127,13 @@ def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
 
 def _rigid(measured: LostMotionLoops) -> Known | None:
     """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
-    if measured.reducer.design.ring.preload or not play.has_linear_gaps(measured.reducer):
+    if measured.reducer.design.ring.preload or not rigid_backlash.has_linear_gaps(measured.reducer):
         return None
     cranks = np.array([loop.crank for loop in measured.service])
-    return Known(play.total(measured.reducer, cranks) / ARCMINUTE, play.over_a_turn(measured.reducer)[1] / ARCMINUTE)
+    return Known(
+        rigid_backlash.total(measured.reducer, cranks) / ARCMINUTE,
+        rigid_backlash.over_a_turn(measured.reducer)[1] / ARCMINUTE,
+    )
 
 
 def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
@@ -224,7 +227,7 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
     for (panel, unit), (read, solved) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read is lost_motion and known is not None:
-            everywhere = np.degrees(play.turn(measured.reducer))
+            everywhere = np.degrees(rigid_backlash.turn(measured.reducer))
             drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
         if solved:
             drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))

@@ -19,8 +19,8 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.measure import build_up, sensitivity, spread, steady
-from cycloid_mj.measure.braked import DECAY, braked_run
+from cycloid_mj.measure import loss_breakdown, sensitivity, spread, steady
+from cycloid_mj.measure.brake_test import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_assumption, halved
 from cycloid_mj.measure.measurement import Measurement
@@ -112,13 +112,13 @@ def torque(
         quantities=keyed(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
         curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
         tables=(
-            build_up.table(ours.powers, beside, rate_error(ours, finer)),
+            loss_breakdown.table(ours.powers, beside, rate_error(ours, finer)),
             *tables(ours.output, beside),
             spread.table("output rate", ours.powers.efficiency, by_input),
             sensitivity.table(steady, by_row),
         ),
         assumptions=_assumptions(steady, main),
-        details=build_up.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
+        details=loss_breakdown.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
 

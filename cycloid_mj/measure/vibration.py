@@ -18,8 +18,8 @@ from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.reaction import unbalance, weight
-from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import copied
+from cycloid_mj.measure.vibration_runs import Sway, sway
 from cycloid_mj.reducer import Reducer
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)

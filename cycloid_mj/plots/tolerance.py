@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.explore.limit import FigureLimit
+from cycloid_mj.explore.constraints import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.figures import figure as row_of
 from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, folded, keys, sheet, state, styled

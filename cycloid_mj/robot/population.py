@@ -17,7 +17,7 @@ from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
-from cycloid_mj.explore.draw import BLOCK, Batch, as_design, departures, drawn, drawn_columns, tolerances
+from cycloid_mj.explore.sampling import BLOCK, Batch, as_design, departures, drawn, drawn_columns, tolerances
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, inputs
 from cycloid_mj.reducer import Reducer

@@ -18,7 +18,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.comparison import StartSpread, settled
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.measure.braked import braked_run
+from cycloid_mj.measure.brake_test import braked_run
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 from hsieh2014.hypothesis import acting

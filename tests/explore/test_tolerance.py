@@ -15,8 +15,8 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import PRESETS, Design, load, override
-from cycloid_mj.explore import budget, draw, tolerance, tolerances
-from cycloid_mj.explore.limit import limit, require_consistent
+from cycloid_mj.explore import budget, sampling, tolerance, tolerances
+from cycloid_mj.explore.constraints import limit, require_consistent
 from cycloid_mj.explore.verify import Verified, verified
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.figures import figure, sampled
@@ -92,8 +92,8 @@ def test_a_fit_is_for_a_clearance_alone() -> None:
 
 def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
     """How far samples that depart in single numbers alone do so [m], by tolerance."""
-    zones = draw.tolerances(Reducer(design))
-    made = [draw.departures(Reducer(design), zones, seed, block) for block in draw.blocks(samples)]
+    zones = sampling.tolerances(Reducer(design))
+    made = [sampling.departures(Reducer(design), zones, seed, block) for block in sampling.blocks(samples)]
     return {key: np.concatenate([one[key] for one in made]) for key in zones}
 
 
@@ -182,10 +182,10 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
-    zones, block = draw.tolerances(Reducer(design)), draw.Batch(0, 3)
+    zones, block = sampling.tolerances(Reducer(design)), sampling.Batch(0, 3)
     found, made = (
-        draw.drawn_columns(draw.departures(Reducer(design), zones, 0, block)),
-        draw.drawn(Reducer(design), zones, 0, block),
+        sampling.drawn_columns(sampling.departures(Reducer(design), zones, 0, block)),
+        sampling.drawn(Reducer(design), zones, 0, block),
     )
     assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
     for column, values in (
@@ -200,8 +200,8 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
 
 
 def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
-    monkeypatch.setattr(draw, "BLOCK", 8)
-    monkeypatch.setattr(draw, "BEGINNING", 3)
+    monkeypatch.setattr(sampling, "BLOCK", 8)
+    monkeypatch.setattr(sampling, "BEGINNING", 3)
     design = override(PIN, ['tolerance.cam="uniform 0.3"'])
     few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
     assert np.array_equal(few, many[:16])
@@ -220,7 +220,7 @@ def stopping_after(count: int):
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr(sampling, "BLOCK", 8)
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
     with pytest.raises(tolerances.Unfinished) as stopped:
         tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
@@ -346,11 +346,11 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values: seen.update(values) or ())
     design = override(PIN, words)
     tolerance(design, 64, 0)
-    cam = draw.departures(
+    cam = sampling.departures(
         Reducer(design),
-        draw.tolerances(Reducer(design)),
+        sampling.tolerances(Reducer(design)),
         0,
-        budget.budget_blocks(draw.tolerances(Reducer(design)), 64)["A"],
+        budget.budget_blocks(sampling.tolerances(Reducer(design)), 64)["A"],
     )
     assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
     assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
@@ -358,7 +358,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(sampling, "BEGINNING", 6)
     design = override(PIN, {"tolerance.cam": "H7/g6", "tolerance.pin_position": "normal 2"})
     with pytest.raises(
         tolerances.TooManyJams, match=r"^6 of the first 6 samples jam .*pin_gear interferes by"
@@ -370,7 +370,7 @@ def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: E
 
 def test_a_study_of_which_nearly_all_jams_ends_after_its_first_block(monkeypatch) -> None:
     """A cam 3 um too small to 1000 um too large: 2 of 1000 fit."""
-    monkeypatch.setattr(draw, "BEGINNING", 40)
+    monkeypatch.setattr(sampling, "BEGINNING", 40)
     design = override(PIN, {"tolerance.cam": "between -1000 1", "tolerance.mesh": "uniform 0.1"})
     with pytest.raises(tolerances.TooManyJams, match=r"of the first 40 samples jam .*cam interferes") as stopped:
         tolerance(design, 3000, 0)
@@ -448,20 +448,20 @@ def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
 
 def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
     design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
-    zones = draw.tolerances(Reducer(design))
+    zones = sampling.tolerances(Reducer(design))
     assert list(zones) == ["profile_2", "profile_35"]
-    waves = draw.departures(Reducer(design), zones, 0, draw.Batch(0, 20_000, compared=True))
+    waves = sampling.departures(Reducer(design), zones, 0, sampling.Batch(0, 20_000, compared=True))
     for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
         assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
         assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)
-    made = draw.drawn(Reducer(design), zones, 0, draw.Batch(0, 4))
+    made = sampling.drawn(Reducer(design), zones, 0, sampling.Batch(0, 4))
     assert np.flatnonzero(np.any(made.waves != 0.0, axis=(0, 2))).tolist() == [1, 34]
 
 
 @pytest.mark.parametrize("text", ["normal 1", "0: normal 1", "37: normal 1", "2: normal", "2: IT99", "1: IT5, 1: IT5"])
 def test_other_words_are_no_waves(text: str) -> None:
     with pytest.raises(DesignError, match=r"tolerance\.profile"):
-        draw.tolerances(Reducer(override(PIN, {"tolerance.profile": text})))
+        sampling.tolerances(Reducer(override(PIN, {"tolerance.profile": text})))
 
 
 def test_yield_counts_what_keeps_the_limits() -> None:
@@ -534,7 +534,7 @@ def test_the_command_fails_with_one_message_where_a_few_samples_all_jam(tmp_path
 
 
 def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(sampling, "BEGINNING", 6)
     flags = ["--samples", "50", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"', "--json"]
     assert main(["tolerance", "--design", "pin", *flags]) == 1
     said = capsys.readouterr()
@@ -546,7 +546,7 @@ def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeyp
 
 
 def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr(sampling, "BLOCK", 8)
     monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda *_: stopping_after(16))
     zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
     flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]
@@ -582,7 +582,7 @@ def test_a_limit_takes_a_figure_that_samples_are_designs_for() -> None:
     assert not found.budget or found.budget_of == "lost_motion_arcmin"
     of_each = [
         figure("lost_motion_arcmin").value(
-            Reducer(draw.sample_design(Reducer(design), draw.tolerances(Reducer(design)), 1, number))
+            Reducer(sampling.sample_design(Reducer(design), sampling.tolerances(Reducer(design)), 1, number))
         )
         for number in range(3)
     ]

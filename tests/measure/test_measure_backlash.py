@@ -9,7 +9,7 @@ from designs import cases
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.measure import backlash, bench, play
+from cycloid_mj.measure import backlash, bench, rigid_backlash
 from cycloid_mj.measure.backlash import PATIENCE, alone, press
 from cycloid_mj.reducer import Reducer, limits
 
@@ -34,7 +34,7 @@ def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, cra
     design = alone(Reducer(DESIGNS[name]), kind)
     design = Reducer(design.design.model_copy(update={"clearance": _others(design.design, kind, 1e-12)}))
     # the others' 1e-6 um, and the cam's polygon
-    assert width(design.design, crank) == pytest.approx(play.parts_alone(design, crank)[kind], rel=5e-5)
+    assert width(design.design, crank) == pytest.approx(rigid_backlash.parts_alone(design, crank)[kind], rel=5e-5)
 
 
 def _others(design: Design, kind: str, value: float):
@@ -45,7 +45,7 @@ def _others(design: Design, kind: str, value: float):
 @pytest.mark.parametrize("name", ["free", "nonpin"])
 def test_teeth_and_cam_alone_are_those_of_the_pitch_point(name: str):
     design = DESIGNS[name]
-    parts = play.parts_alone(Reducer(design), CRANK)
+    parts = rigid_backlash.parts_alone(Reducer(design), CRANK)
     pitch = 2e-6 / (design.gear.eccentricity * design.lobes)
     assert parts["cam"] == pytest.approx(pitch, rel=1e-12)
     # the nearest pin is at most 5 deg of phase off the largest arm
@@ -57,7 +57,7 @@ def test_backlash_grows_in_proportion_and_the_whole_is_more_than_its_parts(name:
     design = DESIGNS[name]
     doubled = design.clearance.model_copy(update={k: 2.0 * v for k, v in design.clearance.model_dump().items()})
     assert width(design.model_copy(update={"clearance": doubled})) == pytest.approx(2.0 * width(design), rel=1e-9)
-    assert width(design) > 1.05 * sum(play.parts_alone(Reducer(design), CRANK).values())
+    assert width(design) > 1.05 * sum(rigid_backlash.parts_alone(Reducer(design), CRANK).values())
 
 
 def test_thicker_pins_are_a_smaller_clearance_and_too_thick_ones_jam():
@@ -80,12 +80,12 @@ def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_ecce
 @pytest.mark.parametrize(("name", "kind"), [case for case in CASES if case[0] in ("free", "nonpin")])
 def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind: str):
     design = alone(Reducer(DESIGNS[name]), kind)
-    found, closed = press(design, CRANK).backlash, play.parts_alone(design, CRANK)[kind]
+    found, closed = press(design, CRANK).backlash, rigid_backlash.parts_alone(design, CRANK)[kind]
     # 0.4 % for pins, which the small torques press into their sockets; 0.06 % for cam and output pins
     within = 0.012 if kind.startswith(("pin", "tooth")) else 0.002
     assert found == pytest.approx(closed, rel=within)
     spoiled = design.design.clearance.model_copy(update={kind: 1.05 * getattr(design.design.clearance, kind)})
-    wrong = play.parts_alone(Reducer(design.design.model_copy(update={"clearance": spoiled})), CRANK)[kind]
+    wrong = rigid_backlash.parts_alone(Reducer(design.design.model_copy(update={"clearance": spoiled})), CRANK)[kind]
     assert found != pytest.approx(wrong, rel=within)
 
 

@@ -12,8 +12,8 @@ from designs import unlike
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.measure.contact_pressure import CARRIES, pressed, relative_curvature
 from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
-from cycloid_mj.measure.pressed import CARRIES, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_peak

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from designs import unlike
 
-from cycloid_mj.measure import bench, play
+from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer
 
@@ -56,8 +56,8 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
     """The closed form stands for the simulation here: it differs from it by less than its scatter."""
     design = unlike("few")
     cranks = bench.crank_angles(Reducer(design), 2)
-    turn = play.over_a_turn(Reducer(design))[1]
-    known = Known(play.total(Reducer(design), cranks), turn)
+    turn = rigid_backlash.over_a_turn(Reducer(design))[1]
+    known = Known(rigid_backlash.total(Reducer(design), cranks), turn)
     simulated = known.sampled * (1.0 + 1e-3)
     assert abs(simulated.mean() - turn.mean()) <= error_of_mean(simulated, known) + 1.1e-3 * turn.mean()
     assert error_of_mean(simulated, known) > 1e-3 * turn.mean()
@@ -66,5 +66,8 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
 def test_a_coarse_polygon_is_near_the_fine_one():
     design = unlike("few")
     cranks = np.linspace(0.0, 6.0, 7)
-    fine, coarse = play.total(Reducer(design), cranks), play.total(Reducer(design), cranks, play.COARSE_SIDES)
+    fine, coarse = (
+        rigid_backlash.total(Reducer(design), cranks),
+        rigid_backlash.total(Reducer(design), cranks, rigid_backlash.COARSE_SIDES),
+    )
     assert np.all((coarse >= fine * (1.0 - 1e-9)) & (coarse < fine * (1.0 + 1.6e-4)))

@@ -9,7 +9,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.course import rising
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.measure import MEASURES, bench
-from cycloid_mj.measure.braked import with_slope
+from cycloid_mj.measure.brake_test import with_slope
 from cycloid_mj.reducer import Reducer
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])

@@ -8,7 +8,7 @@ from hsieh2014.stated import torques
 
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure import build_up, spread
+from cycloid_mj.measure import loss_breakdown, spread
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.efficiency import efficiency
@@ -93,7 +93,7 @@ def test_what_slides_is_varied_as_what_slides():
 @pytest.mark.slow
 def test_the_build_up_ends_at_the_efficiency(measured):
     found = measured.details["build_up"]
-    assert set(found["losses"]) == {"teeth", "cam", "output", "seals", build_up.DAMPING}
+    assert set(found["losses"]) == {"teeth", "cam", "output", "seals", loss_breakdown.DAMPING}
     assert 1.0 - sum(found["losses"].values()) == pytest.approx(found["efficiency"], abs=1e-4)
     assert found["losses"]["seals"] == 0.0
     assert 0.02 < found["losses"]["cam"] < 0.05
@@ -120,7 +120,7 @@ def test_seals_are_a_part_of_the_build_up():
     design = override(
         steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "drag.crank_nm=0.02", "drag.output_nm=0.4"]
     )
-    losses = build_up.build_up(mean_powers(steady(Reducer(design), SETTLED, spread.PERIODS)))
+    losses = loss_breakdown.build_up(mean_powers(steady(Reducer(design), SETTLED, spread.PERIODS)))
     supplied = 36.68 / 35 / 0.84
     assert losses["seals"] == pytest.approx((0.02 + 0.4 / 35) / supplied, rel=0.02)
     assert math.isclose(sum(losses.values()), 1.0 - 0.84, abs_tol=0.03)
@@ -136,5 +136,5 @@ def test_other_designs_build_up_and_hold_at_half_the_step(name):
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)
     assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), torque).efficiency, abs=0.08)
     assert abs(found.residual) < 1e-4
-    assert all(share >= 0.0 for part, share in build_up.build_up(found).items() if part != build_up.DAMPING)
+    assert all(share >= 0.0 for part, share in loss_breakdown.build_up(found).items() if part != loss_breakdown.DAMPING)
     assert torques(design) == []

@@ -19,7 +19,7 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import MEASURES, sensitivity, steady
 from cycloid_mj.measure.back_driving import BreakAway, FromRest, break_away
-from cycloid_mj.measure.braked import braked_run
+from cycloid_mj.measure.brake_test import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, halved
 from cycloid_mj.measure.efficiency_map import backward, forward, run_map

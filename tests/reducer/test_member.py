@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.kinematics import point_path
 from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.measure import bench, hysteresis, play
+from cycloid_mj.measure import bench, hysteresis, rigid_backlash
 from cycloid_mj.measure.backlash import press
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.orders import causes
@@ -255,7 +255,7 @@ def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
 def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:
     found, known = press(bench.ideal(Reducer(at_the_ring)), 0.7, longer=4.0).backlash, stops(Reducer(at_the_ring), 0.7)
     assert found == pytest.approx(known[1] - known[0], rel=0.005)
-    parts = play.parts_alone(Reducer(at_the_ring), 0.7)
+    parts = rigid_backlash.parts_alone(Reducer(at_the_ring), 0.7)
     gear, clearance = at_the_ring.gear, at_the_ring.clearance
     assert parts["cam"] == pytest.approx(2.0 * clearance.cam / (gear.eccentricity * at_the_ring.ring.teeth))
 

@@ -22,7 +22,7 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli import main
 from cycloid_mj.cli.reduce import inaccurate
 from cycloid_mj.design import PRESETS
-from cycloid_mj.measure import play
+from cycloid_mj.measure import rigid_backlash
 from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
@@ -107,7 +107,7 @@ def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
     found = sheet(Reducer(design)).quantities
     assert told["ratio"]["value"] == design.lobes
     assert told["backlash_arcmin"]["value"] == pytest.approx(
-        play.over_a_turn(Reducer(design))[1].mean() / ARCMINUTE, rel=0.002
+        rigid_backlash.over_a_turn(Reducer(design))[1].mean() / ARCMINUTE, rel=0.002
     )
     assert told["backlash_arcmin"]["value"] == pytest.approx(found["backlash"].value, rel=0.002)
     assert told["stiffness_nm_per_arcmin"]["value"] == pytest.approx(found["stiffness_ideal"].value, rel=0.01)
@@ -267,7 +267,7 @@ def test_the_joint_of_a_printed_drive_holds_whatever_its_play(um: float, tmp_pat
     design = cm.load("p15.toml").but(clearance=dict.fromkeys(("pin_gear", "cam", "output"), um * 1e-6))
     reduced = cm.reduce(design)
     found = against(Reducer(design), reduced)
-    by_gaps = play.over_a_turn(Reducer(design))[1].mean()
+    by_gaps = rigid_backlash.over_a_turn(Reducer(design))[1].mean()
     assert reduced.backlash == pytest.approx(by_gaps, rel=0.02)
     assert found.missed == []
 
@@ -347,7 +347,7 @@ def test_other_designs_hold_too(name: str) -> None:
     the losses of light loads bend."""
     design, reduced = unlike(name), joint_of(name)
     assert against(Reducer(design), reduced).missed == []
-    assert reduced.backlash == pytest.approx(play.over_a_turn(Reducer(design))[1].mean(), rel=0.005)
+    assert reduced.backlash == pytest.approx(rigid_backlash.over_a_turn(Reducer(design))[1].mean(), rel=0.005)
     if name == "printed":
         assert reduced.quantities["back_driving_efficiency"].value == 0.0
         assert "self-locking" in reduced.quantities["back_driving_efficiency"].note

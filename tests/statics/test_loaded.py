@@ -9,7 +9,7 @@ from designs import UNLIKE, unlike
 from cycloid_mj import statics
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.materials import YIELD_PRESSURE
-from cycloid_mj.measure import play
+from cycloid_mj.measure import rigid_backlash
 from cycloid_mj.measure.loads import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.kernel import gap
@@ -107,7 +107,7 @@ def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     )
     # Limits are linear in the clearances, the balance follows the curves; exact gaps lie between, 0.4 % from either.
     wide = {"printed": 1.2e-2, "few": 2e-3}
-    assert width == pytest.approx(play.total(Reducer(design), springs.crank), rel=wide.get(name, 1e-3))
+    assert width == pytest.approx(rigid_backlash.total(Reducer(design), springs.crank), rel=wide.get(name, 1e-3))
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -345,7 +345,7 @@ def test_hertz_pressure_of_the_loads_is_that_of_statics():
 
 def test_the_cam_has_one_answer_here_and_in_measure_loads():
     """Its most loaded roller: 719 MPa at 1402 N, not 5.7 MPa of a force smeared over 120 deg."""
-    from cycloid_mj.measure.pressed import pressed
+    from cycloid_mj.measure.contact_pressure import pressed
 
     run = made_run(PIN, scale=0.0)
     loads = part_loads(run, Reducer(PIN), "shaft", QUARTERS)
@@ -362,7 +362,7 @@ def test_the_cam_has_one_answer_here_and_in_measure_loads():
 
 def test_a_conformal_contact_has_no_hertz_figure():
     """A plain cam with a micrometre of play has none, on shaft, in gear, or in `measure loads`; one with 1 mm does."""
-    from cycloid_mj.measure.pressed import pressed
+    from cycloid_mj.measure.contact_pressure import pressed
 
     for changes, conformal in (([], True), (["clearance.cam_um=1000.0", "clearance.output_um=500.0"], False)):
         design = override(PIN, ['gear.bearing="plain"', *changes])

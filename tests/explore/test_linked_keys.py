@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override, value_of
 from cycloid_mj.explore import optimize, sweep
-from cycloid_mj.explore.followers import followed, following
+from cycloid_mj.explore.linked_keys import followed, following
 from cycloid_mj.reducer import Reducer
 
 PIN = PRESETS["pin"]
