@@ -5,6 +5,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from json import dumps
+from math import isnan
 from pathlib import Path
 from shlex import join
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -82,6 +83,17 @@ class SimulateDelivery(Delivery):
 
 DELIVERED = SimulateDelivery()
 
+NEW_ACTUATOR = "--ratio 15 --diameter-mm 70 --torque-nm 1.5 --process printed --speed-rpm 200 --life-h 500"
+"""Requirements of a printed actuator, as an example of `design new`."""
+
+LOADED_FIGURES = {
+    "transmission error (peak to peak)": "te_loaded_arcsec",
+    "stiffness": "stiffness_nm_per_arcmin",
+    "largest tooth force": "tooth_force_n",
+    "efficiency": "efficiency_percent",
+}
+"""Words -> key of a figure by statics that is printed next to an unloaded run."""
+
 
 def simulate(
     chosen: Annotated[DesignOptions, FLAT],
@@ -139,18 +151,38 @@ def review_of(log: Path) -> Path:
 def _with_meaning(
     outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
-    """Have an outcome tell what the figures mean, in place of the first of each part, and what to do next."""
+    """Return an outcome with explanations of its figures in place of the headline, and with commands to continue."""
     from cycloid_mj.analysis import meaning
 
     log = ran.log
-    written = f"log: {log}{f'; to look at in a browser: {page}' if page else ''}"
+    written = f"log: {log}{f'; page for a browser: {page}' if page else ''}"
     return replace(
         outcome,
         condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
-        summary=[*meaning(findings), written, *(f"next: {words}" for words in _next(findings, log, chosen))],
+        summary=[
+            *meaning(findings),
+            *([] if findings.condition.load else _unloaded(chosen.resolved())),
+            written,
+            *(f"next: {words}" for words in _next(findings, chosen)),
+        ],
         page=lambda: _drawn(ran, quiet),
     )
+
+
+def _unloaded(design: Design) -> Iterator[str]:
+    """Explain an unloaded run, and yield figures of the loaded drive next to it, by statics."""
+    yield (
+        "no load: the output drives nothing (load.torque_nm = 0), so the parts rattle within their clearances; the "
+        "transmission error and the contact forces above differ from run to run and do not describe the loaded drive"
+    )
+    from cycloid_mj.figures import quantity
+
+    reducer = Reducer(design)
+    figures = [(words, quantity(reducer, key)) for words, key in LOADED_FIGURES.items()]
+    known = [f"{words} {figure.value:.3g} {figure.unit}" for words, figure in figures if not isnan(figure.value)]
+    if known:
+        yield f"at the rated torque of {design.rated_torque:.4g} N m, by statics: {', '.join(known)}"
 
 
 def _drawn(ran: "Ran", quiet: bool) -> str:
@@ -160,17 +192,22 @@ def _drawn(ran: "Ran", quiet: bool) -> str:
         return review_page(ran.log, ran.run)
 
 
-def _next(findings: "Findings", log: Path, chosen: DesignOptions) -> Iterator[str]:
-    """Yield three commands that lead on from a run."""
+def _next(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
+    """Yield commands to continue with: the same run under load, or the life; and one for each kind of user."""
     design = [chosen.design, *(word for change in chosen.set_ for word in ("--set", change))]
     if findings.condition.load:
-        yield f"{join(['cycloid-mj', 'rate', *design])}    # how long it lasts, and what gives way first"
+        yield _command(["rate", *design], "life, and the weakest part")
     else:
-        loaded = [*design, "--load-nm", f"{chosen.resolved().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
-        yield f"{join(['cycloid-mj', 'simulate', *loaded])}    # the same under load"
-    yield f"{join(['cycloid-mj', 'statics', *design])}    # backlash, stiffness, capacity"
-    film = ["animate", str(log), str(log.with_suffix(".gif"))]
-    yield f"{join(['cycloid-mj', *film])}    # in motion, with the forces"
+        loaded = ["--load-nm", f"{chosen.resolved().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
+        yield _command(["simulate", *design, *loaded], "the same drive under its rated torque")
+    yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
+    yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
+    yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
+
+
+def _command(words: Sequence[str], comment: str) -> str:
+    """Return a command of this program as it is typed, with a comment."""
+    return f"{join(['cycloid-mj', *words])}    # {comment}"
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.design.presets import reasons
 from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.figures import quantity
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.geometry.profile import CycloidGear
@@ -213,9 +214,13 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert bool(lines) == progress
     assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated(, about \d+ s left)?", line) for line in lines), err
     assert Path("runs/pin-review.html").read_text().startswith("<!doctype html>")
-    assert "log: runs/pin.mcap; to look at in a browser: runs/pin-review.html" in out
+    assert "log: runs/pin.mcap; page for a browser: runs/pin-review.html" in out
+    assert "no load: the output drives nothing (load.torque_nm = 0)" in out
+    loaded = re.search(r"at the rated torque of 36\.68 N m, by statics: .*stiffness ([\d.]+) N m/arcmin", out)
+    sheet = quantity(Reducer(PRESETS["pin"]), "stiffness_nm_per_arcmin").value
+    assert float(loaded.group(1)) == pytest.approx(sheet, rel=5e-3)
     commands = [line.split("    #")[0].split()[1:] for line in out.splitlines() if line.startswith("next: cycloid-mj ")]
-    assert [words[1] for words in commands] == ["simulate", "statics", "animate"]
+    assert [words[1] for words in commands] == ["simulate", "design", "statics", "reduce"]
     for words in commands:
         application(words[1:2]).parse_args(words[1:])
     for words in ("quantity", "simulated", "closed form", "error", "gear speed", "runs/pin.mcap", "wall time"):
@@ -873,18 +878,18 @@ def test_absurd_times_of_kinematics_are_told(flag, value):
 
 def test_flags_keep_the_limits_of_the_design():
     """The range that the command line states is the one that the design has: the same values pass both."""
-    for quantity in (flags.TIMESTEP, flags.SPEED, flags.RAMP, flags.HOLD, flags.LOAD):
+    for flagged in (flags.TIMESTEP, flags.SPEED, flags.RAMP, flags.HOLD, flags.LOAD):
         for value in (-1e7, -2e5, -1.0, 0.0, 1e-3, 999.0, 2e5, 1e7, math.nan, math.inf):
             by_flag = by_design = True
             try:
-                quantity.require(value)
+                flagged.require(value)
             except ValueError:
                 by_flag = False
             try:
-                override(PRESETS["pin"], [f"{quantity.key}={value!r}"])
+                override(PRESETS["pin"], [f"{flagged.key}={value!r}"])
             except DesignError:
                 by_design = False
-            assert by_flag == by_design or (quantity is flags.SPEED and value == 0.0), (quantity, value)
+            assert by_flag == by_design or (flagged is flags.SPEED and value == 0.0), (flagged, value)
 
 
 @pytest.mark.parametrize(

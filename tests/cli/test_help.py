@@ -362,4 +362,4 @@ def test_a_wrong_word_of_a_fixed_set_is_refused_with_the_choices(capsys: pytest.
 
 def test_the_command_reference_lists_the_flags_of_help_alone() -> None:
     text = application().generate_docs(output_format="markdown")
-    assert re.findall(r"`--(?:no|empty)-[\w-]+|default: ", text) == []
+    assert re.findall(r"`[^`]*, --(?:no|empty)-[\w-]+|\*\[default: ", text) == []
