@@ -1,7 +1,7 @@
-"""The review of logged runs: one HTML page that needs no network, for a screen, a phone or paper.
+"""Reports of logged runs: one HTML page that needs no network, for a screen, a phone or paper.
 
-The page's numbers come from ``analysis`` and the runs; its figures are drawn by the page itself from arrays that it
-carries (``page.js`` and its neighbours), so that they can be zoomed and share one cursor.
+Its numbers come from ``analysis`` and the runs. Its charts are drawn by scripts of the page (``page.js``, ``chart.js``)
+from arrays that the page contains, so that they can be zoomed and share a cursor.
 """
 
 import sys
@@ -19,35 +19,35 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, Reviewed, frames, review
 
-__all__ = ["MOST_RUNS", "ReportPage", "main", "report", "review_page"]
+__all__ = ["MAX_RUNS", "ReportPage", "main", "report", "review_page"]
 
-MOST_RUNS = len(PALETTE)
-"""Runs that can be told apart in one figure."""
+MAX_RUNS = len(PALETTE)
+"""Runs of one report: as many as there are distinguishable colours."""
 
 
 class ReportPage(str):
-    """A page as HTML text: `repr` tells it in a line, and a notebook shows it in a frame of its own."""
+    """HTML text of a page, with a short `repr`; a notebook shows the page in a frame."""
 
     __slots__ = ()
 
     def __repr__(self) -> str:
-        return f"<ReportPage: {len(self) // 1000} kB of HTML, to be written to a file>"
+        return f"<ReportPage: {len(self) // 1000} kB of HTML; write it to a file to open it in a browser>"
 
     def _repr_html_(self) -> str:
         return f'<iframe srcdoc="{escape(self)}" style="width: 100%; height: 45em; border: 0"></iframe>'
 
 
 def review_page(log: Path, run: Run | None = None) -> str:
-    """Write the review of one logged run, which `report` names by the log's path; for the errors see there.
+    """Return the report of one logged run; errors as `report`.
 
-    Forces, most of a long run, are read of the samples alone that the page shows the mechanism in.
+    Forces, which are most of a long log, are read only for the samples in which the page shows the mechanism.
 
     Parameters
     ----------
     log
         File of the run.
     run
-        The run without its forces, if it was read already.
+        The run without its forces, if it has been read already.
     """
     from cycloid_mj.log import read
 
@@ -56,37 +56,36 @@ def review_page(log: Path, run: Run | None = None) -> str:
 
 
 def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> ReportPage:
-    """Write the review of runs as one self-contained HTML page; several are set side by side.
+    """Return the report of runs as a self-contained HTML page; several runs are compared side by side.
 
     Parameters
     ----------
     runs
         Name of the log -> run.
     q
-        Point of the gear that is followed, gear frame [m]; by default the centre of hole 1, on +y.
+        Point of the disc whose path is shown, in the frame of the disc [m]. Default: centre of hole 1, on +y.
     settle
-        Time after the ramp that is not judged [s], but never more than half of the hold; by default as long as a jolt
-        takes to ring out.
+        Time after the ramp that is not evaluated [s], at most half of the hold. Default: the settling time of a jolt.
 
     Raises
     ------
     UsageError
-        There is no run, or too many, or `q` is no point.
+        There is no run, there are too many, or `q` is not a point.
     LogError
         A run has no design, lacks a column, or has fewer than two samples.
 
     Warns
     -----
     CycloidWarning
-        Why figures of a run are not those of its design; the page has it, too.
+        Why figures of a run are not representative of its design; the page lists the same warnings.
     """
-    if not 1 <= len(runs) <= MOST_RUNS:
-        raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
+    if not 1 <= len(runs) <= MAX_RUNS:
+        raise UsageError(f"{len(runs)} runs: a report takes 1 to {MAX_RUNS} logs")
     return _page(review(runs, q, settle))
 
 
 def _page(reviewed: Sequence[Reviewed]) -> ReportPage:
-    """Write the page of judged runs, and warn of what is wrong with their figures."""
+    """Return the page of evaluated runs, and issue their warnings."""
     for item in reviewed:
         warn(item.name, item.findings.warnings)
     return ReportPage(page(reviewed))

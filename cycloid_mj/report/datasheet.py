@@ -1,4 +1,4 @@
-"""The page of a data sheet: what the template ``assets/datasheet.html`` is filled with."""
+"""The page of a data sheet: fills the template ``assets/datasheet.html``."""
 
 import re
 
@@ -11,7 +11,7 @@ from cycloid_mj.report.page import environment
 
 
 def datasheet_page(sheet: Datasheet) -> str:
-    """Write a data sheet as one page that needs no other file."""
+    """Return a data sheet as one HTML page."""
     pictures = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
     design = sheet.design
     return (
@@ -28,5 +28,5 @@ def _drawn(sheet: Datasheet) -> dict[str, str]:
 
 
 def _inline(svg: str) -> str:
-    """Return a drawing without what only a file of its own may begin with."""
+    """Return an SVG file without its XML prolog, to be embedded in HTML."""
     return re.sub(r"^.*?(?=<svg)", "", svg, count=1, flags=re.DOTALL)

@@ -1,4 +1,4 @@
-"""The page of a reduced joint: what it is, how it stands against the full model, and how to use it."""
+"""The page of a reduced joint: its parameters, a comparison with the full model, and how to use it."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from markupsafe import Markup
 from cycloid_mj.base.result import Curve
 from cycloid_mj.base.result import Table as Result
 from cycloid_mj.base.units import RPM
-from cycloid_mj.report.encode import encoded
+from cycloid_mj.report.encode import encode_array
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 from cycloid_mj.robot.comparison import Against
@@ -21,11 +21,11 @@ from cycloid_mj.robot.stability import table as study_table
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
 
-SMALLEST = 0.01
-"""Harmonics that are told, as a share of the largest."""
+MIN_HARMONIC = 0.01
+"""Smallest harmonic that is listed, relative to the largest."""
 
-LOADS = (0.0, 0.5, 1.0)
-"""Shares of the rated torque at which a constant friction is given for formats that have no other."""
+FRICTION_LOADS = (0.0, 0.5, 1.0)
+"""Loads relative to the rated torque at which a constant friction is listed, for formats that have no other."""
 
 
 def joint_page(
@@ -36,7 +36,7 @@ def joint_page(
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
-    """Write the page: one HTML file that needs no network."""
+    """Return the page as HTML that needs no network."""
     panels = list(dict.fromkeys(curve.panel for curve in against.curves))
     figures = [_figure([curve for curve in against.curves if curve.panel == panel]) for panel in panels]
     return (
@@ -66,7 +66,7 @@ def joint_page(
 
 
 def _numbers(reduced: ReducedJoint) -> dict[str, str]:
-    """Collect the numbers that one looks for first."""
+    """Return the main figures with their units, by name."""
     quantities = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",
@@ -96,7 +96,7 @@ def _texts(result: Result) -> TextTable:
 
 
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Collect one chart: its curves by rising x, the full model broad and light under the joint."""
+    """Return the data of a chart: curves sorted by x, the full model as a broad line below the joint."""
     first = curves[0]
     drawn = []
     for curve in curves:
@@ -104,8 +104,8 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
         drawn.append(
             {
                 "name": curve.name,
-                "x": encoded(curve.x[order]),
-                "y": encoded(curve.y[order]),
+                "x": encode_array(curve.x[order]),
+                "y": encode_array(curve.y[order]),
                 "theory": curve.style == "theory",
             }
         )
@@ -114,20 +114,20 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
 
 
 def _dynamics(reduced: ReducedJoint) -> TextTable:
-    """Tabulate what a format with nothing but a constant friction and a damping can hold, at the joint."""
+    """Tabulate constant friction and damping at the joint, for formats that have nothing else."""
     slow, fast = reduced.friction.speeds[0], reduced.friction.speeds[-1]
     low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
     damping = max(0.0, reduced.ratio**2 * (high - low) / (fast - slow))
     rows = []
-    for share in LOADS:
-        torque = share * reduced.rated_torque
-        ways = [reduced.ratio * reduced.friction.torque(torque, reduced.rated_speed, way) for way in (True, False)]
-        rows.append((f"right at {share:.0%} of the rated torque", *(f"{way:.4g}" for way in ways), f"{damping:.3g}"))
+    for share in FRICTION_LOADS:
+        torque, speed = share * reduced.rated_torque, reduced.rated_speed
+        both = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
+        rows.append((f"correct at {share:.0%} of the rated torque", *(f"{one:.4g}" for one in both), f"{damping:.3g}"))
     return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
 def _efficiency(reduced: ReducedJoint) -> Result:
-    """Return the map both ways at the rated speed and the ends of the map."""
+    """Return the efficiency over torque and speed, driving and driven."""
     friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
@@ -140,14 +140,14 @@ def _efficiency(reduced: ReducedJoint) -> Result:
 
 
 def _harmonics(reduced: ReducedJoint) -> TextTable:
-    """Tabulate the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
+    """Tabulate the harmonics under the rated torque in both directions, down to `MIN_HARMONIC` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated = [
         harmonic
         for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
         if harmonic["load_nm"] == load
     ]
-    least = SMALLEST * max((one["value"] for one in rated), default=0.0)
+    least = MIN_HARMONIC * max((one["value"] for one in rated), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
     for one in rated:
         by_order.setdefault(one["order"], []).append(one)

@@ -1,4 +1,4 @@
-"""The moving mechanism of the page: what is drawn, and one crank turn of gaps and forces, of the first disc."""
+"""The animated mechanism of a report: outlines, and one crank turn of clearances and forces of the first disc."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
-from cycloid_mj.report.encode import encoded
+from cycloid_mj.report.encode import encode_array
 from cycloid_mj.scene import (
     contact_forces,
     drawn_radii,
@@ -24,11 +24,14 @@ from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.scene.pose import ring_places
 
 CHORD_ERROR = 1e-5
+"""Chord error of outlines [m]."""
+
 MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+"""Factors by which clearances can be magnified, as far as the parts leave space."""
 
 
 def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
-    """Collect the mechanism's outlines [mm] and its motion in the samples of a run over one crank turn."""
+    """Return the outlines of the mechanism [mm] and its motion in the samples of a run over one crank turn."""
     from_ring, seen = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
     widest = widest_gap(from_ring, gaps(from_ring, seen))
     return _shape(reducer) | {
@@ -39,6 +42,7 @@ def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
 
 
 def _shape(reducer: Reducer) -> dict[str, Any]:
+    """Return radii, angles and outlines [mm], and the radii at each magnification of clearances."""
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
     hole = housing_solid(reducer, CHORD_ERROR).prisms[0].holes[0]
@@ -59,9 +63,9 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
         "housing": 1e3 * design.housing.outer_radius,
         "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
         "clearance": 1e3 * tooth_clearance(reducer),
-        "gear": encoded(1e3 * gear_solid(reducer, CHORD_ERROR).prisms[0].outline),
+        "gear": encode_array(1e3 * gear_solid(reducer, CHORD_ERROR).prisms[0].outline),
         "others": [
-            {"phase": phase, "gear": encoded(1e3 * gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline)}
+            {"phase": phase, "gear": encode_array(1e3 * gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline)}
             for disc, phase in list(enumerate(reducer.phases))[1:]
         ],
         "magnifications": [
@@ -72,31 +76,31 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
     }
     if ring.kind != "pin":
         outline = sample_ring_by_sagitta(reducer.tooth_profile, CHORD_ERROR)
-        shape |= {"ring": encoded(1e3 * outline.points), "ringNormals": encoded(outline.normals)}
+        shape |= {"ring": encode_array(1e3 * outline.points), "ringNormals": encode_array(outline.normals)}
     return shape
 
 
 def _frames(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Compute what changes, in mm, rad and N, from the columns of a run seen from its ring."""
+    """Return the motion [mm, rad] and the forces [N] of each sample, from columns of a run in the frame of the ring."""
     measured, acting = gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {
-        "time": encoded(time - time[0]),
+        "time": encode_array(time - time[0]),
         "start": float(time[0]),
-        "crank": encoded(np.mod(measured.crank_angle, 2 * np.pi * reducer.design.lobes)),
-        "deviation": encoded(deviation),
-        "opening": encoded(1e3 * measured.opening),
-        "outputAway": encoded(1e3 * measured.output_away),
-        "force": {kind: encoded(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
+        "crank": encode_array(np.mod(measured.crank_angle, 2 * np.pi * reducer.design.lobes)),
+        "deviation": encode_array(deviation),
+        "opening": encode_array(1e3 * measured.opening),
+        "outputAway": encode_array(1e3 * measured.output_away),
+        "force": {kind: encode_array(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
     if (ideal := ideal_forces(reducer, columns)) is not None:
         frames |= {
-            "away": encoded(1e3 * measured.away),
-            "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),
-            "ideal": encoded(ideal),
+            "away": encode_array(1e3 * measured.away),
+            "pinAngle": encode_array(np.mod(measured.pin_angle, 2 * np.pi)),
+            "ideal": encode_array(ideal),
         }
     return frames
 
 
 GROUPS = {"ring": ("pin_gear", "tooth"), "cam": ("cam",), "output": ("output",)}
-"""Forces that share a colour and a scale -> kinds of mating pairs."""
+"""Groups of forces with a common colour and scale -> kinds of mating pairs."""

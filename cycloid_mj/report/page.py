@@ -1,4 +1,4 @@
-"""The page: what the template ``assets/page.html`` is filled with."""
+"""The report of runs: fills the template ``assets/page.html``."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,7 @@ from cycloid_mj.checks import Checks
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import tables
-from cycloid_mj.report.data import MOST_TURNS, figures, page_data
+from cycloid_mj.report.data import MAX_SPECTRUM_TURNS, figures, page_data
 from cycloid_mj.report.reviewed import Reviewed
 from cycloid_mj.statics.sheet import load_of
 
@@ -22,15 +22,15 @@ SCRIPTS = ("scale.js", "chart.js", "plane.js", "mechanism.js", "page.js")
 
 @cache
 def environment() -> Environment:
-    """Return what fills in the templates of ``assets``: text is escaped there and nowhere else."""
+    """Return the environment of the templates in ``assets``; it escapes all text."""
     loader = PackageLoader("cycloid_mj.report", "assets")
-    filling = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
-    filling.globals["asset"] = lambda name: Markup(loader.get_source(filling, name)[0])
-    return filling
+    templates = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    templates.globals["asset"] = lambda name: Markup(loader.get_source(templates, name)[0])
+    return templates
 
 
 def page(reviewed: Sequence[Reviewed]) -> str:
-    """Write the page of the runs."""
+    """Return the report of runs as HTML."""
     data = page_data(reviewed)
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
     return (
@@ -51,8 +51,8 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             figures=figures(reviewed),
             bands=[spectrum["band"] for spectrum in spectra.values() if spectrum],
             without_spectrum=[name for name, spectrum in spectra.items() if not spectrum],
-            most_turns=MOST_TURNS,
-            # JSON that cannot end the script element it stands in
+            most_turns=MAX_SPECTRUM_TURNS,
+            # JSON that cannot end the script element that contains it
             data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
             scripts=SCRIPTS,
         )
@@ -68,37 +68,37 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 
 
 def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield the numbers that one looks for first."""
+    """Yield name and value of the main figures."""
     findings = item.findings
-    none = "not in a ramp" if findings.condition.load else "no load"
+    none = "not evaluated in a ramp" if findings.condition.load else "no load"
     yield "efficiency", none if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"
     for part, error, speed in (
         ("output", findings.transmission_error, findings.output_speed),
         (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),
     ):
-        yield f"{part}: transmission error, p-p", f"{_short(error.peak_to_peak_arcsec)} arcsec"
-        yield f"{part}: speed, rms error", f"{_short(1e3 * speed.rms_error_rad_s)} mrad/s"
+        yield f"{part}: transmission error, peak to peak", f"{_short(error.peak_to_peak_arcsec)} arcsec"
+        yield f"{part}: rms speed error", f"{_short(1e3 * speed.rms_error_rad_s)} mrad/s"
     yield "largest contact force", f"{_short(findings.contact_summary.peak_force_n, 4)} N"
-    yield "contacts, mean", f"{findings.contact_summary.mean_active:.3g}"
-    with suppress(CycloidError):  # statics find no balance: the checks among the warnings say so
+    yield "mean number of contacts", f"{findings.contact_summary.mean_active:.3g}"
+    with suppress(CycloidError):  # no static equilibrium: the checks among the warnings report it
         yield from _statics(Reducer(item.motion.design))
 
 
 def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:
-    """Yield what no run tells."""
+    """Yield backlash and stiffness of the static equilibrium, which a run does not determine."""
     load, _ = load_of(reducer)
     for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
         one = figure(key)
-        yield f"{name}, by statics", f"{_short(one.value(reducer))} {one.unit}"
+        yield f"{name} (static)", f"{_short(one.value(reducer))} {one.unit}"
 
 
 def _short(value: float, digits: int = 3) -> str:
-    """Write a number with some digits, and without an exponent where it is large."""
+    """Format a number with significant digits, without an exponent below 1e7."""
     return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
 
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:
-    """Return the condition that all runs share, or that of each."""
+    """Return the common condition of the runs, or that of each run."""
     conditions = {item.name: item.findings.condition_words for item in reviewed}
     if len(set(conditions.values())) == 1:
         return reviewed[0].findings.condition_words

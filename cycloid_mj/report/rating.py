@@ -1,4 +1,4 @@
-"""The page of a rating: what the template ``assets/rating.html`` is filled with."""
+"""The page of a rating: fills the template ``assets/rating.html``."""
 
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.life import Rating
@@ -15,7 +15,7 @@ STYLES = {
 
 
 def rating_page(rating: Rating) -> str:
-    """Write a rating as one page that needs no other file."""
+    """Return a rating as one HTML page."""
     states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
     table, give = rating.table(), rating.cam_give.table() if rating.cam_give else None
     return (

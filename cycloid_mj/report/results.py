@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def outcome_page(outcome: Outcome) -> str:
-    """Render an outcome as one page that needs no other file."""
+    """Return an outcome as one HTML page."""
     return environment().get_template("outcome.html").render(outcome=outcome, texts=_texts, source=_source)
 
 
@@ -29,9 +29,14 @@ def _source(picture: Picture) -> str:
 
 
 def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[str] = ()) -> str:
-    """Write a calibration as one page that needs no other file.
+    """Return a calibration as one HTML page.
 
-    `figure` is the SVG of its loops, `remarks` what its design stops on.
+    Parameters
+    ----------
+    figure
+        SVG of its loops.
+    remarks
+        Why the calibrated design cannot be used, a sentence each.
     """
     from cycloid_mj.bench.calibration import UNEXPLAINED
 

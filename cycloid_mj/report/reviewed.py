@@ -1,4 +1,4 @@
-"""One run of a report: its series and findings, the log they came from, with a name and a colour of its own."""
+"""A run of a report: series, findings and log, with its short name and colour."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,16 +12,15 @@ from cycloid_mj.base.array import Integers
 from cycloid_mj.base.record import Run
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Okabe and Ito's colours, one for each run."""
+"""Colours of the runs (Okabe and Ito)."""
 
-
-FRAMES = 360
-"""Most frames in which the mechanism is shown."""
+MAX_FRAMES = 360
+"""Frames of the animated mechanism."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reviewed:
-    """A run of a report, with its short name and its colour there; and the run at the `frames` of its mechanism."""
+    """A run of a report, with its short name and colour; `shown` is the run at the `frames` of its mechanism."""
 
     log: str
     motion: Series
@@ -32,13 +31,13 @@ class Reviewed:
 
 
 def frames(motion: Series) -> Integers:
-    """Choose the samples in which the mechanism is shown: even ones over a settled crank turn."""
+    """Return the indices of the samples in which the mechanism is shown: evenly spaced over a settled crank turn."""
     turn = motion.one_turn
-    return np.unique(np.linspace(turn.start, turn.stop - 1, FRAMES).round().astype(np.int64))
+    return np.unique(np.linspace(turn.start, turn.stop - 1, MAX_FRAMES).round().astype(np.int64))
 
 
 def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
-    """Judge runs, by the names of their logs; `q`, `settle` and errors as of `analysis.series`."""
+    """Evaluate runs, given by the names of their logs; `q`, `settle` and errors as in `analysis.series`."""
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
     shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
@@ -47,6 +46,6 @@ def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
 
 
 def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:
-    """List a short name for each run: its design's, or its log's where designs share a name."""
+    """Return a short name for each run: that of its design, or of its log if designs share a name."""
     stems = [PurePath(log).stem for log in logs]
     return next(names for names in (designs, stems, logs) if len(set(names)) == len(names))

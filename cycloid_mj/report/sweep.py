@@ -1,4 +1,4 @@
-"""The page of a sweep: what the template ``assets/sweep.html`` is filled with."""
+"""The page of a sweep: fills the template ``assets/sweep.html``."""
 
 from base64 import b64encode
 from collections.abc import Sequence
@@ -9,14 +9,15 @@ from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import tables
 from cycloid_mj.report.page import environment
 
-MOST_ERRORS = 12
+MAX_ERRORS = 12
+"""Different errors that the page lists."""
 
-MOST_ROWS = 500
-"""Points that the page lists; the files have all of them."""
+MAX_ROWS = 500
+"""Points that the page lists; the files contain all of them."""
 
 
 def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
-    """Write a sweep as one page that needs no other file; the figure is an SVG."""
+    """Return a sweep as one HTML page; the figure is an SVG."""
     task = sweep.task
     return (
         environment()
@@ -24,21 +25,21 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
         .render(
             title=f"cycloid_mj: sweep of {task.reducer.design.name}",
             sweep=sweep,
-            varied=_varied(sweep),
+            varied=_inputs_table(sweep),
             figure=b64encode(figure).decode(),
             tables=tables(sweep, tuple(quantities)),
-            errors=list(sweep.errors.items())[:MOST_ERRORS],
-            more_errors=max(0, len(sweep.errors) - MOST_ERRORS),
+            errors=list(sweep.errors.items())[:MAX_ERRORS],
+            more_errors=max(0, len(sweep.errors) - MAX_ERRORS),
             rows=_rows(sweep, quantities),
-            shown=min(len(sweep), MOST_ROWS),
+            shown=min(len(sweep), MAX_ROWS),
             cpu=sum(row.cpu for row in sweep.rows.values()),
             design=dump(task.reducer.design),
         )
     )
 
 
-def _varied(sweep: Sweep) -> Table:
-    """Tabulate the inputs with their values."""
+def _inputs_table(sweep: Sweep) -> Table:
+    """Return the inputs with their values."""
     rows = []
     for key in sweep.task.keys:
         values = list(dict.fromkeys(sweep[key].tolist()))
@@ -48,14 +49,14 @@ def _varied(sweep: Sweep) -> Table:
             text = ", ".join(map(str, values))
         rows.append((key, text))
     rows += [(follower.key, f"follows: {follower.words}") for follower in sweep.task.followers]
-    return Table("varied", ("key of the design file", "values"), tuple(rows))
+    return Table("inputs", ("key of the design file", "values"), tuple(rows))
 
 
 def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
-    """Tabulate the first points, with the quantities shown."""
+    """Return the first points with their inputs and quantities."""
     follows = (follower.key for follower in sweep.task.followers)
     names = ("point", *sweep.task.keys, *follows, *quantities, "error")
-    columns = [sweep[name][:MOST_ROWS].tolist() for name in names]
+    columns = [sweep[name][:MAX_ROWS].tolist() for name in names]
     cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))
     return Table("points", names, tuple(cells))
 

@@ -1,4 +1,4 @@
-"""The tables of the page: what was run, the findings, the losses and the provenance, as texts by row."""
+"""The tables of a report as text: design and conditions, findings, losses, provenance."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -12,9 +12,9 @@ from cycloid_mj.report.reviewed import Reviewed
 
 
 class TextTable(NamedTuple):
-    """Texts: the first cell of a row names it, and a row of one cell is the heading of those below.
+    """A table of text: the first cell of a row is its name, a row of one cell is the heading of those below.
 
-    A cell of the head that is followed by empty ones spans them.
+    A cell of the head also spans the empty cells that follow it.
     """
 
     head: Sequence[Sequence[str]]
@@ -22,24 +22,24 @@ class TextTable(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Cells of the longest row."""
+        """Number of cells of the longest row."""
         return max(map(len, (*self.head, *self.body)), default=1)
 
-    def spanned(self, row: Sequence[str]) -> list[tuple[str, int]]:
-        """List the cells of a row of the head that are not empty, and the first, each with how many it spans."""
-        starts = [place for place, cell in enumerate(row) if cell or place == 0]
+    def spans(self, row: Sequence[str]) -> list[tuple[str, int]]:
+        """Return the cells of a row of the head, each with the number of columns it spans."""
+        starts = [column for column, cell in enumerate(row) if cell or column == 0]
         return [(row[start], end - start) for start, end in pairwise([*starts, len(row)])]
 
 
 def setup(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate what was run: one column for each run."""
+    """Return design and conditions, one column for each run."""
     columns = [dict(_facts(item)) for item in reviewed]
     rows = [(name, *(column[name] for column in columns)) for name in columns[0]]
     return TextTable([("", *(item.name for item in reviewed))], rows)
 
 
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate the table simulated / closed form / error in its groups, with the columns of each run side by side."""
+    """Return simulation, closed form and error in groups, with the columns of the runs side by side."""
     tables = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
     ]
@@ -53,13 +53,14 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
         units = {name: row.unit for group in each for name, row in group.items()}
         rows.append((group,))
         rows += [
-            (name, _unit(unit), *(c for row in each for c in _cells(row.get(name)))) for name, unit in units.items()
+            (name, _unit(unit), *(cell for row in each for cell in _cells(row.get(name))))
+            for name, unit in units.items()
         ]
     return TextTable(head, rows)
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate where the power goes; without rows if no run lost any."""
+    """Return the losses of each mating pair; without rows if there are none."""
     rows = []
     for item in reviewed:
         power = item.findings.power.input_w
@@ -71,13 +72,13 @@ def losses(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def returns(reviewed: Sequence[Reviewed]) -> str:
-    """Explain a negative loss by damping, where a run has one."""
+    """Return the explanation of a negative loss by damping, if a run has one."""
     negative = any(loss.normal_w < 0.0 for item in reviewed for loss in item.findings.losses)
     return f"{RETURNED[:1].upper()}{RETURNED[1:]}." if negative else ""
 
 
 def provenance(item: Reviewed) -> TextTable:
-    """Tabulate what a run stands on: versions, settings and files."""
+    """Return versions, settings and files of a run."""
     run = item.motion.run
     files = ", ".join(f"{file} ({len(data):,} bytes)" for file, data in run.attachments.items())
     return TextTable([], [("log", item.log), *sorted(run.provenance.items()), ("attachments", files)])
@@ -89,32 +90,36 @@ def design_checks(item: Reviewed) -> Checks:
 
 
 def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
+    """Yield name and value of each row of `setup`."""
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"
-    yield "reduction", f"{design.reduction} : 1, the {design.output.member} turns"
-    gap = f", {MILLIMETRE.from_si(design.gear.disc_gap):g} mm between them" if design.gear.discs > 1 else ""
+    yield "ratio", f"{design.reduction}:1, output: {design.output.member}"
+    gap = f", {MILLIMETRE.from_si(design.gear.disc_gap):g} mm apart" if design.gear.discs > 1 else ""
     yield "discs", f"{design.gear.discs}{gap}"
     lengths = (design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
-    yield "eccentricity, pin circle, pin", " / ".join(f"{MILLIMETRE.from_si(each):g}" for each in lengths) + " mm"
+    yield (
+        "eccentricity, pin circle radius, pin radius",
+        " / ".join(f"{MILLIMETRE.from_si(each):g}" for each in lengths) + " mm",
+    )
     kinds = design.pair_kinds
     yield "clearances", _by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm"
-    yield "friction", _by_pair({kind: design.friction_of(kind) for kind in kinds})
-    yield "crank", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
+    yield "friction coefficients", _by_pair({kind: design.friction_of(kind) for kind in kinds})
+    yield "crank speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
     x, y = item.findings.q_path.q_mm
     on = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
-    yield "point q of the gear", f"({x:.6g}, {y:.6g}) mm{on}"
+    yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{on}"
     span = float(run.time[-1] - run.time[0])
     turns = abs(DEGREE.from_si(float(run["crank_angle"][-1] - run["crank_angle"][0]))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
     steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"
     if item.findings.timestep_for:
-        yield "chosen for", item.findings.timestep_for
+        yield "reason for the time step", item.findings.timestep_for
     window = item.findings.window
-    judged = f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
-    yield "judged", judged
+    evaluated = f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
+    yield "evaluated", evaluated
 
 
 def _by_pair(values: dict[str, float]) -> str:

@@ -634,7 +634,7 @@ def test_a_run_is_judged_after_its_start_has_rung_out() -> None:
     """A drive with wide play bounces in it at the start: its swing then is no transmission error."""
     printed = PRESETS["printed"]
     done = artifacts.run(lambda _: None, values_of(printed))
-    swing = float(re.search(r"output: transmission error, p-p</dt><dd>([\d.]+) arcsec", done.page)[1])
+    swing = float(re.search(r"output: transmission error, peak to peak</dt><dd>([\d.]+) arcsec", done.page)[1])
     statics = figure("te_loaded_forward_arcsec").value(Reducer(printed))
     assert swing == pytest.approx(statics, rel=0.1)
 

@@ -20,9 +20,9 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.figures import FIGURES as FIGURES_OF_DESIGNS
 from cycloid_mj.log import read, write
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.report import MOST_RUNS, report, review_page
-from cycloid_mj.report.data import MOST_VALUES, curves
-from cycloid_mj.report.encode import decimated
+from cycloid_mj.report import MAX_RUNS, report, review_page
+from cycloid_mj.report.data import MAX_VALUES, curves
+from cycloid_mj.report.encode import decimate
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
 from cycloid_mj.report.page import page as page_of
 from cycloid_mj.report.reviewed import review
@@ -112,9 +112,9 @@ def test_every_section_and_figure_has_its_place(text, both):
     titles = [words for tag, words in Page(both).texts if tag == "h2"]
     assert titles == [
         "Warnings",  # the paper's design does not pass every check
-        *("The mechanism", "Simulated, closed form, error: 36 N m, 1640 rpm"),
-        *("Over time: 36 N m, 1640 rpm", "Order spectrum of the speeds of output and gear"),
-        *("Where the power goes", "Provenance"),
+        *("Mechanism", "Simulation and closed form: 36 N m, 1640 rpm"),
+        *("Over time: 36 N m, 1640 rpm", "Order spectrum of output and disc speed"),
+        *("Losses", "Provenance"),
     ]
     expected = {f"figure-{figure.name}" for figure in FIGURES} | {"figure-spectrum", "mechanism-0"}
     assert expected <= Page(text).ids()
@@ -137,7 +137,7 @@ def test_backlash_and_stiffness_by_statics_stand_beside_what_the_run_tells(pin, 
     for name, key in (("backlash", "backlash_arcmin"), ("stiffness at 36 N m", "stiffness_nm_per_arcmin")):
         one = FIGURES_OF_DESIGNS[key]
         value = one.value(Reducer(series(pin).design))
-        assert told[told.index(f"{name}, by statics") + 1] == f"{value:.3g} {one.unit}"
+        assert told[told.index(f"{name} (static)") + 1] == f"{value:.3g} {one.unit}"
 
 
 def test_table_is_that_of_the_analysis(pin, nonpin, both):
@@ -207,7 +207,7 @@ def test_the_widest_gap_decides_how_wide_gaps_are_drawn(both):
         assert factor == largest
         assert factor == 1 or factor * 2e-6 * um <= 0.25 * min(design.ring.pin_radius, design.output.pin_radius)
     text = "".join(both.split())
-    assert re.search(r"gapsaredrawn\d+timesaswide,unlessanotherfactorischosenabove,forthewidestis[\d.]+um", text)
+    assert re.search(r"clearances,atmost[\d.]+µm,aremagnified\d+timesbydefault", text)
 
 
 def test_page_of_a_log_is_that_of_its_run(pin, tmp_path):
@@ -221,7 +221,7 @@ def test_decimation_keeps_every_extreme_in_its_place():
     rng = np.random.default_rng(1)
     time = np.cumsum(rng.uniform(0.5, 1.5, 10_007))
     values = rng.normal(size=(10_007, 3))
-    few, kept = decimated(time, values, 500)
+    few, kept = decimate(time, values, 500)
     assert few.size <= 502
     assert (np.diff(few) >= 0).all()
     width = -(-10_007 // 250)
@@ -231,7 +231,7 @@ def test_decimation_keeps_every_extreme_in_its_place():
         np.testing.assert_array_equal(pair.max(axis=0), part.max(axis=0))
         np.testing.assert_array_equal(pair[0] == part.max(axis=0), part.argmax(axis=0) <= part.argmin(axis=0))
         assert few[2 * (first // width)] == time[first]
-    same_time, same = decimated(time, values, 10_007)
+    same_time, same = decimate(time, values, 10_007)
     assert same_time is time
     assert same is values
 
@@ -242,7 +242,7 @@ def test_page_of_a_long_run_stays_small():
     page = report({"a.mcap": made_run(design, 50_000)})
     assert len(page) < 8e6
     data = Page(page).data["runs"][0]
-    assert sum(array(curve).size for curve in data["curves"].values()) <= MOST_VALUES + 2 * len(data["curves"])
+    assert sum(array(curve).size for curve in data["curves"].values()) <= MAX_VALUES + 2 * len(data["curves"])
 
 
 def test_the_spectrum_of_a_run_states_its_band_and_turns():
@@ -254,7 +254,7 @@ def test_the_spectrum_of_a_run_states_its_band_and_turns():
     assert spectrum["band"] == pytest.approx([3.0 / 5.0, 0.4 * per_turn], rel=1e-3)
     assert spectrum["turns"] == 5
     assert array(spectrum["order"])[-1] <= spectrum["band"][1]
-    assert "right within 1 % from order 0.6 to 146.3" in " ".join(words for _, words in page.texts)
+    assert "error below 1 % from order 0.6 to 146.3" in " ".join(words for _, words in page.texts)
 
 
 def test_no_spectrum_of_less_than_a_turn():
@@ -306,7 +306,7 @@ def test_a_run_that_ended_in_its_ramp_is_reported(tmp_path):
     page = Page(report({"a.mcap": replace(made_run(design, 1000), complete=False, note="stopped by Ctrl-C")}))
     words = " ".join(text for _, text in page.texts)
     assert "ended in its ramp" in words
-    assert "no spectrum" in words
+    assert "No spectrum" in words
     assert page.data["runs"][0]["spans"]["hold"] == pytest.approx([0.0, 0.0999])
 
 
@@ -324,10 +324,10 @@ def test_odd_names_are_text_and_nothing_else(pin):
 
 
 def test_what_cannot_be_reported(pin):
-    with pytest.raises(UsageError, match="give 1 to 6 logs"):
+    with pytest.raises(UsageError, match="takes 1 to 6 logs"):
         report({})
-    with pytest.raises(UsageError, match="report of 7 runs"):
-        report({str(k): pin for k in range(MOST_RUNS + 1)})
+    with pytest.raises(UsageError, match="7 runs: a report takes"):
+        report({str(k): pin for k in range(MAX_RUNS + 1)})
     with pytest.raises(LogError, match=r"no attachment 'design\.toml'"):
         report({"a": replace(pin, attachments={})})
     with pytest.raises(UsageError, match="point q"):
