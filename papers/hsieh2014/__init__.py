@@ -1,4 +1,4 @@
-"""Hsieh 2014 again, figure by figure: stages with figures, claims with verdicts, errata with proofs."""
+"""Reproduction of Hsieh 2014: stages with figures, claims with verdicts, errata with proofs."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING

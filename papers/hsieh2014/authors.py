@@ -1,7 +1,7 @@
-"""The paper as its authors may have run it: with the contact of a motion solver, then on flanks made of facets.
+"""Runs with the contact that the authors may have used: that of a motion solver, and flanks made of facets.
 
-Two changes against our own runs, the contact law and the facets. Each feature of the paper's figures is looked for with
-both, with each alone and with none, by a planar solver that has both (`soft_contact`); runs of designs have the law.
+The two changes are the contact law and the facets. Each feature of the paper's figures is evaluated with both changes,
+with each alone and with none, by a planar solver that supports both (`soft_contact`).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,13 +36,13 @@ from hsieh2014.torque import NEAR as TORQUE_NEAR
 from hsieh2014.verdicts import chance, rank_order
 
 SEED, TURNS, CHORD_ERROR = 2014, 1, 50e-6
-"""Of the facets; crank turns; and the error of their chords [m], as meshes of that day had."""
+"""Random seed of the facets, crank turns, and chord error of the facets [m], as was usual for meshes in 2014."""
 
 PHASES = (0.0, 1.3, 2.5, 3.8, 5.0)
 """Crank angles of the starts [rad]."""
 
 TEST_TURNS = 7
-"""Crank turns of the torque test; by the last two the torque has settled to 0.1 % with soft contacts."""
+"""Crank turns of the torque test; over the last two, the torque with soft contacts is constant within 0.1 %."""
 
 OURS, SOFT, FACETS, BOTH = "neither", "soft contact alone", "facets alone", "both"
 CHANGES = (OURS, SOFT, FACETS, BOTH)
@@ -50,12 +50,12 @@ NO_GRAVITY, STIFFER, SOFTER = "soft, no gravity", "soft, 10 times stiffer", "sof
 
 
 Cases = Mapping[str, Mapping[str, Sequence[PeakForces]]]
-"""Name of what is changed -> name of a design -> forces, start by start."""
+"""Name of a case -> name of a design -> forces of each start."""
 
 
 @dataclass(frozen=True)
 class Feature:
-    """Something that the paper's figures show: where, in words, and whether forces of pin and nonpin have it."""
+    """A feature of the paper's figures: figure, description, and functions that evaluate forces of pin and nonpin."""
 
     figure: str
     words: str
@@ -64,7 +64,7 @@ class Feature:
 
 
 def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Draw the paper's figures by its kind of contact beside ours, and tell which change brings which feature."""
+    """Draw the paper's figures with both kinds of contact, and determine which change causes which feature."""
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
     progress("runs with IMPACT")
@@ -95,22 +95,22 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             "output_torque_nm": {name: {"line": line, "impact": impact} for name, (line, impact) in torques.items()},
         },
         notes=(
-            f"With friction, {by}, the cam's force of the pin design has its largest of each half turn at "
+            f"With friction, {by}, the cam's force of the pin design has its maxima of the two half turns at "
             f"{angles_in_words(struck)} (75 and 255 deg, within {NEAR:g}).",
-            "IMPACT: F = k d^e + c step(d) v with k = 1e5 N/mm^2.2, c = 10 N s/mm, whole from 0.1 mm on: the default "
-            "of motion solvers such as ADAMS and SolidWorks Motion where no material is chosen. The paper states no "
-            "contact parameters: this is a hypothesis with its evidence.",
+            "IMPACT: F = k d^e + c step(d) v with k = 1e5 N/mm^2.2, c = 10 N s/mm, fully active from 0.1 mm on: the "
+            "default of motion solvers such as ADAMS and SolidWorks Motion without a material. The paper states no "
+            "contact parameters; this is a hypothesis with its evidence.",
             f'Gear speed, q and pin 1 are runs with contact.law = "impact" {by}, the torque by MuJoCo, all with '
-            "friction. The table of features is of a planar computation without friction, which has facets as well "
-            f"(their chords miss the flank by {1e6 * CHORD_ERROR:g} um in the mean, seed {SEED}) and, of the internal "
-            f"gear, the arcs alone, over {len(PHASES)} starts each; which design fluctuates more is judged by a rank "
-            "test. So the torque, which friction makes, has no facets.",
+            "friction. The table of features is from a planar computation without friction over "
+            f"{len(PHASES)} starts each, with facets (mean chord error {1e6 * CHORD_ERROR:g} um, seed {SEED}). It "
+            "includes only the arcs of the internal gear. A rank test judges which design fluctuates more. The "
+            "torque, which depends on friction, has no facets.",
         ),
     )
 
 
 def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
-    """Turn both designs with every combination of the two changes, and without gravity, stiffer and softer."""
+    """Run both designs with every combination of the two changes, and without gravity, stiffer and softer."""
     wanted: list[tuple[str, Design, Any, float, float]] = []
     for design in designs():
         line, stiff = line_contacts(design), GENERIC.stiffness
@@ -133,13 +133,13 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
 
 
 def brought_by(holds: Mapping[str, bool]) -> str:
-    """Tell which change brings a feature, by where it holds: with neither, each alone, and both."""
+    """Return which change causes a feature, from the cases that show it: neither change, each alone, and both."""
     if holds[OURS]:
-        return "neither: ours has it" + ("" if holds[BOTH] else "; both together take it away")
+        return "neither: ours has it" + ("" if holds[BOTH] else "; both together remove it")
     alone = [name for name in (SOFT, FACETS) if holds[name]]
     if holds[BOTH]:
         return " or ".join(alone) if alone else "both together, neither alone"
-    return f"{' or '.join(alone)}; the other takes it away" if alone else "neither, nor both"
+    return f"{' or '.join(alone)}; the other change removes it" if alone else "neither, nor both"
 
 
 def mean_curve(forces: Sequence[PeakForces]) -> Any:
@@ -148,7 +148,7 @@ def mean_curve(forces: Sequence[PeakForces]) -> Any:
 
 
 def _features(stress: Mapping[str, Mapping[str, Callable[[float], Any]]]) -> list[Feature]:
-    """List what is looked for; `stress` of a design's part [MPa] is by the largest force on it [N]."""
+    """List the evaluated features; `stress` maps the largest force on a design's part [N] to its stress [MPa]."""
     features = [
         Feature(
             "Fig. 12", "pin: two maxima of the cam's force a turn, near 75 and 255 deg", _maxima("pin"), _two_peaks
@@ -192,7 +192,7 @@ def _flatter(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
 
 
 def _rougher(of: str, scale: float, unit: str) -> tuple[Any, Any]:
-    """Tell how much both designs fluctuate in a figure of `PeakForces`, and whether pin does more by the rank test."""
+    """Return functions for the fluctuation of both designs, and for whether pin has more by the rank test."""
 
     def sizes(forces: Mapping[str, Sequence[PeakForces]]) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (StartSpread.of(scale * getattr(one, of) for one in forces[name]) for name in ("pin", "nonpin"))
@@ -216,7 +216,7 @@ def _stay(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
 
 
 def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, Any]:
-    """Tell the stress [MPa] that forces make of a part, in the mean of the starts, and whether it is the paper's."""
+    """Return functions for a part's stress [MPa] in the mean of the starts, and for whether it is the paper's."""
 
     def size(forces: Mapping[str, Sequence[PeakForces]]) -> float:
         return float(np.mean([stress(acting(one)[part]) for one in forces[name]]))
@@ -229,7 +229,7 @@ def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, 
 
 
 def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, Table]:
-    """Put every feature beside what each combination of the changes makes of it; and beside the soft contact varied."""
+    """Return the tables of the features: for each combination of the changes, and with the soft contact varied."""
     brought = {feature: brought_by({name: feature.holds(cases[name]) for name in CHANGES}) for feature in features}
 
     def rows(names: Sequence[str]) -> list[tuple[str, ...]]:
@@ -242,10 +242,10 @@ def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, T
         ]
 
     changed = [(*row, brought[feature]) for row, feature in zip(rows(CHANGES), features, strict=True)]
-    first, varied = "feature of the paper: has it, and what is found", (SOFT, NO_GRAVITY, STIFFER, SOFTER)
+    first, varied = "feature of the paper: shown or not, and result", (SOFT, NO_GRAVITY, STIFFER, SOFTER)
     head = (first, "ours (neither change)", *CHANGES[1:], "brought by")
     return (
-        Table("what brings the paper's features: the two changes taken away alone", head, tuple(changed), range(6)),
+        Table("causes of the paper's features: the two changes, alone and together", head, tuple(changed), range(6)),
         Table("the same with the soft contact varied", (first, *varied), tuple(rows(varied)), range(5)),
     )
 
@@ -262,7 +262,7 @@ def _as_json(cases: Cases, feature: Feature) -> dict[str, Any]:
 
 
 def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
-    """Put the output torques by both contact laws beside the paper's, and which law brings those."""
+    """Return the table of output torques with both contact laws, the paper's, and which law causes them."""
     rows = [
         (
             f"{name}, {way}",
@@ -273,20 +273,20 @@ def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
         for name, both in torques.items()
         for way, paper in TORQUES[name].items()
     ]
-    head = ("output torque at 1.048 N m in [N m]", "line contacts", "IMPACT", "the paper", "brought by")
+    head = ("output torque at 1.048 N m on the crank [N m]", "line contacts", "IMPACT", "the paper", "brought by")
     return Table("output torque by both contact laws, friction as designed, exact flanks", head, tuple(rows))
 
 
 def torque_brought_by(line: float, impact: float, paper: float) -> str:
-    """Tell which contact law gives a torque of the paper [N m]."""
+    """Return which contact law produces a torque of the paper [N m]."""
     by_line, by_impact = (abs(torque - paper) <= TORQUE_NEAR * IDEAL for torque in (line, impact))
     if by_line:
-        return "neither: ours has it" + ("" if by_impact else "; IMPACT takes it away")
+        return "neither: ours has it" + ("" if by_impact else "; IMPACT removes it")
     return SOFT if by_impact else "neither: friction decides it (claims on Fig. 19)"
 
 
 def _torque_plate(torques: Mapping[str, tuple[float, float]]) -> PaperFigure:
-    """Draw the output torque of both designs by both contact laws, beside the paper's."""
+    """Draw the output torque of both designs with both contact laws, and the paper's."""
     from hsieh2014.paper_figures import torques_figure
 
     ours = {name: dict(zip(("line contacts", "IMPACT"), both, strict=True)) for name, both in torques.items()}
@@ -302,7 +302,7 @@ def _settled_torque(design: Design) -> float:
 def torques_by_turn(design: Design, turns: int = TEST_TURNS) -> Array:
     """Compute the mean output torque of each crank turn of the torque test [N m], shape (turns,): the last is settled.
 
-    The dampers of soft contacts let the output's torque come up within some turns, far more slowly than line contacts.
+    The damping of soft contacts delays the output torque by some turns, far more than that of line contacts.
     """
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
     run = braked_run(steady, design.drive.torque, whole_periods(steady, turns * design.ring.teeth))

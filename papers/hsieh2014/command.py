@@ -1,4 +1,4 @@
-"""``cycloid-mj reproduce``: the whole paper again, figure by figure and claim by claim, as one HTML page."""
+"""``cycloid-mj reproduce``: reproduce the paper figure by figure and claim by claim, as one HTML page."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,27 +41,27 @@ ReproduceQuickFlag = Annotated[
     bool,
     Parameter(
         name="--quick",
-        help="Fewer crank turns, no ramp, coarser grids: the same pages, of 12 independent starts as well, in about "
-        "3 minutes on two free cores, not 20.",
+        help="Use fewer crank turns, no ramp and coarser grids, with 12 independent starts as well: about 3 minutes "
+        "on two idle cores instead of 20.",
     ),
 ]
 AuthorsFlag = Annotated[
     bool,
     Parameter(
         name="--as-the-authors",
-        help='Run with the contact that the authors\' motion solver may have had (contact.law = "impact", then facets) '
-        "beside ours: Figs 6, 8, 9, 12-16 and the torque, and which change brings which feature. This stage alone, "
-        "authors, unless --only names others as well.",
+        help='Compare our contact with that of the authors\' motion solver, as far as known (contact.law = "impact", '
+        "then facets): Figs 6, 8, 9, 12-16 and the torque, and which change causes which feature. Runs only the stage "
+        "authors, unless --only names others.",
     ),
 ]
 SolverFlag = Annotated[
     Literal["planar", "mujoco"],
     Parameter(
-        help="What runs the independent starts and what is varied. planar: a compiled solver of the planar equations "
-        "of motion, much cheaper. mujoco: MuJoCo, which runs what the figures draw in any case. Default: planar."
+        help="Solver of the independent starts and of the variations: planar (fast, compiled) or mujoco. The figures "
+        "always use MuJoCo. Default: planar."
     ),
 ]
-FreshFlag = Annotated[bool, Parameter(help="Run everything anew, and replace logs that fit.")]
+FreshFlag = Annotated[bool, Parameter(help="Ignore existing logs and simulate everything again.")]
 OnlyFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -76,11 +76,11 @@ OnlyFlag = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class ReproduceDelivery(Delivery):
-    """Where the paper goes, with the logs of its runs."""
+    """Output flags of the command: the folder also contains the logs of its runs."""
 
     out: Annotated[
         str | None,
-        out_flag("the page, the claims as JSON and CSV, figures and logs; logs in it that fit are read again", OUT),
+        out_flag("the page, the claims as JSON and CSV, figures and logs; matching logs in it are read again", OUT),
     ] = None
 
 
@@ -96,18 +96,19 @@ def reproduce(
     fresh: FreshFlag = False,
     delivery: Annotated[ReproduceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Run the whole paper again (Hsieh 2014) and judge its claims.
+    """Reproduce the figures of Hsieh 2014 and judge its claims.
 
-    Geometry, kinematics, dynamics, stress and torque of both designs, at the
-    paper's sampling of one degree. One HTML page that needs no network shows
-    every figure, a table of claims, each at the paper's own condition (its
-    number, ours, the numerical error, the verdict, what decides it, and ours
-    at the rated load beside), and the paper's errata.
-    Figures (png, svg), all numbers (JSON) and the claims (CSV) lie beside it.
-    Nothing is tuned to agree; both designs differ in the ring alone.
+    Compute geometry, kinematics, dynamics, stress and torque of both designs
+    at the paper's sampling of one degree. One HTML page, which needs no
+    network, shows every figure, a table of claims under the paper's own
+    conditions (the paper's value, the model's value, numerical error, verdict,
+    its cause, and the value at the rated load), and the errata of the
+    equations. Figures (PNG, SVG), all numbers (JSON) and the claims (CSV) are
+    written to the same folder. No parameter is tuned to the paper. The designs
+    differ only in the ring.
 
-    A stage that breaks is told on the page, the others still appear, and the
-    exit code is 1. Stress needs the extra `fem`.
+    If a stage fails, the page states the error and shows the other stages;
+    the exit code is 1. Stress needs the extra `fem`.
     """
     from cycloid_mj.stress.packages import package
     from hsieh2014.logs import Logs
@@ -117,7 +118,7 @@ def reproduce(
     keys = [step.key for step in (*STEPS, AUTHORS)]
     only = (*only, AUTHORS.key) if as_the_authors else only
     if unknown := next((key for key in only if key not in keys), None):
-        raise UsageError(f"no stage {unknown!r}; there are {', '.join(keys)}")
+        raise UsageError(f"unknown stage {unknown!r}; available: {', '.join(keys)}")
     if STRESS in only:  # before the runs, of which it is the last to know
         for name in ("gmsh", "skfem"):
             package(name)
@@ -132,7 +133,7 @@ def reproduce(
 
 
 def _reporter(quiet: bool) -> "Report":
-    """Return what tells each stage as it begins, and now and then how far it is."""
+    """Return a function that reports the start and the progress of each stage."""
     last = [0.0]
 
     def report(step: "Stage", text: str, left: float) -> None:
@@ -140,7 +141,7 @@ def _reporter(quiet: bool) -> "Report":
         if quiet or (text and now - last[0] < SECONDS_BETWEEN_LINES):
             return
         last[0] = now
-        tell(f"{step.heading}{f': {text}' if text else ''}; about {left:.0f} s left in all")
+        tell(f"{step.heading}{f': {text}' if text else ''}; about {left:.0f} s left")
 
     return report
 
@@ -174,7 +175,7 @@ def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, sec
         headline={"claims": f"{len(claims)}", **{str(verdict): f"{count}" for verdict, count in counts.items()}}
         if claims
         else {},
-        failures=[f"stage {stage.step.key} ({stage.step.paper}) broke: {stage.error}" for stage in broken],
+        failures=[f"stage {stage.step.key} ({stage.step.paper}) failed: {stage.error}" for stage in broken],
         summary=[f"page: {place.page}"],
         tables=[_table(claims)] if claims else [],
         frame=_frame(claims) if claims else None,
@@ -192,7 +193,7 @@ def _page(
     plan: "Plan",
     command: str,
 ) -> str:
-    """Render the page with the smaller one of the formats of each figure."""
+    """Return the page, with the smaller format of each figure."""
     from hsieh2014.page import reproduction_page
     from hsieh2014.plan import LOGGED, main_runs
 
@@ -210,7 +211,7 @@ def _page(
 
 
 def _table(claims: "Sequence[Claim]") -> Table:
-    """Tabulate the claims for the terminal."""
+    """Return the table of claims for the terminal."""
     from hsieh2014.page import error_words
 
     rows = tuple(
@@ -228,7 +229,7 @@ def _table(claims: "Sequence[Claim]") -> Table:
 
 
 def _frame(claims: "Sequence[Claim]") -> "Frame":
-    """Gather the claims, a row each."""
+    """Return the claims as a data frame with one row per claim."""
     from cycloid_mj.base.frame import framed
 
     rows = [

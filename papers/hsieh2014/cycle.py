@@ -1,4 +1,4 @@
-"""Pin 1's cycle: over which part of a crank turn the gear presses on it, as parameters vary."""
+"""The load cycle of pin 1: the part of a crank turn in which the disc presses on it, for varied parameters."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,22 +12,24 @@ from cycloid_mj.comparison import settled
 from cycloid_mj.comparison.forces import tooth_forces
 
 RELIEVED = 0.1
-"""Pin 1 counts as relieved below this share of its largest force, as in the study of stress."""
+"""Share of its largest force below which pin 1 counts as relieved, as in the stress study."""
 
 
 def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
-    """List pin 1's cycle under load in each case that has ring pins: name -> runs, of which the loaded ones count."""
+    """Return the table of pin 1's load cycle, for each case with ring pins: name -> runs; loaded runs count."""
     rows: list[tuple[str | float, ...]] = []
     for name, runs in cases.items():
         for motion in (settled(run) for run in runs):
             if motion.design.ring.kind == "pin" and motion.design.load.torque:
                 rows.append((name, *cycle(motion)))
     head = ("rated load", "loaded from [deg]", "relieved from [deg]", "share of the turn [%]", "loaded pins, mean")
-    return Table("pin 1's cycle (the paper: loaded at 0, relieved by 10, loaded again from 350 deg)", head, tuple(rows))
+    return Table(
+        "load cycle of pin 1 (paper: loaded at 0, relieved from 10, loaded again from 350 deg)", head, tuple(rows)
+    )
 
 
 def cycle(motion: Series) -> tuple[float, float, float, float]:
-    """Find the crank angles [deg] at which pin 1 is loaded and relieved, its share of the turn [%], and loaded pins."""
+    """Return where pin 1 is loaded and relieved [deg], for which share of the turn [%], and the loaded pins."""
     force = tooth_forces(motion)[motion.one_turn]
     loaded = force[:, 0] > RELIEVED * force[:, 0].max()
     degrees = np.mod(np.degrees(motion.crank_angle[motion.one_turn]), 360.0)
@@ -36,7 +38,7 @@ def cycle(motion: Series) -> tuple[float, float, float, float]:
 
 
 def _change(degrees: Array, begins: Mask) -> float:
-    """Compute where something begins, by the longest stretch of it; not a number where it always or never holds."""
+    """Return the angle [deg] at which the longest True stretch begins; NaN if the mask is constant."""
     starts = np.flatnonzero(begins & ~np.roll(begins, 1))
     if starts.size == 0:
         return float("nan")

@@ -1,4 +1,4 @@
-"""What decides a ranking: the same runs with contact damping, friction and the pins' freedom varied in turn."""
+"""Parameters that decide a ranking: contact damping, friction and freedom of the pins, each varied alone."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,12 +8,12 @@ from cycloid_mj.base.result import load_words
 from hsieh2014.ranking import Ranking
 
 DECISIVE = 1 / 3
-"""A parameter decides where it leaves less than this share of the designs' difference, the logarithm of the ratio."""
+"""A parameter is decisive if less than this share of the designs' difference (log ratio) remains."""
 
 
 @dataclass(frozen=True)
 class Varied:
-    """The rankings at one value of one parameter, every other as in the comparison."""
+    """Rankings with one parameter changed."""
 
     parameter: str
     value: str
@@ -21,12 +21,12 @@ class Varied:
 
 
 def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:
-    """Say for each ranking how its ratio answers to each parameter, and which of them decides it."""
+    """Return a sentence for each ranking: its ratio for each parameter, and which parameters decide it."""
     return [_decision(ranking, _answers(ranking, sweep)) for ranking in base] if sweep else []
 
 
 def _answers(base: Ranking, sweep: Sequence[Varied]) -> dict[str, list[tuple[str, Ranking]]]:
-    """Map parameter to (value, ranking) of the same quantity, designs and load."""
+    """Return parameter -> (value, ranking) of the same quantity, designs and load."""
     answers: dict[str, list[tuple[str, Ranking]]] = {}
     for point in sweep:
         same = next(ranking for ranking in point.rankings if _case(ranking) == _case(base))

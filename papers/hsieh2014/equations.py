@@ -1,4 +1,4 @@
-"""Equations of the paper as printed and as they should be (Hsieh 2014), each as code; `errata` holds them to proof.
+"""Equations of Hsieh 2014 as printed and as corrected; `errata` checks both numerically.
 
 Symbols as in `kinematics` and `profile`: N ring teeth, c eccentricity, E, rho, theta crank angle, zeta = theta/(N-1),
 q a point of the gear; SI units, the paper's gear.
@@ -23,7 +23,7 @@ HOLD, RAMP = CrankLaw(SPEED, 0.0), CrankLaw(SPEED, 1.0)
 
 
 def place(zeta: npt.ArrayLike) -> Array:
-    """Position of q by the gear's turn (Eq. 16), from the initial gear centre, shape (..., 2) [m]."""
+    """Position of q for a rotation of the disc (Eq. 16), from its initial centre, shape (..., 2) [m]."""
     return kinematics.point_path(GEAR, Q, GEAR.lobes * np.asarray(zeta, float)).position
 
 
@@ -61,7 +61,7 @@ def eq6(third: float, position: Array) -> Array:
 
 
 def eq12(sign: int, omega_i: float) -> float:
-    """Rate dzeta/dt = sign omega_i/(N-1) [rad/s] that Eqs 16-20 take (Eqs 12 and 17)."""
+    """Rate dzeta/dt = sign omega_i/(N-1) [rad/s] in Eqs 16-20 (Eqs 12 and 17)."""
     return sign * omega_i / GEAR.lobes
 
 
@@ -95,7 +95,7 @@ def eq18(zeta: Array) -> Array:
 
 
 def curve(zeta: Array) -> Array:
-    """Second derivative d2r/dzeta2 of the position of q [m], shape (n, 2), as Eq. 19 has it."""
+    """Second derivative d2r/dzeta2 of the position of q [m], shape (n, 2), as in Eq. 19."""
     N, c = GEAR.lobes, GEAR.eccentricity
     q_x, q_y = Q
     orbit = c * N**2 * np.stack([np.sin(N * zeta), -np.cos(N * zeta)], axis=1)
@@ -122,7 +122,7 @@ def eq20(sign: int, zeta: Array) -> Array:
 
 
 def eq21(direction: Array, force: Array, inertia: Array) -> float:
-    """Work (F - M s'') along a direction per unit of it and of the weight (Eq. 21): 0 along what can vary."""
+    """Work (F - M s'') along a direction, per unit of it and of the weight (Eq. 21): 0 for admissible directions."""
     return float(abs(direction @ (force - inertia)) / np.linalg.norm(direction) / np.linalg.norm(force))
 
 
@@ -130,7 +130,7 @@ def eq27(speed: Array, time: float) -> Array:
     """Acceleration of the gear's centre [m/s^2] from two constraints that move with the crank (Eq. 27), shape (2,).
 
     Omega(s, t) = (s . u, s . v - c) with u, v across and along the eccentric: Omega_s s'' = -(2 (dOmega_s/dt) s'
-    + d2Omega/dt2); `speed` is what stands in place of s'.
+    + d2Omega/dt2); `speed` replaces s'.
     """
     law = HOLD
     theta, omega, s = law.angle_at(time), SPEED, kinematics.gear_centre(GEAR, law.angle_at(time))

@@ -1,7 +1,7 @@
-"""The errata of the paper (Hsieh 2014): what is printed, what is right, and what proves it.
+"""Errata of Hsieh 2014: printed formula, corrected formula, and a numerical proof.
 
-A proof differentiates the equation before the one in question by finite differences of fourth order (an error of h^4 in
-the step, and rounding of eps/h or eps/h^2), and tells by how much the printed and the corrected formula miss that.
+A proof differentiates the preceding equation by finite differences of fourth order (error h^4 in the step h, rounding
+eps/h or eps/h^2). It computes the relative errors of the printed and of the corrected formula.
 """
 
 # ruff: noqa: RUF001 - the formulas are shown as they are printed, in Greek and with minus signs
@@ -51,15 +51,15 @@ LAWS = ((HOLD, 5e-5), (RAMP, 2e-4))
 
 GRAVITY = 9.8
 RIGHT = 1e-8
-"""Largest relative error of a corrected formula: finite differences leave less."""
+"""Largest relative error allowed for a corrected formula; finite differences are more accurate."""
 
 
 @dataclass(frozen=True)
 class Erratum:
-    """An erratum: the paper's `equation`, as `printed` and as is `right`, and the `proof` that both are held against.
+    """An erratum: the paper's `equation`, the `printed` and the `right` formula, and the reference (`proof`).
 
-    `errors` gives the relative errors of the printed and of the right formula against that; `harmless` are those whose
-    print gives the right numbers all the same.
+    `errors` returns the relative errors of both formulas against the reference. An erratum is `harmless` if the printed
+    formula nevertheless yields the right numbers.
     """
 
     equation: str
@@ -102,15 +102,15 @@ def misses(printed: npt.ArrayLike, right: npt.ArrayLike, wanted: npt.ArrayLike) 
 
 
 def least_and_most(errors: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    """Compute of several cases the least that the printed formula misses, and the most that the right one does."""
+    """Return the smallest error of the printed and the largest error of the right formula over several cases."""
     printed, right = zip(*errors, strict=True)
     return min(printed), max(right)
 
 
 def rubbing(sign: int) -> float:
-    """How far the gear's outline by Eq. 2 is from touching the pin: the largest share of its run along the normal.
+    """Compute how far the outline by Eq. 2 is from being tangent to the pin: largest cosine between tangent and radius.
 
-    An outline touches a pin where it runs across the pin's radius there.
+    An outline touches a pin where its tangent is perpendicular to the pin's radius.
     """
     worst = 0.0
     for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / GEAR.ring_teeth:
@@ -178,15 +178,15 @@ def _eq19() -> tuple[float, float]:
 def _eq20() -> tuple[float, float]:
     wanted = np.linalg.norm(acceleration(HOLD, 5e-5), axis=1)
     zeta, rate = zeta_at(HOLD)(TIMES), SPEED / GEAR.lobes
-    ramped = np.linalg.norm(acceleration(RAMP, 2e-4), axis=1)
+    ramp_run = np.linalg.norm(acceleration(RAMP, 2e-4), axis=1)
     motion = RAMP.angle_at(TIMES), RAMP.speed_at(TIMES), RAMP.acceleration_at(TIMES)
-    in_ramp = relative_error(kinematics.point_acceleration(GEAR, Q, *motion), ramped)
+    in_ramp = relative_error(kinematics.point_acceleration(GEAR, Q, *motion), ramp_run)
     printed, right = misses(rate**2 * eq20(-1, zeta), rate**2 * eq20(1, zeta), wanted)
     return printed, max(right, in_ramp)
 
 
 def _eq21() -> tuple[float, float]:
-    """Let a unit mass swing on the eccentric: its acceleration follows from constant energy, no multiplier needed."""
+    """Check Eq. 21 with a unit mass that swings on the eccentric; its acceleration follows from constant energy."""
     c, theta, rate = GEAR.eccentricity, 0.7, 30.0
     growth = GRAVITY / c * np.sin(theta)
     at_rest = np.array([0.0])
@@ -209,15 +209,15 @@ ERRATA = (
         "2",
         "α + ζ",
         "α − ζ",
-        "where a pin touches, the gear's outline runs across the pin's radius",
+        "at the contact, the outline is perpendicular to the pin's radius",
         lambda: (rubbing(1), rubbing(-1)),
     ),
-    Erratum("6, 10", "R with third component 1", "0", "k × R against a turning point, differentiated", _eq6, True),
+    Erratum("6, 10", "R with third component 1", "0", "velocity of a turning point, by differentiation", _eq6, True),
     Erratum(
         "12, 17",
         "ω_c = −ω_i/SR and ω_c = dζ/dt",
         "dζ/dt = +ω_i/SR in Eqs 16–20",
-        "the gear centre of Eq. 16 goes round with the crank, at +ω_i",
+        "the gear centre of Eq. 16 rotates with the crank, at +ω_i",
         _eq12,
     ),
     Erratum("13", "v_c = c ω_c", "v_c = c ω_i", "the gear centre, differentiated", _eq13),
@@ -265,14 +265,14 @@ ERRATA = (
     ),
     Erratum(
         "27",
-        "2 dΩ_s/dt (a matrix; held against with ones for s′)",
+        "2 dΩ_s/dt (a matrix; compared with ones for s′)",
         "2 (dΩ_s/dt) s′",
-        "two constraints that turn with the crank, against the gear centre differentiated twice",
+        "the gear centre, differentiated twice (two constraints that rotate with the crank)",
         _eq27,
     ),
 )
 
 
 def errata() -> list[dict[str, Any]]:
-    """List every erratum with the errors of the printed and of the right formula."""
+    """Return every erratum with the errors of the printed and of the right formula."""
     return [erratum.as_json() for erratum in ERRATA]

@@ -1,4 +1,4 @@
-"""Before anything runs: Figs 1-4, how the profiles come about; and all in which the two designs differ."""
+"""Figs 1-4, the generation of the profiles, and the differences between the two designs."""
 
 from cycloid_mj.base.result import Claim, Range, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import conditions, differences
@@ -22,7 +22,7 @@ CAPTIONS = {
 
 
 def geometry(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Draw the generation of both profiles, and give their closed forms."""
+    """Draw the generation of both profiles and tabulate their closed forms."""
     from hsieh2014.profile_figures import generation_figures
 
     gear = tooth_profile(designs()[0])
@@ -56,8 +56,12 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     shared = tuple((key, str(value)) for key, value in conditions(Reducer(both[0])).items())
     return StageResult(
         tables=(
-            Table("all that differs between the designs", ("value", *names), rows),
-            Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),
+            Table("differences between the designs", ("value", *names), rows),
+            Table(
+                "conditions of both designs (the runs below change ramp, hold and load equally)",
+                ("value", "both"),
+                shared,
+            ),
         ),
         claims=(_poisson(),),
         findings={"differences": {key: list(each) for key, each in different.items()}},
@@ -66,7 +70,7 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def _poisson() -> Claim:
-    """Judge the steel: of E, G and Poisson's ratio an isotropic material has two, and the paper prints E and G."""
+    """Judge the steel: the paper prints E and G, which determine Poisson's ratio of an isotropic material."""
     steel, stated = designs()[0].material, POISSON.stated.value
     assert stated is not None
     shear = steel.youngs_modulus / (2.0 * (1.0 + steel.poisson))

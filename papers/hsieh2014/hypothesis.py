@@ -1,7 +1,7 @@
-"""What would make the paper's stress: a hypothesis with its evidence, and no verdict.
+"""A hypothesis for the paper's stress, with evidence and without a verdict.
 
-Our idle reducer is stressed a hundred times less than the paper's. Here it turns with the default contact of the
-paper's kind of motion solver, on exact flanks and on flanks made of facets.
+Stress without load is about a hundred times lower here than in the paper. This module runs the reducer with the default
+contact of motion solvers, on exact flanks and on flanks made of facets.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ Case = tuple[str, SoftContact, float]
 
 
 def soft_cases(plan: Plan) -> list[Case]:
-    """List what is turned: line contacts as here, and both defaults of motion solvers, at every chord error."""
+    """List the cases: line contacts, and both defaults of motion solvers, at every chord error."""
     return [
         (design.name, contact, error)
         for error in chord_errors(plan)
@@ -34,14 +34,14 @@ def soft_cases(plan: Plan) -> list[Case]:
 
 
 def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
-    """Turn every case."""
+    """Run every case."""
     cases = soft_cases(plan)
     forces = each_in_threads(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
     return dict(zip(cases, forces, strict=True))
 
 
 def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str) -> dict[str, float]:
-    """Compute the force [N] that the height of the paper's curve would take, by part: stress goes with the force.
+    """Compute the force [N] on each part that would cause the paper's stress, in proportion to the force.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
     return {part: HEIGHTS[part, design] * force[part] / stress[part] for part in force}
 
 
-def reached(
+def stress_by_case(
     forces: Mapping[Case, PeakForces], stress: Mapping[str, Mapping[str, Callable[[float], Any]]]
 ) -> dict[tuple[str, str], dict[str, float]]:
-    """Compute the stress that the forces of every case make: (part, design) -> case -> stress [MPa].
+    """Return the stress for the forces of every case: (part, design) -> case -> stress [MPa].
 
-    `stress` is that of a design's part by the largest force on it.
+    `stress` maps the largest force on a design's part to its stress.
     """
     stresses: dict[tuple[str, str], dict[str, float]] = {}
     for (name, contact, error), one in forces.items():
@@ -69,18 +69,18 @@ def reached(
 
 
 def acting(forces: PeakForces) -> dict[str, float]:
-    """Find the largest force on each part [N]."""
+    """Return the largest force on each part [N]."""
     return {"shaft": forces.cam, "ring": forces.seat, "gear": max(forces.cam, forces.tooth)}
 
 
 def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
-    """Put the forces of every case beside those that the paper's stress would take."""
+    """Return the table of the forces of every case, and of those that would cause the paper's stress."""
     rows: list[tuple[str | float, ...]] = [
         (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{force.tooth:.3g}", f"{force.cam:.3g}", f"{force.output:.3g}")
         for (name, contact, error), force in forces.items()
     ]
     rows += [
-        (f"{name}: what the paper's heights would take", "", f"{one['ring']:.3g}", f"{one['shaft']:.3g}", "")
+        (f"{name}: forces for the paper's stress", "", f"{one['ring']:.3g}", f"{one['shaft']:.3g}", "")
         for name, one in wanted.items()
     ]
     head = ("design, contact", "chord error [um]", "tooth [N]", "cam [N]", "output pin [N]")
@@ -88,7 +88,7 @@ def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, f
 
 
 def sentences(loads: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Say what the cases show."""
+    """Return sentences on the results of the cases."""
     lines = []
     for name, forces in wanted.items():
         exact = loads[name, STEEL, EXACT]

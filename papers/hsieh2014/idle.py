@@ -1,4 +1,4 @@
-"""Idle motion: the spread of each quantity over independent starts as parameters vary, and how far it is chaotic."""
+"""Motion without load: spread of each quantity over independent starts, for varied parameters, and chaos."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ from hsieh2014.stage import Runs
 from hsieh2014.verdicts import rank_order
 
 Levels = Mapping[str, Mapping[str, StartSpread]]
-"""Key of a ranked quantity -> name of a design -> rms about the closed form of each of its runs."""
+"""Key of a ranked quantity -> name of a design -> rms difference from the closed form, for each of its runs."""
 
 
 def pin_over_nonpin(levels: Levels, key: str) -> int:
-    """Tell which design fluctuates more in a quantity: pin (1), nonpin (-1), or neither for sure (0)."""
+    """Return which design fluctuates more in a quantity: 1 pin, -1 nonpin, 0 not significant."""
     return rank_order(levels[key]["pin"], levels[key]["nonpin"])
 
 
@@ -52,36 +52,36 @@ def levels_of(starts: Mapping[str, Sequence[RunFigures]]) -> Levels:
 
 
 NUDGE = 1e-9
-"""By how much of itself gravity differs between two runs that begin all but alike."""
+"""Relative difference of gravity between two almost equal runs."""
 
 SMALL, LARGE = 1e-6, 1e-1
-"""Between these shares of the motion's own rms the growth of the difference is timed: beyond, it has no more room."""
+"""Shares of the motion's rms between which the growth of the difference is measured; beyond, it saturates."""
 
 
 @dataclass(frozen=True)
 class Divergence:
-    """How two all but equal runs part.
+    """Divergence of two almost equal runs.
 
     Attributes
     ----------
     foldings
-        Growth of their difference, in e-foldings a crank turn (the largest Lyapunov exponent, roughly); not a number
-        where it stays below `SMALL`, and nothing is found of chaos.
+        Growth of their difference, in e-foldings per crank turn (roughly the largest Lyapunov exponent); NaN if the
+        difference stays below `SMALL`, which means no chaos.
     turns
-        Crank turns after which they differ by a tenth of the motion itself; infinite where they never do.
+        Crank turns after which they differ by a tenth of the motion itself; infinite if they never do.
     """
 
     foldings: float
     turns: float
 
 
-def nudged(design: Design) -> Design:
+def nudge_gravity(design: Design) -> Design:
     """Return the design under a gravity that differs by `NUDGE`."""
     return override(design, [f"environment.gravity_y_m_s2={design.environment.gravity_y * (1.0 + NUDGE)!r}"])
 
 
 def divergence(run: Run, other: Run) -> Divergence:
-    """Hold two runs of the same length against each other, by the transmission error of the gear."""
+    """Compare two runs of the same length by the transmission error of the disc."""
     motion = settled(run)
     error, same = motion.gear_angle.error, settled(other).gear_angle.error
     size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)

@@ -1,4 +1,4 @@
-"""Stress at no load: impact peaks over independent starts; and, beside it, stress under the rated load."""
+"""Stress without load from impact peaks over independent starts, and stress under the rated load."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -31,10 +31,10 @@ ERROR = "one more refinement, or where bulk begins"
 """Source of a stress's numerical error."""
 
 HEAVIEST = 4
-"""Crank angles of each further start whose stress is solved for: two of the largest force, two of the largest sum."""
+"""Crank angles of each further start whose stress is computed: two with the largest force, two with the largest sum."""
 
 OutputPins = Mapping[str, Any]
-"""Values of the design's output, where they differ."""
+"""Changed values of the design's output."""
 
 NO_OTHERS: OutputPins = {}
 
@@ -42,26 +42,26 @@ OTHER_PINS: Mapping[str, OutputPins] = {
     "output pins of 4 mm radius, for 5 mm": {"pin_radius": 5e-3, "hole_radius": 6e-3},
     "output pins as cantilevers, for held at both ends": {"support": "both_ends"},
 }
-"""What is assumed of the output pins, which the paper leaves open, and what stands for it."""
+"""Alternatives to the assumed output pins, which the paper leaves open."""
 
 RATED_ANGLES = 23
-"""Crank angles under the rated load: no divisor of the mesh periods in a turn, so that they fall on all its phases."""
+"""Crank angles under the rated load; not a divisor of the mesh periods per turn, so that all phases occur."""
 
 
 @dataclass(frozen=True)
 class ByForce:
-    """Largest stress of a part by the largest force on it: weight and centrifugal force stress it without any.
+    """Estimate of a part's largest stress from the largest force on it, with an offset for weight and rotation.
 
     Attributes
     ----------
     offset, slope
-        Of the line through the idle cases that were solved for [MPa], [MPa/N].
+        Line through the computed cases without load [MPa], [MPa/N].
     reach
         Largest force of these cases [N].
     rated
-        Slope beyond, that of the rated load [MPa/N].
+        Slope for larger forces, that of the rated load [MPa/N].
     residual
-        Rms of what the line misses [MPa].
+        Rms residual of the line [MPa].
     """
 
     offset: float
@@ -72,7 +72,7 @@ class ByForce:
 
     @classmethod
     def through(cls, force: Array, stress: Array, rated: float) -> "ByForce":
-        """Fit the line to forces [N] and stresses [MPa], shape (n,) each; a stress never falls with the force."""
+        """Fit the line to forces [N] and stresses [MPa], shape (n,) each; the slope is at least 0."""
         slope, offset = np.polyfit(force, stress, 1)
         if slope < 0.0:
             slope, offset = 0.0, np.mean(stress)
@@ -88,21 +88,21 @@ class ByForce:
 
 @dataclass(frozen=True, eq=False)
 class IdleStress:
-    """Stress of one design at no load, and under the rated load.
+    """Stress of one design without load and under the rated load.
 
     Attributes
     ----------
     study
-        The whole study of the first start, under its impact peaks.
+        The full study of the first start, under its impact peaks.
     starts
         Part -> largest bulk stress of each start [MPa].
     rated
-        Part -> largest bulk stress at some crank angles under the rated load [MPa]; of the output at the fillet of its
-        pins, nominal stress times notch factor, since its bulk is the edge of what is left out there.
+        Part -> largest bulk stress at some crank angles under the rated load [MPa]; for the output, nominal stress
+        times notch factor at the fillet of its pins, because the grid omits the fillet.
     soft
         Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start.
     outputs
-        What is assumed of the output pins and taken away -> largest bulk stress of the output in each start [MPa].
+        Changed assumption on the output pins -> largest bulk stress of the output in each start [MPa].
     by_force
         Part -> its stress by the largest force on it.
     """
@@ -115,18 +115,18 @@ class IdleStress:
     by_force: Mapping[str, ByForce]
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
-        """Find crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
+        """Return crank angles [deg] and bulk stress [MPa] of a part in the first start; None without such a part."""
         if part not in self.starts:
             return None
         findings = self.study.findings[part]
         return np.degrees(findings.angle), findings.bulk / MEGAPASCAL
 
     def soft_curve(self, part: str) -> tuple[Array, Array] | None:
-        """Compute the same with the contact law IMPACT."""
+        """Return the same with the contact law IMPACT."""
         return (np.degrees(self.study.findings[part].angle), self.soft[part]) if part in self.soft else None
 
     def error(self, part: str) -> float:
-        """Find by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
+        """Return the relative change of a part's maximum by one more refinement or another bulk distance."""
         findings = self.study.findings[part]
         return max(findings.refinement.change, findings.choice)
 
@@ -138,7 +138,7 @@ def idle_stress(
     soft: Run | None = None,
     progress: Any = lambda *_: None,
 ) -> IdleStress:
-    """Study one design: its first start in whole, the heaviest angles of the others, and the rated run.
+    """Compute the stress of one design: its full first start, the heaviest angles of the others, and the rated run.
 
     Parameters
     ----------
@@ -170,11 +170,11 @@ def idle_stress(
         under, loaded[part] = _under_load(rated, part, grid)
         # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
         cases = [*of_starts, *([part_loads(softly, Reducer(design_of(softly)), part, turn)] if softly else [])]
-        stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
+        stress = solve(design, grid, join_loads(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
         split = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
         largest[part] = StartSpread.of(each.max() for each in split[: len(of_starts)])
         slope = float(under.bulk_stress.max() / under.load.max()) / MEGAPASCAL
-        by_force[part] = ByForce.through(largest_forces(joined(cases)), stress, slope)
+        by_force[part] = ByForce.through(largest_forces(join_loads(cases)), stress, slope)
         if softly:
             curves[part] = split[-1]
     outputs = {
@@ -187,7 +187,7 @@ def idle_stress(
 def _heavy(
     starts: Sequence[Run], parts: Sequence[tuple[str, OutputPins]], turn: Array, window: int
 ) -> "list[list[PartLoads]]":
-    """Return the heaviest loads of each start on several parts, each with other output pins or none; run by run."""
+    """Return the heaviest loads of each start on several parts, with the given or changed output pins."""
     from cycloid_mj.stress.loads import part_loads
 
     heavy: list[list[PartLoads]] = [[] for _ in parts]
@@ -200,7 +200,7 @@ def _heavy(
 
 
 def with_output(run: Run, pins: OutputPins) -> Run:
-    """Put the forces of a run on other output pins, or on its own for none."""
+    """Return the run with changed output pins in its design; unchanged for no pins."""
     if not pins:
         return run
     design = design_of(run).but(output=pins)
@@ -208,7 +208,7 @@ def with_output(run: Run, pins: OutputPins) -> Run:
 
 
 def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, StartSpread]":
-    """Solve a part at some crank angles under the rated load; give its largest stress at each of them as well [MPa]."""
+    """Solve a part at some crank angles under the rated load; also return its largest stress at each [MPa]."""
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
     from cycloid_mj.stress.study import notches_of
@@ -229,7 +229,7 @@ def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[P
     from cycloid_mj.stress.part import part_grid
 
     grid = part_grid(other.design, OUTPUT, settings.grid(OUTPUT))
-    stress = solve(other.design, grid, joined(of_starts)).bulk_stress / MEGAPASCAL
+    stress = solve(other.design, grid, join_loads(of_starts)).bulk_stress / MEGAPASCAL
     return StartSpread.of(each.max() for each in np.split(stress, len(of_starts)))
 
 
@@ -246,12 +246,12 @@ def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
 
 
 def largest_forces(loads: "PartLoads") -> Array:
-    """Find the largest force at each crank angle of some loads [N], shape (n,)."""
+    """Return the largest force at each crank angle of some loads [N], shape (n,)."""
     return np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1)
 
 
-def joined(several: Sequence["PartLoads"]) -> "PartLoads":
-    """Put the loads of several runs on one part behind each other, so that one factorisation serves all."""
+def join_loads(several: Sequence["PartLoads"]) -> "PartLoads":
+    """Concatenate the loads of several runs on one part, so that one factorisation serves all."""
     first = several[0]
     together: dict[str, Any] = {
         field.name: np.concatenate([getattr(each, field.name) for each in several])

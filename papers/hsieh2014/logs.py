@@ -1,4 +1,4 @@
-"""The runs of designs, each read from a log that fits it, else run into one; a few at a time are in memory."""
+"""Runs of designs, read from a matching log or simulated; only a few are in memory."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
@@ -19,24 +19,24 @@ from hsieh2014.stage import Runs
 DIGITS = 12
 
 KEPT = 8
-"""Runs in memory: reading one takes some hundredths of a second, holding all of them some hundred megabytes."""
+"""Runs in memory; reading one takes some hundredths of a second, all would take some hundred megabytes."""
 
 
 def log_name(design: Design, stands_on: Mapping[str, str]) -> str:
-    """Return the file name of a design's log, with a hash of the design and of what a run of it stands on."""
+    """Return the file name of a design's log, with a hash of the design and of the versions in use."""
     load = f"{design.load.torque:g}Nm" if design.load.torque else "no-load"
     stands_for = dump(design) + "".join(f"\n{key}={value}" for key, value in sorted(stands_on.items()))
     return f"{design.name}-{load}-{hashlib.sha256(stands_for.encode()).hexdigest()[:DIGITS]}.mcap"
 
 
 def fits(run: Run, design: Design, stands_on: Mapping[str, str]) -> bool:
-    """Whether a run reached its end, has this design, and stands on these versions and this step."""
+    """Return whether a run is complete and has this design, these versions and this time step."""
     same = all(run.provenance.get(key) == value for key, value in stands_on.items())
     return run.complete and same and run.attachments.get("design.toml") == dump(design).encode()
 
 
 class LoggedRuns(Sequence[Run]):
-    """The runs of some logs in their order, each read when it is asked for."""
+    """Sequence of the runs of some logs, each read when it is accessed."""
 
     def __init__(self, logs: Sequence[Path], read_log: Callable[[Path], Run]) -> None:
         self._logs, self._read_log = tuple(logs), read_log
@@ -57,7 +57,7 @@ class LoggedRuns(Sequence[Run]):
 
 
 class Logs(Runs):
-    """Gives the runs of designs, several run at a time: `into` a folder, all of them anew where `fresh`."""
+    """Provider of the runs of designs, simulated in parallel into a folder; `fresh` ignores existing logs."""
 
     def __init__(self, into: Path, fresh: bool, quiet: bool) -> None:
         super().__init__()
@@ -66,12 +66,12 @@ class Logs(Runs):
         self._read = lru_cache(KEPT)(_read_and_warn)
 
     def __call__(self, designs: Sequence[Design], solver: Solver = "mujoco") -> LoggedRuns:
-        """Return the run of each design by a solver; the planar solver's, which are many, are not to be shown.
+        """Return the run of each design by a solver; logs of the planar solver have no viewer frames.
 
         Raises
         ------
         RunError
-            A run went wrong.
+            A run failed.
         KeyboardInterrupt
             Ctrl-C stopped the runs: it ends the command, not this stage alone.
         """

@@ -14,16 +14,16 @@ from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
 from hsieh2014.pin_claims import pin_claims
 from hsieh2014.pin_motion import PinMotion, pin_motion
-from hsieh2014.plan import LOGGED, Plan, designs, main_runs, ramped
-from hsieh2014.run_figures import RunFigures, mean_speed, strayed
+from hsieh2014.plan import LOGGED, Plan, designs, main_runs, ramp_run
+from hsieh2014.run_figures import RunFigures, mean_speed, transmission_error
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.verdicts import spread_error, spread_value
 
 SPEED_ERROR = 1e-3
-"""The mean gear speed agrees with the ratio within this share."""
+"""Relative tolerance of the mean gear speed."""
 
 SEEN_ERROR = 0.1
-"""A gear strays from this transmission error on [arcsec]."""
+"""Smallest transmission error that counts [arcsec]."""
 
 NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
     ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda one: one.gear_speed.mean_rad_s),
@@ -39,15 +39,15 @@ NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
     ("contacts_mean", "contacts that carry force, mean", lambda one: one.contact_summary.mean_active),
     ("peak_force_n", "largest force of a contact [N]", lambda one: one.contact_summary.peak_force_n),
 )
-"""Figs 6-8 in numbers: key, words, and the number of a run."""
+"""Numbers of Figs 6-8: key, label, and function of a run's results."""
 
 
 def motions(plan: Plan, runs: Runs) -> list[Series]:
-    """List the main runs beside their closed form, at every logged sample."""
+    """Return the main runs with their closed form, at every logged sample."""
     return [settled(run) for run in runs(main_runs(plan))]
 
 
-def _rated(compared: Sequence[Series], design: Design) -> Series:
+def _rated_run(compared: Sequence[Series], design: Design) -> Series:
     return next(one for one in compared if one.design.name == design.name and one.design.load.torque)
 
 
@@ -55,14 +55,14 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Fig. 5: the crank's speed over time."""
     from cycloid_mj.plots.motion import input_figure
 
-    cases = [ramped(plan, design) for design in designs()] if plan.ramp else main_runs(plan)[:2]
+    cases = [ramp_run(plan, design) for design in designs()] if plan.ramp else main_runs(plan)[:2]
     compared = [series(run) for run in runs(cases)]
-    what = "ramp of 1 s, then constant" if plan.ramp else "QUICK: from full speed, without the ramp"
+    what = "ramp of 1 s, then constant" if plan.ramp else "quick: from full speed, without the ramp"
     plates = [
         PaperFigure(
             f"fig5_input_{one.design.name}",
             "Fig. 5",
-            f"{one.design.name}: speed of the crank, {what}; below, how far the servo is off the law.",
+            f"{one.design.name}: speed of the crank, {what}; below: deviation of the servo from the prescribed speed.",
             input_figure(one),
         )
         for one in compared
@@ -84,7 +84,9 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     return StageResult(
         _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
-        tuple(_ratio(over_starts(plan, runs, design, _mean_speed), _rated(compared, design)) for design in designs()),
+        tuple(
+            _ratio(over_starts(plan, runs, design, _mean_speed), _rated_run(compared, design)) for design in designs()
+        ),
         {name: {key: number(one) for key, _, number in NUMBERS} for name, one in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
     )
@@ -96,10 +98,15 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     from hsieh2014.paper_figures import paths_figure
 
     words = "path of q, the centre of hole 1, with Eq. 16, and its distance from that"
-    magnified = "path of q with Eq. 16 and the place where they differ most, magnified"
-    note = "The paper magnifies its path to show that the simulated point strays from the closed form, more with pins."
+    magnified = "path of q with Eq. 16 and the region of the largest difference, magnified"
+    note = (
+        "The paper magnifies the path to show that the simulated point deviates from the closed form, more with pins."
+    )
     compared = motions(plan, runs)
-    claims = [_strays(over_starts(plan, runs, design, _strayed), _rated(compared, design)) for design in designs()]
+    claims = [
+        _judge_transmission_error(over_starts(plan, runs, design, _transmission_error), _rated_run(compared, design))
+        for design in designs()
+    ]
     plates = _plates(compared, "fig7_q_path", "Fig. 7", words, paths_figure)
     near = _each(compared[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
     return StageResult((*plates, *near), claims=tuple(claims), notes=(note,))
@@ -125,13 +132,13 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     words = "centre of pin 1 in its socket (dashed: the clearance), its distance from the middle, and its spin"
     plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
     shown = pins_figure({_load(one): at_degrees(one) for one in compared})
-    words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; ways magnified, turns not."
+    words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; displacements are magnified."
     plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
         over_starts(plan, runs, design, _pin_moves, lambda changed: changed.ring.has_moving_pins),
-        pin_motion(_rated(compared, design)),
+        pin_motion(_rated_run(compared, design)),
     )
     return StageResult(plates, claims=claims, notes=(note,))
 
@@ -139,7 +146,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 def _plates(
     compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Sequence[Series]], Any]
 ) -> tuple[PaperFigure, ...]:
-    """Draw the runs of each load together, at the paper's sampling."""
+    """Draw the runs of each load in one figure, at the paper's sampling."""
     loads: dict[str, list[Series]] = {}
     for one in compared:
         loads.setdefault(_load(one), []).append(at_degrees(one))
@@ -154,7 +161,7 @@ def _plates(
 def _each(
     compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Series], Any]
 ) -> tuple[PaperFigure, ...]:
-    """Draw each run by itself at the paper's sampling."""
+    """Draw each run in a separate figure, at the paper's sampling."""
     return tuple(
         PaperFigure(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
         for one in compared
@@ -162,7 +169,7 @@ def _each(
 
 
 def at_degrees(motion: Series) -> Series:
-    """Return a run at one sample for each degree, the paper's sampling."""
+    """Return a run with one sample per degree, the paper's sampling."""
     return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(motion.reducer))
 
 
@@ -182,8 +189,8 @@ def _mean_speed(one: RunFigures) -> float:
     return one.mean_speed
 
 
-def _strayed(one: RunFigures) -> float:
-    return one.strayed
+def _transmission_error(one: RunFigures) -> float:
+    return one.transmission_error
 
 
 def _pin_moves(one: RunFigures) -> PinMotion:
@@ -192,7 +199,7 @@ def _pin_moves(one: RunFigures) -> PinMotion:
 
 
 def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Hold the mean gear speed of a design against the ratio, over the starts at no load."""
+    """Judge the mean gear speed of a design against the ratio, over the starts without load."""
     design, speeds = rated.design, StartSpread.of(evidence.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
@@ -212,9 +219,9 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
     )
 
 
-def _strays(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge whether the gear has a transmission error, over the starts at no load."""
-    sizes, under = StartSpread.of(evidence.base), strayed(rated)
+def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Claim:
+    """Judge whether the disc has a transmission error, over the starts without load."""
+    sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
     judged = ruling(
         evidence,
         lambda size: size >= SEEN_ERROR,

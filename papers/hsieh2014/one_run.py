@@ -1,4 +1,4 @@
-"""The paper's figures of stress held against studies of single runs, for ``cycloid-mj stress``: Figs 12-16."""
+"""Comparison of stress studies of single runs with Figs 12-16 of the paper, for ``cycloid-mj stress``."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -21,28 +21,28 @@ from hsieh2014.statements import (
     stress_of_parts,
     stress_peaks,
 )
-from hsieh2014.verdicts import most
+from hsieh2014.verdicts import majority_verdict
 
 ALSO = {
     "ring": "; and that a pin hands its force on to a socket which it fits closely, where a lobe takes it on a line",
     "gear": "; the output pins press on the gear in the same way in both designs",
     "shaft": "; the shaft itself is the same",
 }
-"""What else decides between pin and nonpin, by part."""
+"""Further causes of the difference between pin and nonpin, by part."""
 OUTPUT = {
     2: "the planar section: the pins' bending, as cantilevers on the disc, is not in it",
     3: "the pins bend as cantilevers on the disc, without a second disc before the gear; number, radius and length of "
     "the output pins, their fillets and the gap to the gear are assumed",
 }
-"""What decides the output's stress, by the dimension of its grid."""
+"""Causes of the output's stress, by the dimension of its grid."""
 RELIEVED = 0.1
-"""Pin 1 counts as relieved below this share of its largest stress."""
+"""Share of its largest stress below which pin 1 counts as relieved."""
 
 
 def claims(studies: Sequence[StressFindings]) -> tuple[Claim, ...]:
-    """Hold studies of the paper's designs against it: each by itself, then pin against nonpin, part by part.
+    """Judge the claims of the paper by studies of its designs: each design, then pin against nonpin for each part.
 
-    Only those without load are judged, which is the condition of its figures.
+    Only studies without load are judged, which is the condition of the paper's figures.
     """
     studies = [findings for findings in studies if findings.load == no_load().load]
     by_ring = {findings.ring: findings for findings in reversed(studies)}
@@ -62,16 +62,16 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
             yield judge(findings)
 
 
-def _judged(statement: Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
-    """Judge what the paper states of a design of some name; the tables of the study have the numerical errors."""
+def _judge(statement: Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
+    """Return the judged claim for a design; the tables of the study contain the numerical errors."""
     renamed = replace(statement, claim=f"{name}: {statement.claim}")
-    return renamed.judged(Value(value), Value("one more refinement"), most([holds]), decided_by)
+    return renamed.judged(Value(value), Value("one more refinement"), majority_verdict([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:
     name, bound, height = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
     ratio = height / bound
-    return _judged(
+    return _judge(
         replace(stress_height(part.part, findings.ring), claim=f"the {part.part}'s stress stays below {bound:g} MPa"),
         name,
         f"bulk {height:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
@@ -82,7 +82,7 @@ def _height(findings: StressFindings, part: PartFindings) -> Claim:
 
 
 def _near(part: PartFindings) -> str:
-    """Tell what else decides the largest stress of a part."""
+    """Return in words what else decides the largest stress of a part."""
     if part.part == "shaft":
         return "where the bearings stand and how the inner corners are rounded, which the paper does not tell"
     contact, near = (stress / MEGAPASCAL for stress in (part.contact_peak.stress, part.near_field))
@@ -96,7 +96,7 @@ def _near(part: PartFindings) -> str:
 def _order(findings: StressFindings) -> Claim:
     peaks = [findings[part].bulk_peak.stress / MEGAPASCAL for part in ORDER]
     contacts = ", ".join(f"{part} {findings[part].contact_peak.stress / MEGAPASCAL:.3g}" for part in ORDER)
-    return _judged(
+    return _judge(
         stress_of_parts(findings.ring),
         findings.design,
         ", ".join(f"{part} {peak:.3g} MPa" for part, peak in zip(ORDER, peaks, strict=True)),
@@ -113,7 +113,7 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
     amplitudes = shaft.orders(tuple(orders)) / MEGAPASCAL
     first = np.mod(degrees, 360.0) < 180.0
     best = [float(degrees[np.argmax(np.where(half, shaft.bulk, -np.inf))]) for half in (first, ~first)]
-    return _judged(
+    return _judge(
         stress_peaks(findings.ring),
         findings.design,
         f"largest of each half turn at {best[0]:.0f} and {best[1]:.0f} deg; amplitudes of orders "
@@ -129,7 +129,7 @@ def _output(findings: StressFindings) -> Claim:
     output = findings["output"]
     others = [findings[part].governing for part in ORDER if part in findings]
     governing, share = output.governing, np.ptp(output.bulk) / output.bulk.mean()
-    return _judged(
+    return _judge(
         stress_of_output(findings.ring),
         findings.design,
         f"at most {governing / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
@@ -147,7 +147,7 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     cycle = ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f} deg" for i in changes)
     cycle = cycle or ("always loaded" if loaded.all() else "never loaded")
     begins, ends = (degrees[changes[loaded[changes] == wanted]] for wanted in (True, False))
-    return _judged(
+    return _judge(
         PIN_1_CYCLE,
         findings.design,
         f"{cycle}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
@@ -158,7 +158,7 @@ def _pin_cycle(findings: StressFindings) -> Claim:
 
 
 def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
-    """Hold the pin design's stress against the nonpin's, part by part."""
+    """Compare the stress of the pin design with that of the nonpin design, for each part."""
     for part in ORDER:
         if part not in pin or part not in nonpin:
             continue
@@ -166,7 +166,7 @@ def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
         forces = [findings[part].largest_force for findings in (pin, nonpin)]
         stated = stress_of_designs(part)
         words = f"less stress in {nonpin.design} than in {pin.design} (ranges {stated.stated.text})"
-        yield _judged(
+        yield _judge(
             replace(stated, claim=words),
             part,
             f"{ours[1]:.3g} against {ours[0]:.3g} MPa, {ours[1] / ours[0]:.2g} to 1",
@@ -177,7 +177,7 @@ def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
 
 
 def _is_near(degrees: npt.ArrayLike, wanted: float) -> bool:
-    """Tell whether any crank angle [deg] is near one, round the circle."""
+    """Return whether any crank angle [deg] is close to the wanted one, modulo a turn."""
     apart: Array = np.mod(np.asarray(degrees, float) - wanted + 180.0, 360.0) - 180.0
     return bool(np.any(np.abs(apart) <= NEAR))
 

@@ -1,4 +1,4 @@
-"""Figures of idle starts, as the design is and with one thing changed alone; and what a claim on them comes to."""
+"""Figures of starts without load, for the design itself and with single changes, and verdicts on them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,23 +11,23 @@ from cycloid_mj.reducer import Reducer
 from hsieh2014.plan import LEFT_OPEN, Plan, idle_runs, ranges, variations, varied_idle_runs
 from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import Runs
-from hsieh2014.verdicts import most, most_chance
+from hsieh2014.verdicts import majority_verdict, sign_test_p
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
 class OverStarts(Generic[T]):
-    """One figure of every idle start of a design.
+    """One figure of every start of a design without load.
 
     Attributes
     ----------
     base
-        As the design is, start by start.
+        Figure of each start of the design itself.
     varied
-        What was changed alone -> the same.
+        Single change -> figure of each start.
     ranges
-        How far that searched what the paper leaves open.
+        Searched ranges of what the paper leaves open.
     """
 
     base: Sequence[T]
@@ -36,13 +36,13 @@ class OverStarts(Generic[T]):
 
     @property
     def searched(self) -> dict[Variation, Sequence[T]]:
-        """What was changed of all that the paper leaves open."""
+        """Return the changes of parameters that the paper leaves open."""
         return {one: evidence for one, evidence in self.varied.items() if one.parameter in LEFT_OPEN}
 
 
 @dataclass(frozen=True)
 class Ruling:
-    """What a claim comes to: the verdict, its p, what decides it in words, and what proves that."""
+    """Verdict on a claim: the verdict, its p, its cause in words, and the changes that prove it."""
 
     verdict: Verdict
     p: float | None
@@ -57,7 +57,7 @@ def over_starts(
     figure: Callable[[RunFigures], T],
     has: Callable[[Design], bool] = lambda changed: True,
 ) -> OverStarts[T]:
-    """Take a figure of each idle start, and of each with one thing changed that concerns a design and that `has` it."""
+    """Return a figure of every start without load, and of those with single changes that affect a design."""
     changed = [
         variation
         for variation in variations(plan)
@@ -75,22 +75,22 @@ def ruling(
     holds: Callable[[T], bool],
     words: Callable[[Sequence[T]], str],
     decisive: str = "",
-    judged: Callable[[Sequence[bool]], Verdict] = most,
+    judged: Callable[[Sequence[bool]], Verdict] = majority_verdict,
 ) -> Ruling:
-    """Judge something that each start shows or does not, and what of all that was changed alone turns it.
+    """Judge a feature that each start shows or does not, and which single changes reverse the verdict.
 
     Parameters
     ----------
     evidence
         The figure of every start.
     holds
-        Whether a start shows it.
+        Whether a start shows the feature.
     words
-        What is found, of some starts.
+        Description of the result of some starts.
     decisive
-        What decides it whatever is varied, in words.
+        Cause that applies whatever is varied, in words.
     judged
-        How starts are judged together.
+        Function that judges the starts together.
     """
 
     def of(starts: Sequence[T]) -> Verdict:
@@ -102,7 +102,7 @@ def ruling(
     turned = ", ".join(f"{one.words} ({verdict})" for one, verdict in others.items() if verdict != reference)
     return Ruling(
         Verdict.DEPENDS if reference == Verdict.DISAGREES and agrees else reference,
-        most_chance([holds(one) for one in evidence.base]),
+        sign_test_p([holds(one) for one in evidence.base]),
         "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes the verdict"))),
         tuple(Removal(one.words, words(starts), others[one]) for one, starts in evidence.varied.items()),
     )

@@ -1,4 +1,4 @@
-"""The paper again as one HTML page: what the template ``assets/reproduction.html`` is filled with."""
+"""The HTML page of the reproduction: the content of the template ``assets/reproduction.html``."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -14,29 +14,29 @@ from hsieh2014.stage import StageRun
 TITLE = "Hsieh 2014, reproduced: cycloidal reducers with and without pins"
 PNG = b"\x89PNG"
 CLAIM_HEAD = (
-    *("figure", "design", "condition", "the paper says", "its number", "ours at that condition", "numerical error"),
-    *("verdict", "decided by", "beside it: ours at the rated load"),
+    *("figure", "design", "condition", "the paper says", "its number", "model at that condition", "numerical error"),
+    *("verdict", "decided by", "model at the rated load"),
 )
 TALLY = {
     Verdict.AGREES: "agree",
     Verdict.DISAGREES: "disagree",
-    Verdict.DEPENDS: "depend on what the paper leaves open at its condition",
+    Verdict.DEPENDS: "depend on what the paper leaves open under its condition",
     Verdict.NOT_DETERMINED: "are not determined",
 }
-ERRATUM_HEAD = ("Eq.", "printed", "right", "held against", "error as printed", "error corrected")
+ERRATUM_HEAD = ("Eq.", "printed", "right", "compared with", "error as printed", "error corrected")
 
 
 def reproduction_page(
     stages: Sequence[StageRun], errata: Sequence[Mapping[str, Any]], pictures: Mapping[str, bytes], about: Sequence[str]
 ) -> str:
-    """Write the page: claims first, then each stage with its figures, then the errata.
+    """Return the page: claims, then each stage with its figures, then the errata.
 
     Parameters
     ----------
     stages
-        What was run; one that broke says so in its section.
+        Stages that ran; the section of a failed stage states the error.
     errata
-        As `errata.errata` gives them.
+        As returned by `errata.errata`.
     pictures
         Name of a plate -> PNG or SVG.
     about
@@ -70,7 +70,7 @@ def reproduction_page(
 
 
 def error_words(claim: Claim) -> str:
-    """Return the numerical error of a claim, and where it comes from."""
+    """Return the numerical error of a claim and its source."""
     error = claim.error
     unit = "" if error.unit == "1" else f" {error.unit}"
     return error.text if error.value is None else f"{error.value:.2g}{unit} ({error.text})"

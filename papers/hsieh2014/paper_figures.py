@@ -1,4 +1,4 @@
-"""Figures to lay beside the paper's: its axes and units, theory, pin and nonpin in one plot (Figs 6-9, 12-16)."""
+"""Figures with the axes and units of the paper, with theory, pin and nonpin in one plot (Figs 6-9, 12-16)."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -17,16 +17,16 @@ from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 
 FARTHEST = 0.35
-"""Farthest way of a pin, as drawn, in radii of the pin."""
+"""Largest drawn displacement of a pin, in radii of the pin."""
 
 MOST_BESIDE = 3
-"""Pictures side by side."""
+"""Maximum number of pictures side by side."""
 
 LINES = ("-", (0, (3, 1.5)))
-"""Of the two contact laws."""
+"""Line styles of the two contact laws."""
 HEIGHT: dict[str, Any] = {"linestyle": (0, (6, 3)), "linewidth": 0.9}
 DECADES = 1e-4
-"""Least stress of a logarithmic axis, of its largest."""
+"""Smallest stress of a logarithmic axis, as a share of the largest."""
 
 
 @styled
@@ -93,10 +93,10 @@ def velocities_figure(motions: Sequence[Series]) -> Figure:
 
 @styled
 def pins_figure(motions: Mapping[str, Series]) -> Figure:
-    """Draw pin 1 in its socket at the crank angles of the paper's Fig. 9(a): its centre, and how far it has turned.
+    """Draw pin 1 in its socket at the crank angles of the paper's Fig. 9(a), with its rotation.
 
-    Ways are magnified, of each run so that the farthest is `FARTHEST` of the pin's radius; turns are not. The circle is
-    as far round the pin as its clearance; a half-open socket lets the pin leave it.
+    Displacements are magnified so that the largest of a run is `FARTHEST` of the pin's radius; rotations are not. The
+    circle marks the clearance; in a half-open socket, the pin can leave it.
     """
     figure = sheet(1.75 * len(motions) + 0.5)
     panels = figure.subplots(len(motions), len(SHOWN), squeeze=False)
@@ -128,7 +128,7 @@ def heights_figure(
     curves
         ``design, contact law`` -> crank angles [deg] and stress [MPa].
     heights
-        Design -> up to about where the paper's curve reaches [MPa].
+        Design -> approximate maximum of the paper's curve [MPa].
     marks
         Crank angles of the paper's peaks [deg].
     """
@@ -188,7 +188,7 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
 def torques_figure(
     ours: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]], ideal: float
 ) -> Figure:
-    """Draw output torques: a panel for each design, a bar for each case of ours and, grey, for each that is stated.
+    """Draw output torques: a panel for each design, a bar for each computed case and a grey bar for each stated one.
 
     A dashed line is the torque without losses.
     """
@@ -222,7 +222,7 @@ def torques_figure(
 
 @styled
 def picture_figure(pictures: Mapping[str, Any]) -> Figure:
-    """Show rendered pictures, shape (height, width, 3) each, under their names: up to three side by side."""
+    """Draw rendered pictures, shape (height, width, 3) each, with their names, up to three side by side."""
     columns = min(len(pictures), MOST_BESIDE)
     rows = math.ceil(len(pictures) / columns)
     figure = sheet((WIDTH / columns + 0.25) * rows)
@@ -236,7 +236,7 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
 
 
 def _pin(axes: Axes, way: Array, turned: float, socket: float) -> None:
-    """Draw a pin of unit radius in a socket, off its middle by `way` and turned by so many degrees."""
+    """Draw a pin of unit radius in a socket, displaced by `way` and rotated by `turned` [deg]."""
     axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
     axes.add_patch(Circle((float(way[0]), float(way[1])), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))
     angle = np.radians(90.0 + turned)

@@ -1,4 +1,4 @@
-"""Impact peaks: at no load parts strike each other between samples. As forces of a run, and by crank angle."""
+"""Impact peaks: largest forces between the samples of a run without load, over time and over the crank angle."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -37,9 +37,9 @@ BINS = 36
 
 
 def peak(run: Run, pair: str, window: int = 1) -> Array:
-    """Compute the largest force of a pair [N], shape (n,), over so many samples about each one.
+    """Compute the largest force of a pair [N], shape (n,), over a window of samples around each sample.
 
-    A log has at each sample the largest since the one before; of friction it knows the sample's own.
+    A log has the largest normal force since the previous sample; friction is that of the sample itself.
     """
     sampled = np.hypot(run[column(pair, FORCE_X)], run[column(pair, FORCE_Y)])
     largest = np.maximum(sampled, run[column(pair, PEAK_FORCE)])
@@ -47,7 +47,7 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
 
 def pairs_on(run: Run, part: str) -> list[str]:
-    """List the mating pairs of a run that press on a part; on pin 1, or what stands for it, the gear alone."""
+    """List the mating pairs of a run that act on a part; on pin 1, or its substitute, only the gear."""
     ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
     if part == PIN_1:
         return [f"{LOBE if ring == LOBE else PIN}_{standing_for_pin_1(design_of(run))}"]
@@ -56,17 +56,17 @@ def pairs_on(run: Run, part: str) -> list[str]:
 
 
 def largest_force(run: Run, among: Sequence[str]) -> float:
-    """Find the largest force [N] of some pairs in the settled hold."""
+    """Return the largest force [N] of some pairs in the settled part of the run."""
     hold = settled(run).hold
     return max(float(peak(run, pair)[hold].max()) for pair in among)
 
 
 def at_peaks(run: Run, window: int = 1) -> Run:
-    """Return a run in which every pair has, at each sample, its largest force over so many samples about it.
+    """Return a run in which every pair has, at each sample, its largest force over a window around it.
 
-    All peaks of a window act at once, though they fell one after the other: that is on the safe side for the stress,
-    which grows with each force, but where forces would relieve each other. A force keeps its direction; one that only
-    peaked between samples has that of the nearest sample at which its pair touched.
+    All peaks of a window act at once, although they occurred one after the other. This is conservative, because stress
+    grows with each force, except where forces relieve each other. A force keeps its direction; if it occurred only
+    between samples, it has the direction of the nearest sample with contact.
     """
     changed: dict[str, Array] = {}
     for pair in run.by_stem(PEAK_FORCE):
@@ -83,7 +83,7 @@ def at_peaks(run: Run, window: int = 1) -> Run:
 
 
 def _nearest(rows: npt.NDArray[np.intp], count: int) -> npt.NDArray[np.intp]:
-    """Compute for each of `count` samples the place in `rows`, which rise, of the one nearest to it."""
+    """Return for each of `count` samples the index of the nearest value in the ascending `rows`."""
     every = np.arange(count)
     after = np.clip(np.searchsorted(rows, every), 0, rows.size - 1)
     before = np.maximum(after - 1, 0)
@@ -93,13 +93,13 @@ def _nearest(rows: npt.NDArray[np.intp], count: int) -> npt.NDArray[np.intp]:
 def by_angle(run: Run, among: Sequence[str]) -> Array:
     """Compute the largest force of any of some pairs [N] in each bin of the crank turn, shape (BINS,).
 
-    The crank angle is counted from gravity, so that starts at all phases share one axis.
+    The crank angle is measured from the direction of gravity, so that starts at all phases share one axis.
     """
     return curves_by_angle(run, {"": among})[""]
 
 
 def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Compute the same for several parts, each with the pairs that press on it."""
+    """Compute the same for several parts, each with the pairs that act on it."""
     motion = settled(run)
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
@@ -113,22 +113,22 @@ def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str
 
 
 def middle(number: int) -> float:
-    """Compute the middle of a bin [deg]."""
+    """Return the centre of a bin [deg]."""
     return (number + 0.5) * 360.0 / BINS
 
 
 def largest_of_halves(force: Array) -> tuple[float, float]:
-    """Compute where a curve over the bins is largest in each half turn [deg]."""
+    """Return where a curve over the bins is largest in each half turn [deg]."""
     half = BINS // 2
     return middle(int(np.argmax(force[:half]))), middle(half + int(np.argmax(force[half:])))
 
 
 HARMONICS, PROMINENCE = 6, 0.15
-"""Highest order of a crank turn in a curve whose maxima are counted, and how far one stands out, of the whole swing."""
+"""Highest crank order kept for counting maxima, and the least prominence of a maximum as a share of the range."""
 
 
 def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
-    """Find the maxima of a curve over the bins of a crank turn [deg], without what is finer than `HARMONICS`."""
+    """Return the maxima of a curve over the bins of a crank turn [deg], without orders above `HARMONICS`."""
     orders = np.fft.rfft(np.asarray(force, float))
     orders[HARMONICS + 1 :] = 0.0
     smooth = np.fft.irfft(orders, BINS)
@@ -142,20 +142,20 @@ def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
 
 
 def share_near(force: Array, reach: float) -> float:
-    """Compute the share of a curve's sum that lies within so many degrees of crank angle 0, to either side."""
+    """Compute the share of a curve's sum that lies within `reach` [deg] of crank angle 0, on either side."""
     bins = round(reach * BINS / 360.0)
     total = float(force.sum())
     return float(force[:bins].sum() + force[-bins:].sum()) / total if total else 0.0
 
 
 def standing_for_pin_1(design: Design) -> int:
-    """Find the number of the ring pin, or lobe, that a start has where gravity finds pin 1: as far from straight up."""
+    """Return the number of the ring pin, or lobe, at the position of pin 1 relative to gravity."""
     pitches = round(gravity_turn(Reducer(design)) * design.ring.teeth / (2 * np.pi))
     return (-pitches) % design.ring.teeth + 1
 
 
 def likeness(curves: Sequence[Array]) -> tuple[float, ...]:
-    """Compute the correlation of each curve with the mean of the others: 1 where each start repeats the same."""
+    """Compute the correlation of each curve with the mean of the others; 1 if all starts are equal."""
     return tuple(
         float(np.corrcoef(curve, np.mean([other for other in curves if other is not curve], axis=0))[0, 1])
         for curve in curves

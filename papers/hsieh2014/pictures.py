@@ -1,4 +1,4 @@
-"""Pictures of both reducers as they run, and of their parts, where there is OpenGL: the paper's Figs 3, 4 and 17."""
+"""Rendered pictures of both reducers and their parts, as in the paper's Figs 3, 4 and 17; needs OpenGL."""
 
 from collections.abc import Iterator, Sequence
 
@@ -12,13 +12,13 @@ from hsieh2014.stage import PaperFigure
 VIEWS = {"front": (90.0, -89.9), "aslant": (60.0, -35.0)}
 """Azimuth and elevation of the camera [deg]."""
 PART_VIEWS = {"shaft": (60.0, -15.0), "output": (60.0, 40.0)}
-"""The same of a part, if it is not aslant: the shaft from the side, the output from where its pins are."""
+"""Azimuth and elevation for parts with a view of their own [deg]."""
 SIZE = (700, 700)
 """[pixels]"""
 
 
 def pictures(rated: Sequence[Run]) -> tuple[tuple[PaperFigure, ...], tuple[str, ...]]:
-    """Render both reducers under the rated load, and their parts; without OpenGL the reason stands for them."""
+    """Render both reducers under the rated load and their parts; without OpenGL return the reason."""
     try:
         return tuple(plate for run in rated for plate in _plates(run)), ()
     except CycloidError as error:

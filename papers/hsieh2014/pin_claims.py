@@ -1,4 +1,4 @@
-"""Claims on pin 1 at no load: how far it moves, whether it turns, and whether it slides on the gear (Figs 9 and 16)."""
+"""Claims on pin 1 without load: displacement, rotation and sliding on the gear (Figs 9 and 16)."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,24 +7,24 @@ from cycloid_mj.comparison import StartSpread
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, ruling
 from hsieh2014.pin_motion import PinMotion
-from hsieh2014.verdicts import most, spread_error, spread_value
+from hsieh2014.verdicts import majority_verdict, spread_error, spread_value
 
 SEEN_TURN, ROLLS = 1.0, 0.5
-"""A pin is seen turned from this angle on [deg], and rolls if its surface goes along with this share of the gear's."""
+"""Smallest visible rotation of a pin [deg], and share of the gear's surface speed above which a pin rolls."""
 
 SWAYS, GIVE = 0.1, 0.05
-"""Shares of the clearance: a pin sways if it moves farther than the one; the give of its socket is within the other."""
+"""Shares of the clearance: smallest displacement that counts, and allowed deflection of the socket."""
 
 Motions = OverStarts[PinMotion]
 
 
 def pin_claims(motions: Motions, rated: PinMotion) -> tuple[Claim, ...]:
-    """Judge every claim on pin 1, by its motion in the idle starts; that under the rated load stands beside."""
+    """Judge every claim on pin 1 by its motion in the starts without load; also report it under the rated load."""
     return tuple(judged(motions, rated) for judged in (sway, spin, turns, slides))
 
 
 def sway(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 moves about in its clearance, and does not leave it but by the give of the contact."""
+    """Judge whether pin 1 moves within its clearance, apart from the deflection of the contact."""
     starts, clearance = motions.base, motions.base[0].clearance
     reach, span = _spread(starts, lambda one: one.reach), _spread(starts, lambda one: one.span)
     judged = ruling(
@@ -51,12 +51,12 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
 
 
 def _one_way(ahead: Sequence[bool]) -> Verdict:
-    """Judge a turning on: it agrees where most starts turn one way, whichever that is."""
-    return Verdict.AGREES if most(ahead) != Verdict.NOT_DETERMINED else Verdict.NOT_DETERMINED
+    """Judge a continued rotation: it agrees if most starts rotate in the same direction."""
+    return Verdict.AGREES if majority_verdict(ahead) != Verdict.NOT_DETERMINED else Verdict.NOT_DETERMINED
 
 
 def spin(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 turns on: whether its mean spin has one sign in most starts."""
+    """Judge whether pin 1 keeps rotating: whether its mean speed has the same sign in most starts."""
     means = _spread(motions.base, lambda one: one.mean_spin)
     rocking = _spread(motions.base, lambda one: one.rms_spin)
     judged = ruling(
@@ -80,7 +80,7 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
 
 
 def turns(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 is seen turned at the crank angles of Fig. 9(a)."""
+    """Judge whether pin 1 is visibly rotated at the crank angles of Fig. 9(a)."""
     widest = _spread(motions.base, lambda one: one.seen_turned)
     first = ", ".join(f"{angle:.2g}" for angle in motions.base[0].turned)
     judged = ruling(
@@ -98,7 +98,7 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
 
 
 def slides(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 slides on the gear away from crank angle 0: one that rolls would turn as the gear passes."""
+    """Judge whether pin 1 slides on the gear away from crank angle 0, in contrast to rolling."""
     shares = _spread(motions.base, lambda one: one.rolling)
     judged = ruling(
         motions,

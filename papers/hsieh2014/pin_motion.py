@@ -1,4 +1,4 @@
-"""How pin 1 moves in a run: within its clearance, about itself, and along the gear (Figs 9 and 16)."""
+"""Motion of pin 1 in a run: displacement, rotation, and sliding on the gear (Figs 9 and 16)."""
 
 from dataclasses import dataclass
 
@@ -12,20 +12,20 @@ from hsieh2014.stated import PIN_1_LOADED, SHOWN
 
 @dataclass(frozen=True)
 class PinMotion:
-    """How pin 1 moves in one run.
+    """Motion of pin 1 in one run.
 
     Attributes
     ----------
     clearance
         Of its socket [m].
     span, reach
-        Width that its centre moves in, and how far it gets from the middle of its socket [m].
+        Range of its centre, and its largest distance from the middle of its socket [m].
     mean_spin, rms_spin
-        Over whole crank turns [rad/s].
+        Rotational speed over full crank turns [rad/s].
     turned
-        How far it has turned since the turn began, at the crank angles of Fig. 9(a) [deg].
+        Rotation since the beginning of the turn, at the crank angles of Fig. 9(a) [deg].
     rolling
-        Speed of its surface as a share of the gear's where that passes, from 10 to 350 deg [1].
+        Speed of its surface as a share of the gear's at the contact, from 10 to 350 deg [1].
     """
 
     clearance: float
@@ -38,12 +38,12 @@ class PinMotion:
 
     @property
     def seen_turned(self) -> float:
-        """How far it turns between the crank angles of Fig. 9(a) [deg]."""
+        """Return the largest rotation between the crank angles of Fig. 9(a) [deg]."""
         return max(self.turned) - min(self.turned)
 
 
 def pin_motion(motion: Series) -> PinMotion:
-    """Measure the motion of pin 1 in a settled run of free or fixed pins."""
+    """Evaluate the motion of pin 1 in a settled run with free or fixed pins."""
     pin = motion.pin_1
     assert pin is not None
     spin = pin.spin[motion.whole_periods]
@@ -53,12 +53,12 @@ def pin_motion(motion: Series) -> PinMotion:
         reach=float(pin.radial[motion.hold].max()),
         mean_spin=float(np.mean(spin)),
         rms_spin=rms(spin),
-        turned=_turned(motion),
+        turned=_rotation(motion),
         rolling=_rolling(motion, spin),
     )
 
 
-def _turned(motion: Series) -> tuple[float, ...]:
+def _rotation(motion: Series) -> tuple[float, ...]:
     rows = motion.one_turn
     crank = np.abs(np.degrees(motion.crank_angle[rows]))
     angle = np.degrees(motion.run["pin_1_angle"][rows])
@@ -67,9 +67,9 @@ def _turned(motion: Series) -> tuple[float, ...]:
 
 
 def _rolling(motion: Series, spin: Array) -> float:
-    """Compute the speed of pin 1's surface as a share of the gear's where that passes.
+    """Compute the speed of pin 1's surface as a share of the gear's at their contact.
 
-    Where gear and pin touch, the gear's speed is along both. The crank angle is counted from gravity's direction in the
+    At the contact, the gear's speed is along both surfaces. The crank angle is measured from gravity's direction in the
     first start, where pin 1 is at 0 deg.
     """
     gear, rows = motion.design.gear, motion.whole_periods

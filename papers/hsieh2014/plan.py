@@ -1,4 +1,4 @@
-"""How much is computed, and under which conditions the two designs run: the same for both."""
+"""Extent of the computation, and the conditions of the runs, which are equal for both designs."""
 
 import math
 from dataclasses import dataclass
@@ -13,42 +13,42 @@ SAMPLING = 360
 """Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""
 
 LOGGED = 2
-"""Samples logged for each one in the figures: vibration and stress take more."""
+"""Samples logged for each sample in the figures; vibration and stress need more."""
 
 STEPS = 17
-"""Time steps from one logged sample to the next, 2.989 us each: samples fall on whole and half degrees, and no longer
-step do both designs allow in every run (`contact.timestep.limits`).
+"""Time steps per logged sample, 2.989 us each: samples are at full and half degrees. At least one
+design allows no longer step in some run (`dynamics.timestep`).
 """
 
 STARTS = 12
-"""Independent starts of each design at no load, three tooth pitches apart: one more than the rank test of the orders
-needs to find, nine times of ten, a difference that nine of ten pairs of starts show (`verdicts.starts_needed`).
+"""Independent starts of each design without load, three tooth pitches apart: one more than the rank test needs to
+detect, with a power of 0.9, a difference that nine of ten pairs of starts show (`verdicts.starts_needed`).
 """
 
 SPARE = 3
-"""Samples after the last turn, so that it is whole."""
+"""Samples after the last turn, so that it is complete."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is computed.
+    """Extent of the computation.
 
     Attributes
     ----------
     quick
-        Whether stress and torque take coarser grids and shorter averages.
+        Whether stress and torque use coarser grids and shorter averages.
     steps
-        Time steps from one logged sample to the next.
+        Time steps per logged sample.
     turns, varied_turns, finer_turns
         Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
     varied_starts
-        Independent starts of each idle run of the sweep, and of those with half the step; the main ones have `STARTS`.
-        With fewer than 6 the rank test finds no order unless the starts do not overlap at all, with 3 none.
+        Independent starts of each run without load in the sweep, and of those with half the step; the main runs have
+        `STARTS`. With fewer than 6, the rank test detects only starts that do not overlap; with 3, nothing.
     ramp
-        Whether the real ramp of 1 s is run for Fig. 5.
+        Whether the ramp of 1 s is simulated for Fig. 5.
     solver
-        What runs the independent starts and what is varied; the runs that the figures draw, and the rated ones whose
-        stress and torque are found, are MuJoCo's.
+        Solver of the independent starts and of the variations. The runs of the figures, and the rated runs for stress
+        and torque, use MuJoCo.
     """
 
     quick: bool
@@ -63,34 +63,34 @@ class Plan:
 
 PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
 CREEP_SPEED = 0.02
-"""Sliding speed [m/s] at which friction is whole, one end of what is searched: parts slide at 0.01 to 0.36 m/s."""
+"""Creep speed [m/s] at one end of the searched range; parts slide at 0.01 to 0.36 m/s."""
 
 IMPACT = Variation("contact law", "IMPACT", ('contact.law="impact"',))
-"""The default contact of motion solvers, with which the authors may have run."""
+"""The default contact of motion solvers, which the authors may have used."""
 
 TIGHT = Variation("clearance", "0.1 um", tuple(f"clearance.{pair}_um=0.1" for pair in PAIRS))
-"""A tenth of the clearance: what is left where it is taken away."""
+"""A tenth of the clearance, as an approximation of no clearance."""
 
 MORE = (
     Variation("creep speed", "1 mm/s", ("contact.creep_speed_mm_s=1.0",)),
     Variation("stiffness", "half", ("material.youngs_modulus_mpa=105000.0",)),
     Variation("clearance", "2 um", tuple(f"clearance.{pair}_um=2.0" for pair in PAIRS)),
 )
-"""What is varied beside damping, friction and the pins' freedom, unless quick; parts are rigid but at their contacts,
-so that Young's modulus is the stiffness of these.
+"""Further variations of the full sweep; parts are rigid except at their contacts, so that Young's modulus determines
+only their stiffness.
 """
 
 QUICK_SWEEP = (("friction", "0.0"), ("pins", "fixed"))
-"""What a quick sweep varies beside the contact law and the clearance."""
+"""Variations of a quick sweep in addition to contact law and clearance."""
 
 LEFT_OPEN = ("damping", "friction", "creep speed", "stiffness", "contact law")
-"""Parameters of the sweep that the paper leaves open: it gives the clearance, and that its pins are free."""
+"""Parameters of the sweep that the paper leaves open; it states the clearance, and that its pins are free."""
 
 RANGES = (
     Range("friction.pin_gear, pin_socket, tooth", 0.0, 0.05, "1", "a model without friction to lubricated steel"),
     Range("contact.law", 0.0, 1.0, "line or impact", "line contacts of steel, or the default of motion solvers"),
 )
-"""What the paper leaves open of its idle motion, and how far the quick sweep searches it."""
+"""What the paper leaves open of its motion without load, with the range of the quick sweep."""
 
 MORE_RANGES = (
     Range("contact.damping_ratio", 0.1, 1.0, "of critical", "from dry steel to a full film"),
@@ -98,24 +98,24 @@ MORE_RANGES = (
     Range("contact.creep_speed_mm_s", 1.0, 20.0, "mm/s", "what regularises friction"),
     Range("material.youngs_modulus_mpa", 105e3, 210e3, "N/mm2", "contacts half as stiff as steel"),
 )
-"""What the full sweep searches besides, or farther."""
+"""Additional or wider ranges of the full sweep."""
 
 QUICK_CHORD_ERRORS = (0.0, 50e-6)
 CHORD_ERRORS = (0.0, 2e-6, 10e-6, 20e-6, 50e-6, 100e-6)
-"""Of the flanks' facets, from exact flanks on [m]."""
+"""Chord errors of the flanks' facets, starting with exact flanks [m]."""
 
 QUICK = Plan(quick=True, steps=STEPS, turns=1, varied_turns=1, finer_turns=0, varied_starts=STARTS, ramp=False)
 FULL = Plan(quick=False, steps=2 * STEPS, turns=4, varied_turns=2, finer_turns=2, varied_starts=STARTS, ramp=True)
 
 
 def designs() -> tuple[Design, Design]:
-    """Return the paper's two designs, pin and nonpin, with the creep speed that the sweep begins at."""
+    """Return the paper's two designs, pin and nonpin, with `CREEP_SPEED`."""
     pin, nonpin = (PRESETS[name].but(contact={"creep_speed": CREEP_SPEED}) for name in ("pin", "nonpin"))
     return pin, nonpin
 
 
 def loads() -> tuple[float, float]:
-    """Compute the load torques of the runs [N m]: none, and the torque without losses, 36.68."""
+    """Return the load torques of the runs [N m]: none, and the torque without losses, 36.68."""
     first = PRESETS["pin"]
     return 0.0, round(first.drive.torque * first.lobes, 9)
 
@@ -132,9 +132,9 @@ def torque_test() -> Condition:
 
 
 def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Design:
-    """Return a design that runs from full speed until so many turns have settled, at `steps` from sample to sample.
+    """Return a design that starts at full speed and runs for `turns` settled turns, with `steps` per sample.
 
-    Both kinds of ring run as long: until that which settles more slowly has settled.
+    Both kinds of ring use the settling time of the slower one.
     """
     sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
     sampling = {"timestep": sample / steps, "log_rate": 1.0 / sample}
@@ -143,8 +143,8 @@ def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Des
     return design.steady(slower, turns, samples=SPARE)
 
 
-def ramped(plan: Plan, design: Design) -> Design:
-    """Return a design with the paper's ramp and a settled turn after it, without load, at the paper's sampling."""
+def ramp_run(plan: Plan, design: Design) -> Design:
+    """Return a design with the paper's ramp and one settled turn, without load, at the paper's sampling."""
     short = at_speed(design, 0.0, 1, plan.steps)
     rate = short.settings.log_rate / LOGGED
     return short.but(drive={"ramp": design.drive.ramp}, settings={"log_rate": rate})
@@ -156,19 +156,19 @@ def main_runs(plan: Plan) -> list[Design]:
 
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
-    """List the independent starts of a design at no load; the first is as its main run."""
+    """List the independent starts of a design without load; the first equals its main run."""
     return list(all_started(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
 
 
-def equalised() -> Design:
+def equal_play_design() -> Design:
     """Return the third design of the rated runs: nonpin with the pin design's total play and series stiffness there."""
     pin, nonpin = designs()
     return with_play_of(Reducer(nonpin), Reducer(pin.but(load={"torque": loads()[1]})))
 
 
 def rated_runs(plan: Plan) -> list[Design]:
-    """List the main runs under the rated load: pin, nonpin, and nonpin as loose and as soft as pin."""
-    return [at_speed(design, loads()[1], plan.turns, plan.steps) for design in (*designs(), equalised())]
+    """List the main runs under the rated load: pin, nonpin, and nonpin with the play and stiffness of pin."""
+    return [at_speed(design, loads()[1], plan.turns, plan.steps) for design in (*designs(), equal_play_design())]
 
 
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
@@ -190,24 +190,24 @@ def variations(plan: Plan) -> tuple[Variation, ...]:
     return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT, TIGHT)
 
 
-def unsearched(plan: Plan) -> tuple[str, ...]:
-    """List what the paper leaves open of its idle motion and the sweep does not vary."""
+def open_parameters(plan: Plan) -> tuple[str, ...]:
+    """List what the paper leaves open of its motion without load and the sweep does not vary."""
     searched = {variation.parameter for variation in variations(plan)}
     return tuple(parameter for parameter in LEFT_OPEN if parameter not in searched)
 
 
 def ranges(plan: Plan) -> tuple[Range, ...]:
-    """List the ranges of what the paper leaves open that the sweep searches."""
+    """List the ranges that the sweep searches of what the paper leaves open."""
     return RANGES if plan.quick else (*RANGES, *MORE_RANGES)
 
 
 def chord_errors(plan: Plan) -> tuple[float, ...]:
-    """List the chord errors of the flanks' facets that the treatment of contact is searched over [m]."""
+    """List the chord errors of the flanks' facets in the search over treatments of contact [m]."""
     return QUICK_CHORD_ERRORS if plan.quick else CHORD_ERRORS
 
 
 def contact_ranges(plan: Plan) -> tuple[Range, ...]:
-    """List how far the treatment of contact is searched for the heights of stress (`hypothesis`)."""
+    """List the searched ranges of the treatment of contact, for the heights of stress (`hypothesis`)."""
     least, most = 1e6 * min(chord_errors(plan)), 1e6 * max(chord_errors(plan))
     laws = "line, IMPACT, IMPACT of steel"
     return (
@@ -217,7 +217,7 @@ def contact_ranges(plan: Plan) -> tuple[Range, ...]:
 
 
 def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:
-    """List the idle starts of a design with one parameter varied; where it does not concern it, the main ones."""
+    """List the starts of a design without load with one parameter varied; the main ones if it has no effect."""
     changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
@@ -225,7 +225,7 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
-    """List the rated runs with one parameter varied; what it does not concern stays the main run."""
+    """List the rated runs with one parameter varied; the main run if it has no effect."""
     varied = []
     for design in designs():
         changed = variation.of(Reducer(design))

@@ -1,4 +1,4 @@
-"""How the profiles come about (the paper's Figs 1-4): trochoid, gear, conjugate contact, and the internal gear."""
+"""Generation of the profiles (the paper's Figs 1-4): trochoid, gear, conjugate contact, internal gear."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6}
 
 
 def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
-    """Build the four figures by name."""
+    """Return the four figures by name."""
     return {
         "fig1_rolling": rolling_figure(gear),
         "fig2_gear": gear_figure(gear),
@@ -186,7 +186,7 @@ def _on_orbit(gear: CycloidGear, crank: float) -> Array:
 
 
 def _mm(points: Array) -> Array:
-    """Compute the coordinates of points (n, 2) in mm, x and y apart."""
+    """Return the x and y coordinates of points (n, 2) in mm."""
     return 1e3 * points.T
 
 

@@ -1,7 +1,7 @@
-"""Whether a pin design fluctuates more than a nonpin one, as the paper finds, and what runs of `compare` say of it.
+"""Judgement, from runs of `compare`, whether a pin design fluctuates more than a nonpin one, as the paper states.
 
-At no load the motion is chaotic, and independent starts decide whether two designs differ; under load it is regular,
-and the crank turns of one run do.
+Without load the motion is chaotic, and independent starts decide whether two designs differ. Under load it is regular,
+and the crank turns of one run decide.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,14 +24,14 @@ OUTCOMES = {
 }
 
 SIGNIFICANCE = 0.05
-"""Chance of turns as different as those of two designs that do not differ."""
+"""Significance level of the rank test of turns."""
 
 FEWEST_TURNS = 4
-"""Turns of each design from which on the rank test can fall below `SIGNIFICANCE`: 2 of C(8, 4) orders are 3 %."""
+"""Smallest number of turns of each design for the rank test: 2 of C(8, 4) orders are 3 %."""
 
 
 class Ranked(NamedTuple):
-    """A quantity whose fluctuation is ranked: its key, name and unit, and its level in the measures of a run."""
+    """A quantity whose fluctuation is ranked: key, name, unit, and its level in the results of a run."""
 
     key: str
     name: str
@@ -55,13 +55,13 @@ RANKED = (
 
 @dataclass(frozen=True)
 class Ranking:
-    """One quantity of a pin and of a nonpin design under one load: levels, and what becomes of the paper's finding.
+    """One quantity of a pin and of a nonpin design under one load: levels and verdict on the paper's statement.
 
-    The paper finds that the pin design fluctuates more. Under load that is `confirmed` or `contradicted` where a rank
-    test (Mann and Whitney, two-sided, 5 %) finds the crank turns of the two different; the designs are `alike` where
-    their rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is
-    `confirmed` or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else,
-    and with fewer than `STARTS` independent ones, it is `not determined`.
+    The paper states that the pin design fluctuates more. Under load this is `confirmed` or `contradicted` if a rank
+    test (Mann and Whitney, two-sided, 5 %) distinguishes the crank turns of the two designs. The designs are `alike` if
+    their rms values are within 5 %. Otherwise, and with fewer than `FEWEST_TURNS`, it is `undecided`. Without load it
+    is `confirmed` or `contradicted` if all starts of one design exceed all of the other by more than 5 %. Otherwise,
+    and with fewer than `STARTS` independent starts, it is `not determined`.
 
     Attributes
     ----------
@@ -90,17 +90,17 @@ class Ranking:
 
     @property
     def ratio(self) -> float:
-        """Level of the pin design, in the mean of its starts, as a multiple of the nonpin design's."""
+        """Return the mean level of the pin design relative to that of the nonpin design."""
         return self.pin_starts.mean / self.nonpin_starts.mean if self.nonpin_starts.mean else float("inf")
 
     @property
     def starts(self) -> int:
-        """Independent starts of each design: a start that repeats another to the last bit is a copy and none."""
+        """Return the number of independent starts of each design; bitwise copies do not count."""
         return min(self.pin_starts.independent, self.nonpin_starts.independent)
 
     @property
     def verdict(self) -> Verdict:
-        """What becomes of the paper's finding."""
+        """Return the verdict on the paper's statement."""
         if self.load_nm == 0.0:
             ordering = order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
             return ("not determined", "confirmed", "contradicted")[ordering]
@@ -114,14 +114,14 @@ class Ranking:
 
     @property
     def chance(self) -> float:
-        """Probability of turns as different as these, or more, if both designs were the same."""
+        """Return the p value of the turns under the hypothesis of equal designs."""
         from scipy.stats import mannwhitneyu
 
         return float(mannwhitneyu(self.pin_level.by_turn, self.nonpin_level.by_turn).pvalue)
 
     @property
     def sentence(self) -> str:
-        """The verdict in words, with the numbers."""
+        """Return the verdict in words, with the numbers."""
         phrase = {
             "confirmed": f"CONFIRMED, {self.pin} fluctuates more",
             "contradicted": f"NOT CONFIRMED, {self.nonpin} fluctuates more",
@@ -133,7 +133,7 @@ class Ranking:
         return f"{load_words(self.load_nm)}, {self.quantity} ({claim}: {self._numbers()}"
 
     def _open(self) -> str:
-        """Say why the starts do not determine an order."""
+        """Return in words why the starts do not determine an order."""
         if self.starts < STARTS:
             return f"{self.starts} {'start' if self.starts == 1 else 'starts'} of the {STARTS} that it takes"
         return f"{self.starts} starts spread by more than their difference"
@@ -152,7 +152,7 @@ class Ranking:
 
 
 def summary(ranked: Sequence[Ranking]) -> list[str]:
-    """Say for each load and pair of designs which of the paper's findings the runs confirm and which not."""
+    """Return for each load and pair of designs which statements of the paper the runs confirm."""
     lines = []
     for load, pin, nonpin in dict.fromkeys((ranking.load_nm, ranking.pin, ranking.nonpin) for ranking in ranked):
         claims = [r for r in ranked if r.figure and (r.load_nm, r.pin, r.nonpin) == (load, pin, nonpin)]

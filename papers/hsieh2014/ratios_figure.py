@@ -1,4 +1,4 @@
-"""What decides the rankings of a comparison: pin over nonpin, as parameters are varied one at a time."""
+"""Figure of the ratio of pin to nonpin, with parameters varied one at a time."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v
 def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Figure:
     """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation.
 
-    `conditions` are the words for each load [N m], which has a panel.
+    `conditions` maps each load [N m] to the title of its panel.
     """
     figure = sheet(3.6)
     loads = sorted(conditions)

@@ -1,4 +1,4 @@
-"""The paper's question, put to the runs of ``cycloid-mj compare``: whether the pin design fluctuates more."""
+"""Answer from runs of ``cycloid-mj compare`` to the paper's question whether the pin design fluctuates more."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -14,7 +14,7 @@ SOURCE = "Hsieh 2014, Figs 6-8"
 
 
 def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Trial]]) -> RunsJudged:
-    """Rank every pin design against every nonpin design by their runs, as they are and with one thing varied."""
+    """Rank every pin design against every nonpin design by their runs, also with single parameters varied."""
     ranked = rankings(trials)
     sweep = [Varied(one.parameter, one.value, tuple(rankings(runs))) for one, runs in varied.items()]
     decided, concluded = decisions(ranked, sweep), summary(ranked)
@@ -41,7 +41,7 @@ def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Tri
 
 
 def _bases(trials: Sequence[Trial]) -> list[str]:
-    """List by what runs are judged, at no load and under load."""
+    """Return in words by what runs without load and under load are judged."""
     loads = {trial.load for trial in trials}
     idle = ["at no load by their independent starts"] if 0.0 in loads else []
     return idle + (["under load by their crank turns"] if any(loads) else [])

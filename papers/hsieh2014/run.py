@@ -1,4 +1,4 @@
-"""All stages in order; one that breaks says so, and the others still run."""
+"""All stages in order; a failed stage keeps its error, and the others still run."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ from cycloid_mj.base.memory import give_back
 from hsieh2014.authors import authors
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
-from hsieh2014.plan import Plan, unsearched
+from hsieh2014.plan import Plan, open_parameters
 from hsieh2014.stage import Progress, Runs, Stage, StageResult, StageRun
 from hsieh2014.stress import stress
 from hsieh2014.torque import torque
@@ -33,23 +33,23 @@ STEPS = (
 )
 
 AUTHORS = Stage("authors", "As the authors may have run it", "Figs 6, 8, 9, 12-16, 19", authors, 120, 300)
-"""A stage of its own, which `STEPS` do without."""
+"""A stage that runs only on request."""
 
 Report = Callable[[Stage, str, float], None]
-"""Called with a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
+"""Callback with a stage, its current task, and the remaining time of all stages [s]."""
 
 
 def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[StageRun]:
-    """Run the steps; an error of one, whatever it is, is kept in its stage.
+    """Run the stages; any error is kept in its stage.
 
     Parameters
     ----------
     plan
-        How much is computed.
+        Extent of the computation.
     runs
-        Gives the run of a design.
+        Provider of the runs of designs.
     report
-        Called with how far it is.
+        Progress callback.
     chosen
         Keys of the steps to run; by default all of `STEPS`.
     """
@@ -67,24 +67,24 @@ def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()
 
 
 def pace(passed: float, done: float, whole: float) -> float:
-    """Estimate how long a share takes, as a multiple of itself: shares are seconds on two free cores.
+    """Estimate the run time relative to the shares, which are seconds on two idle cores.
 
-    Half of all counts as done at that pace beforehand, since logs that fit make the first stages quick.
+    Half of the total counts as already done at that pace, because existing logs make the first stages fast.
     """
     return (passed + whole / 2) / (done + whole / 2)
 
 
 def _progress(report: Report, step: Stage, ends: float, later: float, text: str) -> None:
-    """Report a step with the time left [s]: until its own end, if that is ahead, and what comes later."""
+    """Report a stage with the remaining time [s]: until its own end, and of the later stages."""
     report(step, text, max(ends - monotonic(), 0.0) + later)
 
 
 def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRun:
-    """Run one step."""
+    """Run one stage."""
     start = monotonic()
     try:
         result, error = step.work(plan, runs, progress), ""
-        claims = [as_searched(claim, unsearched(plan)) for claim in result.claims]
+        claims = [as_searched(claim, open_parameters(plan)) for claim in result.claims]
         if step.judged_on_starts:
             claims = [replace(one, condition=replace(one.condition, solver=plan.solver)) for one in claims]
         result = replace(result, claims=tuple(claims))

@@ -1,4 +1,4 @@
-"""What is judged of one run: every figure that any stage takes of an idle start, so that its log is read once."""
+"""All figures of a run that any stage needs, so that its log is read only once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,39 +16,39 @@ from hsieh2014.ranking import RANKED
 from hsieh2014.stated import ORDER
 
 PRESSED = (*ORDER, OUTPUT, PIN_1)
-"""Parts whose forces are judged."""
+"""Parts whose forces are evaluated."""
 
 
 @dataclass(frozen=True, eq=False)
 class RunFigures:
-    """What is judged of one run.
+    """Figures of one run.
 
     Attributes
     ----------
     design
         Name of the design that ran.
     mean_speed
-        Of the gear against the crank, over whole turns [rad/s].
-    strayed
+        Mean speed of the gear, opposite to the crank, over full turns [rad/s].
+    transmission_error
         Transmission error of the gear, peak to peak [arcsec].
     levels
-        Key of a ranked quantity -> its rms about the closed form.
+        Key of a ranked quantity -> its rms difference from the closed form.
     pin_1
-        How pin 1 moves; None where no pin can.
+        Motion of pin 1; None if no pin can move.
     forces
         Part -> the largest force on it in each part of a crank turn [N], shape (``peaks.BINS``,).
     """
 
     design: str
     mean_speed: float
-    strayed: float
+    transmission_error: float
     levels: Mapping[str, float]
     pin_1: PinMotion | None
     forces: Mapping[str, Array]
 
 
 def run_figures(run: Run) -> RunFigures:
-    """Compute all that is judged of a run."""
+    """Compute all figures of a run."""
     motion = settled(run)
     measures = measure(motion)
     return RunFigures(
@@ -62,11 +62,11 @@ def run_figures(run: Run) -> RunFigures:
 
 
 def mean_speed(motion: Series) -> float:
-    """Compute the mean speed of the gear against the crank [rad/s], over whole turns."""
+    """Compute the mean speed of the gear, opposite to the crank [rad/s], over full turns."""
     speed = motion.gear_speed.simulated[motion.whole_periods]
     return -float(np.mean(speed)) * float(np.sign(motion.design.drive.speed))
 
 
-def strayed(motion: Series) -> float:
+def transmission_error(motion: Series) -> float:
     """Compute the transmission error of the gear, peak to peak [arcsec]."""
     return judge(motion).gear_transmission_error.peak_to_peak_arcsec

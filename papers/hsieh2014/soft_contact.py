@@ -1,9 +1,9 @@
-"""The idle mechanism with the contact of a commercial motion solver: soft springs, on flanks made of facets.
+"""The mechanism without load, with the contact of a commercial motion solver: soft springs, on flanks of facets.
 
-A small computation of its own, in the plane and without friction: it shares only the distance to the trochoid with the
-rest of the project, and to the half-open sockets. The crank turns at constant speed; cycloid gear, free pins and output
-move by Newton's law under gravity and the function IMPACT of such solvers, F = k d^e + c step(d) d', d the depth, whose
-damping rises as a cubic step from nothing at the surface to its whole at some depth.
+An independent planar computation without friction. It shares with the package only the distances to the trochoid and to
+the half-open sockets. The crank turns at constant speed. Gear, free pins and output move by Newton's law under gravity
+and the function IMPACT, F = k d^e + c step(d) d', with the depth d. The damping rises as a cubic step from zero at the
+surface to its full value at a given depth.
 """
 
 import math
@@ -31,16 +31,16 @@ from cycloid_mj.reducer.sockets import socket_half_angle
 from hsieh2014.peaks import BINS
 
 TIMESTEP = 0.5e-6
-"""[s]"""
+"""Time step [s]."""
 
 SETTLING = 0.5
-"""Crank turns before forces count."""
+"""Crank turns before the evaluation."""
 
 DEGREES = 360
-"""Samples of a turn in the paper: one for each degree."""
+"""Samples per turn in the paper: one per degree."""
 
 OTHERS = 8
-"""Figures of `PeakForces` before its curve."""
+"""Number of fields of `PeakForces` before its curve."""
 
 
 _spring_at, _damper_at = njit(impact.spring), njit(impact.damper)
@@ -53,11 +53,11 @@ class SoftContact:
     Attributes
     ----------
     name
-        Where they are the default.
+        Description of where these parameters are the default.
     stiffness, exponent
         k [N/m^e] and e of the spring.
     damping, depth
-        Whole damping c [N s/m], and the depth from which on it acts [m].
+        Full damping c [N s/m], and the depth at which it is reached [m].
     """
 
     name: str
@@ -73,12 +73,12 @@ def in_millimetres(name: str, stiffness: float, exponent: float, damping: float,
 
 
 STEEL = in_millimetres("steel on steel, dry or greasy", 1e5, 1.5, 50.0, 0.1)
-"""The material table of ADAMS, which SolidWorks Motion (COSMOSMotion) took over with its solver: stiffness 100 000,
+"""The material table of ADAMS, also in SolidWorks Motion (COSMOSMotion): stiffness 100 000,
 damping 50, exponent 1.5, penetration 0.1 (N, mm, s), as listed at https://www.cnblogs.com/sxhui/p/14557852.html.
 """
 
 GENERIC = in_millimetres("unnamed material", 1e5, 2.2, 10.0, 0.1)
-"""Its default where no material is chosen: stiffness 1e5 N/mm, exponent 2.2, damping 10 N s/mm ("Contact Parameters for
+"""The default without a material: stiffness 1e5 N/mm, exponent 2.2, damping 10 N s/mm ("Contact Parameters for
 Parts with Small Mass", Adams View help, https://adams.thisaray.com/adams_view/building_models_contacts.11.10.html).
 
 Its 3-D contacts are found on polygons by default (RAPID; CONTACT statement, Adams Solver help,
@@ -88,13 +88,12 @@ https://adams.thisaray.com/adams_solver/state_contact.html).
 
 @dataclass(frozen=True)
 class PeakForces:
-    """Largest normal force of each kind of contact over the turns that count [N], and how gear and pins move.
+    """Largest normal force of each kind of contact over the evaluated turns [N], and motion of gear and pins.
 
-    `tooth` of the gear on a pin or on the internal gear, `seat` of a pin in its socket (of the tooth where there is
-    none), `cam`, `output`; `sampled` is the cam's largest at one sample for each degree. `rms` is that of the gear's
-    speed about its closed form [rad/s], `q_rms` that of the speed of q, the centre of hole 1 [m/s], `reach` how far a
-    pin gets from its place [m], `curve` the cam's largest force in each of `BINS` parts of a crank turn, from gravity's
-    direction on [N].
+    `tooth`: gear on a pin or on the internal gear; `seat`: pin in its socket (the tooth if there is none); `cam`;
+    `output`; `sampled`: the cam's largest force at one sample per degree. `rms` is the rms error of the gear's speed
+    [rad/s], `q_rms` that of the speed of q, the centre of hole 1 [m/s], `reach` the largest displacement of a pin [m],
+    `curve` the cam's largest force in each of `BINS` parts of a crank turn, from gravity's direction on [N].
     """
 
     tooth: float
@@ -109,7 +108,7 @@ class PeakForces:
 
 
 def line_contacts(design: Design) -> SoftContact:
-    """Return linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
+    """Return linear springs with the stiffness and damping of the design's line contacts."""
     reducer = Reducer(design)
     stiffness = reducer.contacts[design.tooth_pair].stiffness
     mass = mass_properties(parts(reducer)["gear"]).mass / design.ring.teeth
@@ -119,21 +118,21 @@ def line_contacts(design: Design) -> SoftContact:
 def soft_idle(
     design: Design, contact: SoftContact, chord_error: float, turns: int, seed: int, phase: float = 0.0
 ) -> PeakForces:
-    """Turn an idle reducer with soft contacts, and give its largest forces.
+    """Simulate a reducer without load with soft contacts and return its largest forces.
 
     Parameters
     ----------
     design
-        A reducer with free pins, or with an internal gear, of which the arcs alone count.
+        A reducer with free pins, or with an internal gear, of which only the arcs are included.
     contact
         Parameters of every contact.
     chord_error
-        Mean distance [m] between the middle of a facet and the flank that it stands for; 0 for exact flanks. A facet
-        of a hollow stretch stands out of the flank, one of a bulge stays behind it.
+        Mean distance [m] between the middle of a facet and the flank; 0 for exact flanks. A facet of a concave
+        section protrudes from the flank, one of a convex section is behind it.
     turns
-        Crank turns that count.
+        Evaluated crank turns.
     seed
-        Of the facets' heights, drawn evenly from nothing to twice the mean.
+        Seed of the facets' heights, which are uniform between 0 and twice the mean.
     phase
         Crank angle at the start [rad].
     """
@@ -156,13 +155,13 @@ def soft_idle(
     )
     turn = 2.0 * math.pi / abs(design.drive.speed)
     steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
-    turned = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
+    turned = _integrate(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
     tooth, seat, cam, output_force, sampled, rms, q_rms, reach = turned[:OTHERS].tolist()
     return PeakForces(tooth, seat, cam, output_force, sampled, rms, q_rms, reach, tuple(turned[OTHERS:].tolist()))
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:
-    """Compute the chord error of each facet [m], shape (lobes, facets of a lobe).
+    """Return the chord error of each facet [m], shape (lobes, facets of a lobe).
 
     A chord of a circle of the valley's radius has this error at a length of sqrt(8 R error).
     """
@@ -174,7 +173,7 @@ def _facets(design: Design, chord_error: float, seed: int) -> Array:
 
 
 @njit(cache=cacheable(), nogil=True)
-def _turned(
+def _integrate(
     values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
 ) -> Any:
     radius, c, rho, speed, play, socket, cam_play, circle, room = values[:9]

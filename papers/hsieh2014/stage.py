@@ -1,4 +1,4 @@
-"""What a stage is given, and what it leaves."""
+"""Input and output of a stage."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -14,9 +14,9 @@ from hsieh2014.run_figures import RunFigures, run_figures
 
 
 class Runs(ABC):
-    """Gives the run of each design by a solver: from a log that fits, or by running it.
+    """Provider of the run of each design by a solver, from a matching log or by simulation.
 
-    A run is read whenever it is asked for; what is judged of it is kept.
+    A run is read each time it is requested; its figures are kept.
     """
 
     def __init__(self) -> None:
@@ -27,7 +27,7 @@ class Runs(ABC):
         """Return the runs in the order of their designs."""
 
     def figures(self, designs: Sequence[Design], solver: Solver) -> list[RunFigures]:
-        """Return what is judged of each run, in the order of their designs."""
+        """Return the figures of each run, in the order of the designs."""
         missing = [design for design in dict.fromkeys(designs) if (design, solver) not in self._figures]
         for design, run in zip(missing, self(missing, solver), strict=True):
             self._figures[design, solver] = run_figures(run)
@@ -35,7 +35,7 @@ class Runs(ABC):
 
 
 Progress = Callable[[str], None]
-"""Called with what a stage does next."""
+"""Callback with the next task of a stage."""
 
 
 def silent(text: str) -> None:
@@ -44,7 +44,7 @@ def silent(text: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class PaperFigure:
-    """One figure: its `name` as a file, the paper's figure that it stands for, what it shows, and the drawing."""
+    """A figure: `name` of its file, number of the paper's figure, caption, and drawing."""
 
     name: str
     stands_for: str
@@ -54,7 +54,7 @@ class PaperFigure:
 
 @dataclass(frozen=True, eq=False)
 class StageResult:
-    """What a stage found: figures, tables, claims, findings for a program, and notes, a sentence each."""
+    """Results of a stage: figures, tables, claims, machine-readable values, and notes of one sentence each."""
 
     plates: tuple[PaperFigure, ...] = ()
     tables: tuple[Table, ...] = ()
@@ -68,9 +68,9 @@ Work = Callable[[Plan, Runs, Progress], StageResult]
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full.
+    """A stage: `key`, `title`, the `paper`'s figures, its function `work`, and its run time, quick and full [s].
 
-    Its claims may be `judged_on_starts`, which the plan's solver runs.
+    Claims that are `judged_on_starts` use the runs of the plan's solver.
     """
 
     key: str
@@ -83,13 +83,13 @@ class Stage:
 
     @property
     def heading(self) -> str:
-        """Title, and the paper's figures."""
+        """Return the title with the paper's figures."""
         return f"{self.title} ({self.paper})"
 
 
 @dataclass(frozen=True, eq=False)
 class StageRun:
-    """A step that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
+    """A stage that ran: its results, its run time in `seconds`, and its `error` ("" for success)."""
 
     step: Stage
     result: StageResult
@@ -97,7 +97,7 @@ class StageRun:
     error: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the stage to JSON values; its claims stand apart."""
+        """Convert the stage to JSON values without its claims, which are listed separately."""
         return {
             "key": self.step.key,
             "title": self.step.title,

@@ -1,4 +1,4 @@
-"""Independent starts of an idle reducer: one mark for each, pin beside nonpin, as parameters vary."""
+"""Figure of independent starts without load: one mark per start, pin next to nonpin, for varied parameters."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,16 +11,16 @@ from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, styled
 from hsieh2014.ranking import Ranked
 
 ROW, HEAD = 1.3, 1.4
-"""Height of a panel, and of what stands above and below them [in]."""
+"""Height of a panel, and of the space above and below the panels [in]."""
 TICKS = 6
-"""Most numbers on an axis."""
+"""Maximum number of ticks on an axis."""
 BESIDE = 0.15
-"""From the middle of a case to the marks of a design."""
+"""Distance between the middle of a case and the marks of a design."""
 
 
 @styled
 def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], quantities: Sequence[Ranked]) -> Figure:
-    """Draw each quantity in a panel: cases side by side, one mark for each start of each design.
+    """Draw each quantity in a panel: cases side by side, one mark per start and design.
 
     Parameters
     ----------

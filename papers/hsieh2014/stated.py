@@ -1,4 +1,4 @@
-"""What the paper states, as numbers (Hsieh 2014, Figs 12-19), and which designs are its own."""
+"""Numbers that the paper states (Hsieh 2014, Figs 12-19), and the identification of its designs."""
 
 import math
 from typing import TYPE_CHECKING
@@ -20,7 +20,7 @@ GEAR_SPEED = 4.907
 """Speed of the gear at 1640 rpm of the crank [rad/s] (Eq. 12, Fig. 6)."""
 
 FLUCTUATIONS = {"gear speed": "Fig. 6", "path of q": "Fig. 7", "velocity of q": "Fig. 8"}
-"""Where the paper finds that the pin design fluctuates more, by quantity."""
+"""Figure in which the paper states that the pin design fluctuates more, by quantity."""
 
 FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}
 
@@ -32,40 +32,40 @@ HEIGHTS = {
     ("gear", "pin"): 20.0,
     ("gear", "nonpin"): 10.0,
 }
-"""Up to about where the curve of a part reaches in a design [MPa]."""
+"""Approximate maximum of a part's curve in a design [MPa]."""
 
 ORDER = ("shaft", "ring", "gear")
-"""Parts from the most to the least stressed, in both designs."""
+"""Parts by decreasing stress, in both designs."""
 
 SHAFT_PEAKS = (75.0, 255.0)
 """Crank angles of the shaft's two peaks in the pin design [deg]; the maximum is at 74."""
 
 PIN_1_LOADED = (350.0, 10.0)
-"""Crank angles between which pin 1 is loaded, over 0 [deg]."""
+"""Crank angles between which pin 1 is loaded, through 0 [deg]."""
 
 SHOWN = (0.0, 120.0, 240.0, 360.0)
 """Crank angles at which Fig. 9(a) shows the pins [deg]."""
 
 LEAST, MOST = 0.5, 1.1
-"""A height agrees from half of the paper's to a tenth above it."""
+"""A height agrees between these multiples of the paper's."""
 
 NEAR = 10.0
-"""Crank angles this near each other agree [deg]: a mesh period."""
+"""Tolerance of crank angles [deg]: a mesh period."""
 
 
 OURS = ("pin", "nonpin")
-"""The paper's two designs, by their kinds of ring, are the presets of these names."""
+"""Presets of the paper's two designs, named by their kind of ring."""
 
 
 def is_ours(design: Design) -> bool:
-    """Whether a design is one of the paper's two but for load, speed, environment and settings."""
+    """Return whether a design is one of the paper's two, apart from load, speed, environment and settings."""
     from cycloid_mj.stress.turn import differences
 
     return not all(differences(Reducer(design), Reducer(PRESETS[kind])) for kind in OURS)
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":
-    """Return the paper's figure, and the height that it stays below, of each part of its own designs."""
+    """Return the paper's figure and upper bound of the stress for each part of its own designs."""
     from cycloid_mj.base.units import MEGAPASCAL
     from cycloid_mj.stress.findings import Reference
 
@@ -79,7 +79,7 @@ def stress_references(design: Design) -> "dict[str, Reference]":
 
 
 def torques(design: Design) -> "list[Published]":
-    """Return the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
+    """Return the paper's torques for this kind of ring; none for other teeth or another input torque."""
     from cycloid_mj.measure.published import Published
 
     preset = PRESETS[design.ring.kind]

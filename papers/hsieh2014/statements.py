@@ -1,4 +1,4 @@
-"""Every claim of the paper that is judged: its key, where it stands, its condition, its words and its number."""
+"""All judged claims of the paper: key, figure, condition, text and number."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -9,14 +9,14 @@ from hsieh2014.stated import FIGURES, FLUCTUATIONS, GEAR_SPEED, HEIGHTS, IDEAL, 
 
 BY_DESIGN = "nonpin / pin"
 AHEAD = "N m, nonpin - pin"
-"""Units of what compares the designs."""
+"""Units of comparisons of the designs."""
 PARTS = {"output_acceleration": "output"}
-"""The part that a ranked quantity is of, if it is not the gear."""
+"""Part of a ranked quantity, if it is not the gear."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """What the paper states; fields as of `Claim`."""
+    """A statement of the paper; fields as in `Claim`."""
 
     key: str
     figure: str
@@ -38,9 +38,9 @@ class Statement:
         removals: Iterable[Removal] = (),
         p: float | None = None,
     ) -> Claim:
-        """Return the claim with what is found here, and what becomes of it; parameters as of `Claim`.
+        """Return the claim with the model's result and the verdict; parameters as in `Claim`.
 
-        What has neither p nor starts, as a single run under load, spreads as far as its numerical error.
+        A result without p and starts, such as a single run under load, gets its numerical error as spread.
         """
         if p is None and ours.spread is None and ours.value is not None and error.value is not None:
             ours = replace(ours, spread=(ours.value - error.value, ours.value + error.value))
@@ -68,7 +68,7 @@ def gear_speed(design: str) -> Statement:
 
 
 def pin_1_sway(clearance: float) -> Statement:
-    """Fig. 9: the way of pin 1, within a clearance [m]."""
+    """Fig. 9: the displacement of pin 1, within a clearance [m]."""
     value = Value("within 0.001 mm", 1e3 * clearance, "mm")
     return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 sways within its clearance", value)
 
@@ -89,17 +89,17 @@ PIN_1_SLIDES = _idle(
 
 
 def transmission_error(design: str) -> Statement:
-    """Fig. 7: the path of q strays from its closed form, by the transmission error."""
+    """Fig. 7: the path of q deviates from its closed form, because of the transmission error."""
     claim = "the gear has a transmission error: q strays from its path"
     return _idle(f"transmission_error_{design}", "Fig. 7", "gear", design, "pattern", claim, Value("yes"))
 
 
-def _loaded(key: str, figure: str, claim: str) -> Statement:
+def _rated_statement(key: str, figure: str, claim: str) -> Statement:
     return Statement(key, figure, "gear", "both", "order", claim, Value("nonpin better"), torque_test())
 
 
-PRECISION = _loaded("double_contact_precision", "section 2", "double contact lines raise the precision")
-CAPACITY = _loaded("double_contact_capacity", "section 2", "double contact lines raise the load capacity")
+PRECISION = _rated_statement("double_contact_precision", "section 2", "double contact lines raise the precision")
+CAPACITY = _rated_statement("double_contact_capacity", "section 2", "double contact lines raise the load capacity")
 
 POISSON = Statement(
     "poisson",
@@ -116,21 +116,21 @@ PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 tur
 
 
 def fluctuation(key: str, name: str) -> Statement:
-    """Figs 6-8, and the text on vibration without one: which design fluctuates more in a quantity."""
+    """Figs 6-8 and the text on vibration: which design fluctuates more in a quantity."""
     figure, part = FLUCTUATIONS.get(name, "vibration"), PARTS.get(key, "gear")
     claim = f"{name} fluctuates more with pins than without"
     return _idle(key, figure, part, "both", "order", claim, Value("pin > nonpin"))
 
 
 def stress_height(part: str, design: str) -> Statement:
-    """Figs 12-14: how high the curve of a part reaches."""
+    """Figs 12-14: the maximum of a part's curve."""
     height = HEIGHTS[part, design]
     claim, value = f"the {part}'s stress reaches up to about {height:g} MPa", Value(f"{height:g} MPa", height, "MPa")
     return _idle(f"stress_height_{part}_{design}", FIGURES[part], part, design, "height", claim, value)
 
 
 def stress_of_parts(design: str) -> Statement:
-    """Figs 12-14: which part is stressed most, and which least."""
+    """Figs 12-14: the order of the parts by stress."""
     value = Value(" > ".join(f"{HEIGHTS[part, design]:g}" for part in ORDER) + " MPa")
     return _idle(f"stress_order_of_parts_{design}", "Figs 12-14", "all", design, "order", " > ".join(ORDER), value)
 

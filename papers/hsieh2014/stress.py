@@ -1,4 +1,4 @@
-"""Figs 10-16: grids, and stress over a crank turn at no load, where the paper has it; the rated load stands beside."""
+"""Figs 10-16: grids, and stress over a crank turn without load, as in the paper, and under the rated load."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,11 +37,11 @@ MAP_ANGLE = math.radians(74.0)
 """Crank angle of the maps [rad]: the paper's Fig. 11."""
 
 QUICK_ANGLES = 40
-"""Crank angles of a quick study: 9 deg apart, no multiple of the mesh period, so that they fall on ten phases of it."""
+"""Crank angles of a quick study: 9 deg apart, not a multiple of the mesh period, so that ten phases occur."""
 
 
 def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
+    """Compute the stress of every part under the impact peaks of a turn without load, over independent starts."""
     starts = {design.name: runs(idle_runs(plan, design), plan.solver) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
     studies = {}
@@ -59,7 +59,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
     by_force = {name: one.by_force for name, one in studies.items()}
-    searched = Searched(ranges(plan), varied, hypothesis.reached(soft, by_force), contact_ranges(plan))
+    searched = Searched(ranges(plan), varied, hypothesis.stress_by_case(soft, by_force), contact_ranges(plan))
     judged = {design.name: runs.figures(idle_runs(plan, design), plan.solver) for design in designs()}
     wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
     return StageResult(
@@ -72,7 +72,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def _needed(name: str, idle_stress: IdleStress, rated: Run) -> dict[str, float]:
-    """Compute the forces that the paper's heights would take, from stress and largest force under the rated load."""
+    """Compute the forces that would cause the paper's stress, from stress and largest force under the rated load."""
     forces = {part: largest_force(rated, pairs_on(rated, part)) for part in ORDER}
     return hypothesis.needed({part: size.high for part, size in idle_stress.rated.items()}, forces, name)
 
@@ -98,7 +98,7 @@ def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
 
 
 def height_plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
-    """Draw Figs 12-16 by both contact laws, with the paper's heights."""
+    """Draw Figs 12-16 with both contact laws and the paper's maxima."""
     from hsieh2014.paper_figures import heights_figure
 
     for number, (part, figure) in enumerate(FIGURES.items(), start=12):
@@ -117,7 +117,7 @@ def height_plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
 
 
 def settings(plan: Plan) -> "StudySettings":
-    """Return how much a study computes."""
+    """Return the settings of a stress study."""
     from cycloid_mj.stress.study import QUICK, StudySettings
 
     chosen = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
@@ -125,7 +125,7 @@ def settings(plan: Plan) -> "StudySettings":
 
 
 def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
-    """Tabulate the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
+    """Return the table of the largest bulk stress of each part: without load, in the paper, at the rated load."""
     rows = [
         (f"{name}, {part}", study.starts[part].words, HEIGHTS.get((part, name), ""), f"{study.rated[part].high:.3g}")
         for name, study in studies.items()
@@ -136,7 +136,7 @@ def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
 
 
 def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) -> Table:
-    """Tabulate the largest force of each kind of pair, in a sample and between samples."""
+    """Return the table of the largest force of each kind of pair, at samples and between them."""
     rows = []
     for name, runs in starts.items():
         between, loaded = [_largest_forces(run) for run in runs], _largest_forces(rated[name])
@@ -148,7 +148,7 @@ def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) 
 
 
 def _largest_forces(run: Run) -> dict[str, float]:
-    """Find the largest force of each kind of pair that a run has [N]."""
+    """Return the largest force of each kind of pair in a run [N]."""
     return {stem: largest_force(run, among) for stem, kind in KINDS.items() if (among := run.pairs(kind))}
 
 

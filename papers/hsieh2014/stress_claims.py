@@ -1,4 +1,4 @@
-"""Claims on stress, judged by numbers at no load over independent starts: heights and orders; and all claims on it."""
+"""Claims on the maxima and the order of stress, judged without load over independent starts."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,12 +30,12 @@ from hsieh2014.verdicts import (
     Part,
     chance,
     jointly,
-    most,
-    most_chance,
-    order_decided,
+    majority_verdict,
+    order_cause,
     order_verdict,
     range_verdict,
     rank_order,
+    sign_test_p,
     spread_value,
     within,
 )
@@ -58,9 +58,9 @@ def stress_claims(
     studies
         Design name -> its stress.
     starts, rated
-        Design name -> its starts at no load, and its run under the rated load.
+        Design name -> its starts without load, and its run under the rated load.
     searched
-        What else was tried.
+        Results of the variations.
     """
     searched = searched or Searched()
     evidence = Evidence(studies, forces_of(starts), {one: forces_of(runs) for one, runs in searched.varied.items()})
@@ -80,9 +80,9 @@ def stress_claims(
 
 
 def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
-    """Judge how high the curve of a part reaches: ours, and by every treatment of contact that was searched.
+    """Judge the maximum of a part's curve, with our contacts and with every searched treatment of contact.
 
-    Forces grow without a jump with stiffness and chord error: a height between two that are reached is reached.
+    Forces depend continuously on stiffness and chord error: a height between two computed ones can be reached.
     """
     theirs, ours = HEIGHTS[part, design], idle_stress.starts[part]
     low, high = LEAST * theirs, MOST * theirs
@@ -103,14 +103,14 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
         rated=rated_value(idle_stress, part),
         searched=(*searched.ranges, *searched.contact_ranges),
         removals=[Removal(words, f"{_of(size)} MPa", range_verdict(size, low, high)) for words, size in cases.items()],
-        p=most_chance(within(ours, low, high)),
+        p=sign_test_p(within(ours, low, high)),
     )
 
 
 def smaller(
     statement: Statement, part: str, of: Callable[[Array], float], evidence: Evidence, ranges: Sequence[Range]
 ) -> Claim:
-    """Judge whether a part's stress is less without pins: a property `of` its curve over a turn."""
+    """Judge whether a part's stress is lower without pins, by a property `of` its curve over a turn."""
 
     def sizes(changed: Variation | None) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (evidence.sizes(name, part, of, changed) for name in ("pin", "nonpin"))
@@ -132,7 +132,7 @@ def smaller(
         ),
         error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
-        decided_by=order_decided(verdict, by, "nothing varied that the paper leaves open"),
+        decided_by=order_cause(verdict, by, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied, missed),
         p=chance(pin, nonpin),
@@ -140,17 +140,17 @@ def smaller(
 
 
 def _order(pin: StartSpread, nonpin: StartSpread, missed: float) -> int:
-    """Tell which is larger; neither within what the estimate misses [MPa], which may turn a difference round."""
+    """Return which is larger; 0 if the difference is within the error of the estimate [MPa]."""
     return rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
 
 
 def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> dict[str, int]:
-    """Collect the order of pin and nonpin with each thing changed that the paper leaves open."""
+    """Return the order of pin and nonpin for each change of what the paper leaves open."""
     return {each.words: _order(*both, missed) for each, both in varied.items() if each.parameter in LEFT_OPEN}
 
 
 def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> list[Removal]:
-    """Judge the order of pin and nonpin with each thing changed alone."""
+    """Judge the order of pin and nonpin for each single change."""
     return [
         Removal(
             each.words,
@@ -166,7 +166,7 @@ def _of(size: StartSpread) -> str:
 
 
 def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim:
-    """Judge which part is stressed most, and which least: ours, and by every treatment of contact that was searched."""
+    """Judge the order of the parts by stress, with our contacts and with every searched treatment of contact."""
     one = evidence.stress[design]
 
     def sizes(changed: Variation | None) -> list[StartSpread]:
@@ -178,7 +178,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         for each in evidence.varied
     }
     of_contact = [
-        Removal(words, f"{_of_parts(reached)} MPa", most([reached == sorted(reached, reverse=True)]))
+        Removal(words, f"{_of_parts(reached)} MPa", majority_verdict([reached == sorted(reached, reverse=True)]))
         for words, reached in _treatments(design, searched).items()
     ]
     left_open = [*of_contact, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
@@ -196,7 +196,7 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
 
 
 def _treatments(design: str, searched: Searched) -> dict[str, list[float]]:
-    """Collect the stress of shaft, ring and gear [MPa] by every treatment of contact that was searched."""
+    """Return the stress of shaft, ring and gear [MPa] for every searched treatment of contact."""
     return {
         words: [searched.reached[part, design][words] for part in ORDER]
         for words in searched.reached.get((ORDER[0], design), {})
@@ -209,12 +209,12 @@ def _of_parts(sizes: Sequence[StartSpread | float]) -> str:
 
 
 def _descending(sizes: Sequence[StartSpread]) -> Part:
-    """Judge whether each part is stressed more than the next one."""
+    """Judge whether the stress decreases from part to part."""
     return jointly([(order_verdict(rank_order(*pair), {})[0], chance(*pair)) for pair in pairwise(sizes)])
 
 
 def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge whether a part is stressed less without pins."""
+    """Judge whether a part has a lower stress without pins."""
     pin, nonpin = (evidence.stress[name] for name in ("pin", "nonpin"))
     ours = (pin.starts[part], nonpin.starts[part])
     varied = {
@@ -233,7 +233,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
         ),
         error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), BY_DESIGN),
         verdict=verdict,
-        decided_by=order_decided(verdict, by, "nothing varied that the paper leaves open"),
+        decided_by=order_cause(verdict, by, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied),
         p=chance(*ours),

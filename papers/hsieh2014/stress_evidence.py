@@ -1,4 +1,4 @@
-"""What the claims on stress stand on: the stress solved for, the forces of every start, and all that was searched."""
+"""Evidence for the claims on stress: computed stress, forces of every start, and searched variations."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,18 +17,18 @@ Forces = Mapping[str, Sequence[Mapping[str, Array]]]
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """What the claims on stress were searched over.
+    """Variations that were searched for the claims on stress.
 
     Attributes
     ----------
     ranges
-        Of what the paper leaves open.
+        Searched ranges of what the paper leaves open.
     varied
-        What was changed alone -> design name -> its idle starts.
+        Single change -> design name -> its starts without load.
     reached
-        Part and design -> treatment of contact -> the stress [MPa] that its forces make.
+        Part and design -> treatment of contact -> stress [MPa] from its forces.
     contact_ranges
-        Of these treatments.
+        Searched ranges of these treatments.
     """
 
     ranges: tuple[Range, ...] = ()
@@ -39,7 +39,7 @@ class Searched:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Stress of both designs with the forces of all runs, by which it is estimated where it was not solved for."""
+    """Computed stress of both designs, and the forces of all runs for estimates where it was not computed."""
 
     stress: Mapping[str, IdleStress]
     forces: Forces
@@ -58,7 +58,7 @@ class Evidence:
         return StartSpread.of(of(stress(curve)) for curve in self.curves(design, part, changed))
 
     def peaks(self, design: str, part: str, changed: Variation | None = None) -> StartSpread:
-        """Compute the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""
+        """Return the largest stress [MPa] of a design's part in each start, computed or estimated from the forces."""
         if changed is None:
             return self.stress[design].starts[part]
         return self.sizes(design, part, np.max, changed)

@@ -1,4 +1,4 @@
-"""Claims on how stress runs over a crank turn at no load: the shaft's peaks, the output, pin 1 (Figs 12, 15, 16)."""
+"""Claims on the course of stress over a crank turn without load: shaft, output, pin 1 (Figs 12, 15, 16)."""
 
 from collections.abc import Sequence
 from statistics import median
@@ -21,19 +21,19 @@ from hsieh2014.verdicts import (
     Part,
     chance,
     jointly,
-    most,
-    most_chance,
+    majority_verdict,
     order_verdict,
     rank_order,
+    sign_test_p,
     spread_error,
     spread_value,
 )
 
 REGULAR = 0.5
-"""A curve counts as regular if each start's correlates by this with the mean of the others."""
+"""Smallest correlation of each start's curve with the mean of the others for a regular curve."""
 
 MOSTLY = 0.5
-"""Pin 1 is loaded about crank angle 0 if this share of what presses it over a turn falls there."""
+"""Smallest share of pin 1's load near crank angle 0 for a pin that is loaded there."""
 
 OF_THE_PEAKS = "share of the turn's peaks"
 
@@ -41,18 +41,18 @@ OUTPUT_RANGES = (
     Range("output.pin_radius_mm", 4.0, 5.0, "mm", "as assumed, to holes that leave the gear's web as wide as they are"),
     Range("output.support", 0.0, 1.0, "cantilever or both_ends", "one disc, or a second one beyond the gear"),
 )
-"""What the paper leaves open of the output pins, and how far it was searched."""
+"""What the paper leaves open of the output pins, with the searched ranges."""
 
 
 def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge where the shaft's two peaks a turn are: those of the cam's force, which alone loads it."""
+    """Judge the positions of the shaft's two peaks per turn, those of the cam's force."""
     curves = [forces["shaft"] for forces in evidence.forces["pin"]]
     each = [largest_of_halves(curve) for curve in curves]
     others = {
         changed: [largest_of_halves(forces["shaft"]) for forces in varied["pin"]]
         for changed, varied in evidence.varied.items()
     }
-    verdict = most(_near_the_papers(each))
+    verdict = majority_verdict(_near_the_papers(each))
     # some starts are enough to say that the paper's angles can come out
     near = [changed for changed, angles in others.items() if any(_near_the_papers(angles))]
     by, given = ([one.words for one in near if (one.parameter in LEFT_OPEN) == is_open] for is_open in (True, False))
@@ -74,10 +74,10 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         decided_by="; ".join(deciding) or "nothing varied gives the paper's angles",
         searched=ranges,
         removals=[
-            Removal(changed.words, angles_in_words(angles), most(_near_the_papers(angles)))
+            Removal(changed.words, angles_in_words(angles), majority_verdict(_near_the_papers(angles)))
             for changed, angles in others.items()
         ],
-        p=most_chance(_near_the_papers(each)),
+        p=sign_test_p(_near_the_papers(each)),
         rated=Value(
             f"{idle_stress.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"
         ),
@@ -85,12 +85,12 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
 
 
 def _near_the_papers(pairs: Sequence[tuple[float, float]]) -> list[bool]:
-    """Tell of each start whether both of its peaks are near the paper's."""
+    """Return for each start whether both of its peaks are near the paper's."""
     return [all(abs(angle - wanted) <= NEAR for angle, wanted in zip(pair, SHAFT_PEAKS, strict=True)) for pair in pairs]
 
 
 def angles_in_words(pairs: Sequence[tuple[float, float]]) -> str:
-    """Tell peaks over starts: their range, the median, and how many starts have both near the paper's."""
+    """Return in words the range and median of the peaks, and how many starts have both near the paper's."""
     first, second = (StartSpread.of(angles) for angles in zip(*pairs, strict=True))
     near = sum(_near_the_papers(pairs))
     return (
@@ -100,12 +100,12 @@ def angles_in_words(pairs: Sequence[tuple[float, float]]) -> str:
 
 
 def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge whether the output is stressed less than the most stressed other part, and alike in every start."""
+    """Judge whether the output's stress is lower than that of the other parts, and similar in every start."""
     one, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
 
     def regular(changed: Variation | None) -> Part:
         alike = [each >= REGULAR for each in likeness(evidence.curves(design, OUTPUT, changed))]
-        return most(alike), most_chance(alike)
+        return majority_verdict(alike), sign_test_p(alike)
 
     def others(changed: Variation | None) -> StartSpread:
         sizes = [evidence.peaks(design, part, changed).values for part in ORDER]
@@ -121,12 +121,12 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
             f"correlates between starts by {alike.words}"
         )
 
-    def removed(what: str, sizes: StartSpread, changed: Variation | None) -> Removal:
+    def removal(what: str, sizes: StartSpread, changed: Variation | None) -> Removal:
         return Removal(what, words(sizes, changed), jointly([low(sizes, changed), regular(changed)])[0])
 
     verdict, p = jointly([low(ours, None), regular(None)])
-    of_pins = [removed(what, sizes, None) for what, sizes in one.outputs.items()]
-    of_runs = {each: removed(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
+    of_pins = [removal(what, sizes, None) for what, sizes in one.outputs.items()]
+    of_runs = {each: removal(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_output(design).judged(
@@ -142,7 +142,7 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
 
 
 def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Claim:
-    """Judge whether pin 1 is loaded from 350 to 10 deg alone; lobe 1 of the nonpin design stands beside."""
+    """Judge whether pin 1 is loaded only from 350 to 10 deg; also report lobe 1 of the nonpin design."""
     reach = PIN_1_LOADED[1] + NEAR
 
     def shares(design: str, changed: Variation | None) -> StartSpread:

@@ -1,4 +1,4 @@
-"""Fig. 19: the output torque at the rated input torque, and the friction that would give the paper's."""
+"""Fig. 19: the output torque at the rated input torque, and the friction that reproduces the paper's."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -17,7 +17,7 @@ from cycloid_mj.life.peak import peaks
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures
-from hsieh2014.plan import Plan, designs, equalised, rated_runs
+from hsieh2014.plan import Plan, designs, equal_play_design, rated_runs
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import IDEAL, TORQUES, torques
 from hsieh2014.statements import AHEAD, BY_DESIGN, CAPACITY, PRECISION, TORQUE_ORDER, output_torque
@@ -32,7 +32,7 @@ PLAYS = (
         "total play of gear and housing", 1.0, 2.0, "um", "of the internal gear, to that of both clearances of a pin"
     ),
 )
-"""How far play, with the stiffness that goes with it, was searched for the claims on double lines of contact."""
+"""Searched ranges of play and stiffness for the claims on double lines of contact."""
 
 
 def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
@@ -48,7 +48,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     searches = {
         design.name: search(design, {torque.way: torque.rate for torque in torques(design)}) for design in designs()
     }
-    progress(equalised().name)
+    progress(equal_play_design().name)
     alike = _at_equal_play(plan)
     plates = tuple(
         PaperFigure(
@@ -66,7 +66,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         (
             _columns(measurements, alike),
             _search_table(searches),
-            *(_named(table, name) for name, measurement in measurements.items() for table in measurement.tables),
+            *(_retitle(table, name) for name, measurement in measurements.items() for table in measurement.tables),
         ),
         (
             *claims(measurements, searches),
@@ -78,7 +78,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             name: {key: each.as_json() for key, each in measurement.quantities.items()}
             for name, measurement in measurements.items()
         }
-        | {equalised().name: {"output_torque_nm": alike}},
+        | {equal_play_design().name: {"output_torque_nm": alike}},
         (
             *dict.fromkeys(sentence for measurement in measurements.values() for sentence in measurement.assumptions),
             *missing,
@@ -91,14 +91,14 @@ def _at_equal_play(plan: Plan) -> float:
     from cycloid_mj.measure.steady import steady_design, whole_periods
     from cycloid_mj.measure.torque import PERIODS, QUICK_PERIODS, rated_test
 
-    design = steady_design(Reducer(equalised()))
+    design = steady_design(Reducer(equal_play_design()))
     return rated_test(design, whole_periods(design, QUICK_PERIODS if plan.quick else PERIODS)).output
 
 
 def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
-    """Put the output torques side by side: the design's effect apart from that of clearance and compliance."""
+    """Return the table of output torques, which separates the effect of the design from clearance and compliance."""
     torques = {name: measurement["output_torque"] for name, measurement in measurements.items()} | {
-        equalised().name: alike
+        equal_play_design().name: alike
     }
     return Table(
         "output torque at equal friction, 1.048 N m in; the third has the pin design's total play and series stiffness",
@@ -111,7 +111,7 @@ def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
 
 
 def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
-    """Tabulate the output rate of both designs over everything that was searched."""
+    """Return the table of the output rate of both designs over the searched friction."""
     rows: list[tuple[str | float, ...]] = [
         (bearings.words, friction, *(100 * search.grid[bearings, friction] for search in searches.values()))
         for bearings in SEARCHED
@@ -122,16 +122,16 @@ def _search_table(searches: Mapping[str, TorqueSearch]) -> Table:
 
 
 def _steps(progress: Progress, name: str) -> Steps:
-    """Return what tells how many runs of a design are done."""
+    """Return a progress callback for the runs of a design."""
     return lambda done, of: progress(f"{name}, {done} of {of} runs")
 
 
-def _named(table: Table, name: str) -> Table:
+def _retitle(table: Table, name: str) -> Table:
     return Table(f"{name}: {table.title}", table.header, table.rows)
 
 
 def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
-    """Hold each output torque against ours: by number, and else by whether anything left open gives it."""
+    """Judge each output torque: by its number, otherwise by whether something left open reproduces it."""
     for name, ways in TORQUES.items():
         one = measurements[name]
         ours, error = one["output_torque"], one.quantities["output_torque"].error
@@ -141,7 +141,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
                 ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
-                decided_by=f"friction, left open by the paper: {_listed(solutions)}",
+                decided_by=f"friction, left open by the paper: {_list_solutions(solutions)}",
                 searched=RANGES,
                 removals=[
                     Removal(
@@ -159,18 +159,18 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
 
 
 def _verdict(ours: float, paper: float, given: bool) -> Verdict:
-    """Judge a torque [N m] against the paper's, and by whether something that the paper leaves open gives that."""
+    """Return the verdict on a torque [N m]; `given` states whether something left open reproduces the paper's."""
     if abs(ours - paper) <= NEAR * IDEAL:
         return Verdict.AGREES
     return Verdict.DEPENDS if given else Verdict.DISAGREES
 
 
-def _listed(solutions: Sequence[Solution]) -> str:
+def _list_solutions(solutions: Sequence[Solution]) -> str:
     return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
 def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
-    """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
+    """Judge which design has more output torque: as designed, at any equal friction, and at separate frictions."""
     ours = {name: measurement["output_torque"] for name, measurement in measurements.items()}
     error = sum(measurement.quantities["output_torque"].error or 0.0 for measurement in measurements.values())
     ahead = ours["nonpin"] - ours["pin"]
@@ -197,8 +197,8 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
 
 
 def precision(rated: Sequence[Run]) -> Claim:
-    """Judge the transmission error of the output under the rated load: pin, nonpin, and nonpin made like pin."""
-    strays = {run.provenance["design"]: _strays(settled(run)) for run in rated}
+    """Judge the output's transmission error under the rated load: pin, nonpin, and nonpin with pin's play."""
+    strays = {run.provenance["design"]: _transmission_error(settled(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
     return PRECISION.judged(
         ours=Value(
@@ -222,16 +222,16 @@ def precision(rated: Sequence[Run]) -> Claim:
     )
 
 
-def _strays(motion: Series) -> tuple[float, float]:
-    """Measure the output's transmission error, peak to peak, and how far that of either half differs [arcsec]."""
+def _transmission_error(motion: Series) -> tuple[float, float]:
+    """Return the output's transmission error, peak to peak, and the difference of its halves [arcsec]."""
     error = motion.output_angle.error[motion.hold] / ARCSECOND
     whole, half = float(np.ptp(error)), len(error) // 2
     return whole, max(whole - float(np.ptp(part)) for part in (error[:half], error[half:]))
 
 
 def capacity() -> Claim:
-    """Judge the torque at which teeth first yield, by Hertz under statics: pin, nonpin, and nonpin made like pin."""
-    pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equalised()))
+    """Judge the torque at first yield of the teeth, by statics: pin, nonpin, and nonpin with pin's play."""
+    pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equal_play_design()))
     return CAPACITY.judged(
         ours=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),
         error=Value("statics, without a run", 0.0, BY_DESIGN),
@@ -268,6 +268,6 @@ def _ahead(ahead: float, error: float) -> Verdict:
 
 
 def order_of_torques(ahead: float, error: float, given: bool) -> Verdict:
-    """Judge the order by the torque that the nonpin design is ahead [N m], its error, and whether anything gives it."""
+    """Return the verdict on the order from the nonpin design's excess torque [N m], its error, and the search."""
     verdict = _ahead(ahead, error)
     return Verdict.DEPENDS if verdict != Verdict.AGREES and given else verdict

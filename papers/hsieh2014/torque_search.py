@@ -1,4 +1,4 @@
-"""Search over all friction that the paper leaves open for its output torques: teeth, cam, output pins and seals."""
+"""Search for the friction of teeth, cam, output pins and seals that reproduces the paper's output torques."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,16 +15,16 @@ from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer
 
 GRID = (0.0, 0.01, 0.03, 0.06, TEETH[1])
-"""Frictions of the teeth between which that of a torque is interpolated [1]."""
+"""Friction coefficients of the teeth for the interpolation [1]."""
 
 SEALS = 0.02
-"""Most drag of the crank's seals [N m]: a lip seal on a shaft of 12 to 15 mm (SKF, Power transmission seals)."""
+"""Largest drag of the crank's seals [N m]: a lip seal on a shaft of 12 to 15 mm (SKF, Power transmission seals)."""
 
 PERIODS = 4
-"""Fewest mesh periods of a run of the search."""
+"""Smallest number of mesh periods of a run of the search."""
 
 REACHED = 2e-3
-"""A run with the friction that was found gives the paper's rate within this [1]."""
+"""Tolerance of the rate of a run with the solution [1]."""
 
 RANGES = (
     Range(
@@ -34,12 +34,12 @@ RANGES = (
     Range("friction.output_rolling", 0.0, BEARING[1], "1", "a model without friction to needles with a cage (JTEKT)"),
     Range("drag.crank_nm", 0.0, SEALS, "N m", "none to a lip seal on the shaft (SKF)"),
 )
-"""What the paper leaves open of its torque test, and how far it was searched."""
+"""What the paper leaves open of its torque test, with the searched ranges."""
 
 
 @dataclass(frozen=True)
 class Bearings:
-    """How much cam, output pins and seals take: friction of both bearings [1], drag on the crank [N m]."""
+    """Losses of cam, output pins and seals: friction of both bearings [1], drag on the crank [N m]."""
 
     words: str
     cam: float | None
@@ -47,11 +47,11 @@ class Bearings:
     seals: float = 0.0
 
     def of_teeth(self, friction: float) -> str:
-        """Name them beside a friction of the teeth."""
+        """Return a description, with a friction of the teeth."""
         return f"teeth of {friction:.3g} {self.words}"
 
     def of(self, design: Design) -> Design:
-        """Return a design with these bearings; None leaves its own."""
+        """Return a design with these bearings; None keeps its own."""
         frictions = {"cam_rolling": self.cam, "output_rolling": self.output}
         stated = {key: value for key, value in frictions.items() if value is not None}
         return design.but(friction=stated, drag={"crank": self.seals})
@@ -66,12 +66,12 @@ SEARCHED = (AS_DESIGNED, WITHOUT, MOST)
 
 
 Case = tuple[Bearings, float | None]
-"""Bearings, and one friction of all that slides; None leaves the design's own."""
+"""Bearings, and one friction of all sliding contacts; None keeps the design's own."""
 
 
 @dataclass(frozen=True)
 class Solution:
-    """One `friction` of the teeth that gives a rate with these bearings, and the `rate` of a run with it [1]."""
+    """A `friction` of the teeth that reproduces a rate with these bearings, and the `rate` of a run with it [1]."""
 
     bearings: Bearings
     friction: float
@@ -79,22 +79,22 @@ class Solution:
 
     @property
     def words(self) -> str:
-        """Tell the solution."""
+        """Return the solution in words."""
         return f"{self.bearings.of_teeth(self.friction)} give {1e2 * self.rate:.1f} %"
 
 
 @dataclass(frozen=True)
 class TorqueSearch:
-    """What the search found for one design.
+    """Result of the search for one design.
 
     Attributes
     ----------
     grid
-        Output torque as a share of that without losses, of every bearing of `SEARCHED` at every friction of `GRID`.
+        Output torque as a share of that without losses, for the bearings of `SEARCHED` and the frictions of `GRID`.
     solutions
-        Way of the paper, simulated or measured -> what gives its rate.
+        "simulated" or "measured" in the paper -> solutions for its rate.
     removed
-        Part whose friction is taken away alone -> the rate.
+        Part without friction -> the rate.
     """
 
     grid: Mapping[Case, float]
@@ -103,14 +103,14 @@ class TorqueSearch:
 
 
 def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
-    """Search one design for rates by their ways."""
+    """Search one design for the target rates, by name."""
     grid = rates(design, [(bearings, friction) for bearings in SEARCHED for friction in GRID])
     solutions = {way: _solutions(design, grid, target) for way, target in targets.items()}
-    return TorqueSearch(grid, solutions, _removed(design))
+    return TorqueSearch(grid, solutions, _rates_without(design))
 
 
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
-    """Run the torque test of each case; give the output torque as a share of that without losses."""
+    """Run the torque test of each case; return the output torque as a share of that without losses."""
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
     periods = whole_periods(steady, PERIODS)
     wanted = list(dict.fromkeys(cases))
@@ -119,7 +119,7 @@ def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
 
 
 def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tuple[Solution, ...]:
-    """Find what gives a rate, each confirmed by a run; nothing where no friction of the grid encloses it."""
+    """Return the solutions for a rate, each confirmed by a run; empty if the grid does not enclose it."""
     inside: list[tuple[Bearings, float]] = [
         (bearings, friction)
         for bearings in SEARCHED
@@ -130,8 +130,8 @@ def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tup
     return tuple(solution for solution in solutions if abs(solution.rate - target) <= REACHED)
 
 
-def _removed(design: Design) -> dict[str, float]:
-    """Compute the rate with the friction of one part taken away alone, by what is taken away."""
+def _rates_without(design: Design) -> dict[str, float]:
+    """Return the rate without the friction of one part, by the name of the part."""
     parts: Sequence[tuple[str, Case]] = (
         ("friction of the teeth", (AS_DESIGNED, 0.0)),
         ("friction of the cam", (WITHOUT_CAM, None)),

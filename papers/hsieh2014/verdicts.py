@@ -1,4 +1,4 @@
-"""How a claim of the paper is judged: by comparing numbers, never by reading a sentence."""
+"""Verdicts on claims of the paper, by comparisons of numbers."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,10 +10,10 @@ from cycloid_mj.comparison import StartSpread
 from cycloid_mj.comparison.starts import ALIKE
 
 SIGNIFICANCE = 0.05
-"""Chance of starts as different as those of two designs that do not differ, below which an order counts."""
+"""Significance level of the rank test of starts."""
 
 SUPERIORITY, POWER = 0.9, 0.9
-"""A difference that an order must not miss, and how surely: in 9 of 10 pairs of starts one design has more."""
+"""Difference that the rank test must detect (9 of 10 pairs of starts), and the power required for it."""
 
 
 def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, significance: float = SIGNIFICANCE) -> int:
@@ -22,11 +22,11 @@ def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, signif
     Parameters
     ----------
     superiority
-        Chance that a start of the one design has more than one of the other [1]; 1/2 where they are alike.
+        Probability that a start of one design exceeds a start of the other [1]; 1/2 for equal designs.
     power
-        Chance that the test finds that difference.
+        Probability that the test detects that difference.
     significance
-        Of the test, two-sided.
+        Level of the two-sided test.
     """
     normal = NormalDist()
     reach = normal.inv_cdf(1.0 - significance / 2.0) + normal.inv_cdf(power)
@@ -34,16 +34,16 @@ def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, signif
 
 
 def chance(start_spread: StartSpread, other: StartSpread) -> float:
-    """Compute p of the rank test (Mann and Whitney, two-sided): of starts as different as these if both were alike."""
+    """Compute the p value of the two-sided rank test of Mann and Whitney."""
     from scipy.stats import mannwhitneyu
 
     return float(mannwhitneyu(start_spread.values, other.values).pvalue)
 
 
 def rank_order(start_spread: StartSpread, other: StartSpread) -> int:
-    """Tell which of two quantities is larger by the rank test: 1 the first, -1 the second, 0 neither for sure.
+    """Return which of two quantities is larger by the rank test: 1 the first, -1 the second, 0 not significant.
 
-    Medians a hair apart, by what the step alone may change, are alike whatever the test says.
+    Medians that differ by less than the effect of the time step count as equal.
     """
     middles = median(start_spread.values), median(other.values)
     if chance(start_spread, other) >= SIGNIFICANCE or max(middles) <= ALIKE * min(middles):
@@ -57,17 +57,17 @@ def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     Parameters
     ----------
     order
-        As `rank_order` gives it.
+        Result of `rank_order`.
     varied
-        The same with something changed that the paper leaves open, by its name.
+        The same for each change of what the paper leaves open, by its name.
 
     Returns
     -------
     verdict
-        It depends where a change turns the order round, and is not determined where the other order is found and a
-        change leaves none; one that agrees stays so where a change leaves none.
+        It depends if a change reverses the order. It is not determined if the result is the opposite order and a change
+        leaves no order. A claim that agrees still does if a change leaves no order.
     deciding
-        The names of what turns it round, or leaves none.
+        Names of the changes that reverse the order or leave none.
     """
     if order == 0:
         return Verdict.NOT_DETERMINED, ()
@@ -79,17 +79,17 @@ def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     return (Verdict.NOT_DETERMINED if none else Verdict.DISAGREES), none
 
 
-def order_decided(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
-    """Tell what decides an order: what the paper leaves open and turns it or leaves none, or something else."""
+def order_cause(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
+    """Return in words what decides an order: changes that reverse it or leave none, or another cause."""
     if not deciding:
         return else_by
     return f"left open by the paper: {', '.join(deciding)}{'' if verdict == Verdict.DEPENDS else ' leaves no order'}"
 
 
 def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
-    """Return a claim at no load that disagrees only if all was searched that the paper leaves open there.
+    """Return a claim without load, which may disagree only if everything that the paper leaves open was searched.
 
-    A value that the geometry gives, as the ratio, needs no search; claims under load have one of their own.
+    A value that follows from the geometry, such as the ratio, needs no search. Claims under load have their own search.
     """
     if claim.verdict != Verdict.DISAGREES or claim.kind == "value" or claim.condition.load or not unsearched:
         return claim
@@ -97,45 +97,42 @@ def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
     return replace(claim, verdict=Verdict.NOT_DETERMINED, decided_by=words)
 
 
-def most_chance(holds: Iterable[bool]) -> float | None:
-    """Compute p of the sign test (two-sided): of as many starts on one side if half of all starts showed it.
-
-    None of a single figure, which has no spread.
-    """
+def sign_test_p(holds: Iterable[bool]) -> float | None:
+    """Compute the p value of the two-sided sign test; None for a single figure."""
     from scipy.stats import binomtest
 
     seen = list(holds)
     return float(binomtest(sum(seen), len(seen)).pvalue) if len(seen) > 1 else None
 
 
-def most(holds: Iterable[bool]) -> Verdict:
-    """Judge something that each start shows or does not: whether most starts do, or most do not, by the sign test.
+def majority_verdict(holds: Iterable[bool]) -> Verdict:
+    """Judge by the sign test whether most starts show a feature, or most do not.
 
-    Of 12 starts that takes 10: a single one that strays decides nothing. A single figure is as it is.
+    With 12 starts this needs 10, so that a single start decides nothing. A single figure decides by itself.
     """
     seen = list(holds)
-    p = most_chance(seen)
+    p = sign_test_p(seen)
     if p is not None and p >= SIGNIFICANCE:
         return Verdict.NOT_DETERMINED
     return Verdict.AGREES if 2 * sum(seen) > len(seen) else Verdict.DISAGREES
 
 
 def within(ours: StartSpread, low: float, high: float) -> list[bool]:
-    """Tell of each start whether it lies in a range."""
+    """Return for each start whether it lies in a range."""
     return [low <= value <= high for value in ours.values]
 
 
 def range_verdict(ours: StartSpread, low: float, high: float) -> Verdict:
     """Judge whether a quantity lies in a range, in most of its starts."""
-    return most(within(ours, low, high))
+    return majority_verdict(within(ours, low, high))
 
 
 Part = tuple[Verdict, float | None]
-"""Part of a claim: its verdict and its p."""
+"""Verdict and p value of a part of a claim."""
 
 
 def jointly(parts: Sequence[Part]) -> Part:
-    """Judge a claim of several parts: it fails with any of them, and agrees with all; p is of the part that decides."""
+    """Judge a claim of several parts: it fails with any part and agrees with all; p is that of the deciding part."""
     verdicts = {verdict for verdict, _ in parts}
     together = Verdict.AGREES if verdicts == {Verdict.AGREES} else Verdict.NOT_DETERMINED
     together = Verdict.DISAGREES if Verdict.DISAGREES in verdicts else together
@@ -144,10 +141,10 @@ def jointly(parts: Sequence[Part]) -> Part:
 
 
 def spread_value(text: str, ours: StartSpread, unit: str) -> Value:
-    """Compute the mean of starts as a value, with the lowest and the highest."""
+    """Return the mean of the starts as a value, with the lowest and the highest."""
     return Value(text, ours.mean, unit, (ours.low, ours.high))
 
 
 def spread_error(ours: StartSpread, unit: str) -> Value:
-    """Compute half the spread of starts as the numerical error of their mean."""
+    """Return half the spread of the starts as the numerical error of their mean."""
     return Value(f"spread of {len(ours.values)} starts", ours.half, unit)

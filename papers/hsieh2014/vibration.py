@@ -1,6 +1,7 @@
-"""Figs 6-8 side by side: which design fluctuates more at no load, where the paper says it, and what decides it.
+"""Figs 6-8: which design fluctuates more without load, and what decides it.
 
-Each idle quantity is the spread over independent starts. What the rated load makes of it stands beside, unjudged.
+Each quantity without load is the spread over independent starts. Its value under the rated load is reported, too, but
+not judged.
 """
 
 import math
@@ -16,7 +17,7 @@ from hsieh2014.idle import (
     divergence,
     idle,
     levels_of,
-    nudged,
+    nudge_gravity,
     pin_over_nonpin,
     swept,
 )
@@ -25,7 +26,7 @@ from hsieh2014.plan import (
     STARTS,
     Plan,
     designs,
-    equalised,
+    equal_play_design,
     finer_idle_runs,
     finer_rated_runs,
     idle_runs,
@@ -40,7 +41,7 @@ from hsieh2014.ranking import RANKED, Ranked
 from hsieh2014.run_figures import RunFigures
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.statements import fluctuation
-from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_decided, order_verdict, rank_order
+from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_cause, order_verdict, rank_order
 
 RATIO = "pin / nonpin"
 
@@ -57,15 +58,15 @@ CAPTIONS = {
 
 
 def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Rank the idle fluctuations of both designs over independent starts, and vary what the paper leaves open."""
+    """Rank the fluctuations of both designs without load over independent starts, and vary what is left open."""
     # asked for together, so that the runs fill every core
     mains = main_runs(plan)[:2]
-    pairs = [(design, nudged(design)) for design in mains]
+    pairs = [(design, nudge_gravity(design)) for design in mains]
     starts = [run for design in designs() for run in idle_runs(plan, design)]
     runs([*starts, *rated_runs(plan), *(one for pair in pairs for one in pair)], plan.solver)
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other], plan.solver)) for one, other in pairs}
-    rated = {"as it is": _rated(runs.figures(rated_runs(plan), plan.solver))} | _varied_rated(plan, runs)
+    rated = {"as it is": _rated_levels(runs.figures(rated_runs(plan), plan.solver))} | _varied_rated_levels(plan, runs)
     cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs.figures(begun, plan.solver) for name, begun in finer.items()})}
@@ -93,7 +94,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[PaperFigure]:
-    """Draw one turn of each main run, and every idle start of every case."""
+    """Draw one turn of each main run, and every start of every case."""
     from cycloid_mj.plots.comparison import comparison_figures
     from hsieh2014.starts_figure import starts_figure
 
@@ -109,7 +110,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
 
 
 def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
-    """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
+    """Judge which design fluctuates more without load, by its starts and by what the paper leaves open."""
     key = quantity.key
     turned_by = {one.words: pin_over_nonpin(levels, key) for one, levels in sweep.items() if one.parameter in LEFT_OPEN}
     verdict, deciding = order_verdict(pin_over_nonpin(base, key), turned_by)
@@ -125,60 +126,58 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         ),
         error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,
-        decided_by=_decided(key, base, sweep, verdict, deciding),
+        decided_by=_cause(key, base, sweep, verdict, deciding),
         rated=_beside(quantity, rated[key]),
         searched=ranges(plan),
-        removals=[_varied(one, levels[key], quantity.unit) for one, levels in sweep.items()],
+        removals=[_removal(one, levels[key], quantity.unit) for one, levels in sweep.items()],
         p=chance(pin, nonpin),
     )
 
 
-def _varied(variation: Variation, spreads: Mapping[str, StartSpread], unit: str) -> Removal:
-    """Judge one quantity with one parameter changed alone."""
+def _removal(variation: Variation, spreads: Mapping[str, StartSpread], unit: str) -> Removal:
+    """Judge one quantity with a single change."""
     pin, nonpin = spreads["pin"], spreads["nonpin"]
     words = f"{pin.words} with pins, {nonpin.words} {unit} without, p = {chance(pin, nonpin):.2g}"
     return Removal(variation.words, words, order_verdict(rank_order(pin, nonpin), {})[0])
 
 
-def _decided(
-    key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]
-) -> str:
-    """Tell what turns the order round among all that is varied, and what of that the paper leaves open."""
+def _cause(key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]) -> str:
+    """Return in words which variations reverse the order, and which of them the paper leaves open."""
     agreeing = [
         one.words
         for one, levels in sweep.items()
         if one.parameter not in LEFT_OPEN and pin_over_nonpin(levels, key) not in (0, pin_over_nonpin(base, key))
     ]
-    words = order_decided(verdict, deciding, "nothing varied that the paper leaves open")
+    words = order_cause(verdict, deciding, "nothing varied that the paper leaves open")
     return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
 
 
 def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     pin, nonpin, *others = (one.mean for one in rated.values())
     ratio = rated["pin"].over(rated["nonpin"]).values[0]
-    third = "".join(f"; {equalised().name} {level:.3g}" for level in others)
+    third = "".join(f"; {equal_play_design().name} {level:.3g}" for level in others)
     return Value(
         f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, {ratio:.2f} to 1{third}", ratio, RATIO
     )
 
 
-def _rated(runs: Sequence[RunFigures]) -> Levels:
-    """Collect the levels of rated runs, one of each design: pin, nonpin and, where it ran, the third."""
+def _rated_levels(runs: Sequence[RunFigures]) -> Levels:
+    """Return the levels of the rated runs of pin, nonpin and, if it ran, the third design."""
     return levels_of({one.design: [one] for one in runs})
 
 
-def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
-    """Collect the rated levels with one parameter varied at a time, and with half the step; none if quick."""
+def _varied_rated_levels(plan: Plan, runs: Runs) -> dict[str, Levels]:
+    """Return the rated levels with single parameters varied and with half the step; none if quick."""
     if plan.quick:
         return {}
     cases = {variation.words: varied_rated_runs(plan, variation) for variation in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
     runs([run for each in cases.values() for run in each], plan.solver)
-    return {name: _rated(runs.figures(each, plan.solver)) for name, each in cases.items()}
+    return {name: _rated_levels(runs.figures(each, plan.solver)) for name, each in cases.items()}
 
 
 def _spin_table(plan: Plan, runs: Runs) -> Table:
-    """Tabulate the mean spin of pin 1 over the starts at no load, and under the rated load, in each case."""
+    """Return the table of the mean rotational speed of pin 1 without load and under the rated load."""
     design = designs()[0]
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
     for variation in variations(plan):
@@ -206,7 +205,7 @@ def _spins(runs: Sequence[RunFigures]) -> str:
 
 
 def _idle_table(cases: Mapping[str, Levels]) -> Table:
-    """Tabulate the spread of each quantity in each case."""
+    """Return the table of the spread of each quantity in each case."""
     head = ("no load: rms over independent starts, pin | nonpin", *cases)
     rows = [
         (
@@ -219,8 +218,8 @@ def _idle_table(cases: Mapping[str, Levels]) -> Table:
 
 
 def _rated_table(cases: Mapping[str, Levels]) -> Table:
-    """Tabulate rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
-    third = equalised().name
+    """Return the table of rms values at the rated load and their ratio, with the third design for the base case."""
+    third = equal_play_design().name
     head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
     rows = [(f"{each.name} [{each.unit}]", *(_cell(levels[each.key]) for levels in cases.values())) for each in RANKED]
     title = "fluctuations under the rated load; the third design has the pin design's total play and series stiffness"

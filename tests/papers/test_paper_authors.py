@@ -22,12 +22,12 @@ from cycloid_mj.reducer import Reducer
     ("holding", "words"),
     [
         ((OURS, SOFT, FACETS, BOTH), "neither: ours has it"),
-        ((OURS,), "both together take it away"),
+        ((OURS,), "both together remove it"),
         ((SOFT, BOTH), SOFT),
         ((FACETS, BOTH), FACETS),
         ((SOFT, FACETS, BOTH), f"{SOFT} or {FACETS}"),
         ((BOTH,), "neither alone"),
-        ((SOFT,), "the other takes it away"),
+        ((SOFT,), "the other change removes it"),
         ((), "neither, nor both"),
     ],
 )
@@ -37,7 +37,7 @@ def test_what_brings_a_feature_is_told_by_taking_each_change_away(holding, words
 
 def test_a_torque_is_brought_by_the_law_that_gives_it():
     told = [authors.torque_brought_by(line, impact, 34.7) for line in (34.5, 32.0) for impact in (34.9, 30.0)]
-    assert told[:2] == ["neither: ours has it", "neither: ours has it; IMPACT takes it away"]
+    assert told[:2] == ["neither: ours has it", "neither: ours has it; IMPACT removes it"]
     assert told[2:] == [SOFT, "neither: friction decides it (claims on Fig. 19)"]
 
 

@@ -35,7 +35,7 @@ from hsieh2014 import (
 from hsieh2014.hypothesis import soft_cases
 from hsieh2014.idle_stress import ByForce
 from hsieh2014.page import reproduction_page
-from hsieh2014.plan import FULL, IMPACT, QUICK, TIGHT, at_speed, contact_ranges, designs, idle_runs, unsearched
+from hsieh2014.plan import FULL, IMPACT, QUICK, TIGHT, at_speed, contact_ranges, designs, idle_runs, open_parameters
 from hsieh2014.plan import STARTS as STARTS_OF_PAPER
 from hsieh2014.run import STEPS, run_step
 from hsieh2014.run_figures import run_figures
@@ -48,11 +48,11 @@ from hsieh2014.verdicts import (
     as_searched,
     chance,
     jointly,
-    most,
-    most_chance,
+    majority_verdict,
     order_verdict,
     range_verdict,
     rank_order,
+    sign_test_p,
     starts_needed,
 )
 from ideal import ideal_run
@@ -112,8 +112,8 @@ def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_ope
     assert verdict(order) == "disagrees"
     assert verdict(order, "stiffness", "damping") == "not determined"
     assert (verdict(ratio, "stiffness"), verdict(loaded, "stiffness")) == ("disagrees", "disagrees")
-    assert unsearched(FULL) == ()
-    assert unsearched(QUICK) == ("damping", "creep speed", "stiffness")
+    assert open_parameters(FULL) == ()
+    assert open_parameters(QUICK) == ("damping", "creep speed", "stiffness")
     made = StageResult(claims=(order.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
     step = replace(STEPS[0], work=lambda *_: made)
     verdicts = [run_step(step, which, ideal_runs, silent).result.claims[0].verdict for which in (QUICK, FULL)]
@@ -132,13 +132,13 @@ def test_a_height_and_a_pattern_need_most_starts():
     assert range_verdict(StartSpread(tuple(np.linspace(0.0, 9.0, 12))), 5.0, 11.0) == "not determined"
     assert range_verdict(StartSpread((0.1,) * 12), 5.0, 11.0) == "disagrees"
     # two of twelve that stray decide nothing, three do
-    assert [most([True] * (12 - count) + [False] * count) for count in (0, 2, 3, 9, 10, 12)] == [
+    assert [majority_verdict([True] * (12 - count) + [False] * count) for count in (0, 2, 3, 9, 10, 12)] == [
         *("agrees", "agrees", "not determined", "not determined", "disagrees", "disagrees")
     ]
-    assert most_chance([True] * 10 + [False] * 2) == pytest.approx(2 * (1 + 12 + 66) / 2**12)
+    assert sign_test_p([True] * 10 + [False] * 2) == pytest.approx(2 * (1 + 12 + 66) / 2**12)
     # a single figure is as it is; a few starts tell nothing
-    assert (most([True]), most([False]), most_chance([True])) == ("agrees", "disagrees", None)
-    assert most([True] * 5) == "not determined"
+    assert (majority_verdict([True]), majority_verdict([False]), sign_test_p([True])) == ("agrees", "disagrees", None)
+    assert majority_verdict([True] * 5) == "not determined"
 
 
 def test_a_claim_of_several_parts_has_the_p_of_the_part_that_decides():
@@ -644,7 +644,7 @@ def test_the_page_names_the_load_of_every_claim(calm):
     assert page.count("<td>no load</td>") == len(calm.claims)
     assert page.count("<td>1.048 N m in</td>") == 1
     assert page.count('class="not-determined"') == sum(each.verdict == "not determined" for each in calm.claims) > 0
-    assert "beside it: ours at the rated load" in page
+    assert "model at the rated load" in page
     assert 'id="gear_speed"' in page
 
 

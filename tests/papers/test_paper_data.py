@@ -16,7 +16,7 @@ from hsieh2014.plan import (
     idle_runs,
     main_runs,
     no_load,
-    ramped,
+    ramp_run,
     rated_runs,
     variations,
     varied_idle_runs,
@@ -79,7 +79,7 @@ TORQUE = {claim["key"] for claim in CLAIMS if claim["key"].startswith("output_to
 def test_no_run_has_a_socket_that_the_drawings_do_not_have():
     drawn = {design.name: socket_half_angle(design) for design in designs() if design.ring.has_sockets}
     for plan in (QUICK, FULL):
-        runs = [*main_runs(plan), *rated_runs(plan), *(ramped(plan, design) for design in designs())]
+        runs = [*main_runs(plan), *rated_runs(plan), *(ramp_run(plan, design) for design in designs())]
         for design in designs():
             runs += idle_runs(plan, design) + finer_idle_runs(plan, design)
             runs += [run for one in variations(plan) for run in varied_idle_runs(plan, one, design)]

@@ -23,7 +23,7 @@ from hsieh2014.command import ReproduceDelivery
 from hsieh2014.errata import errata
 from hsieh2014.logs import KEPT, Logs, fits, log_name
 from hsieh2014.page import TALLY as PAGE_TALLY
-from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
+from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramp_run, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
 from hsieh2014.stage import StageResult, silent
@@ -63,7 +63,7 @@ def test_no_run_differs_between_the_designs_but_in_the_ring(which):
     pin, nonpin = plan.designs()
     pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
     pairs += list(zip(idle_runs(which, pin), idle_runs(which, nonpin), strict=True))
-    pairs += [tuple(rated_runs(which)[:2]), tuple(ramped(which, design) for design in plan.designs())]
+    pairs += [tuple(rated_runs(which)[:2]), tuple(ramp_run(which, design) for design in plan.designs())]
     for each in plan.variations(which):
         if not each.pins_only:
             pairs += zip(varied_idle(which, each, pin), varied_idle(which, each, nonpin), strict=True)
@@ -115,7 +115,7 @@ def test_samples_fall_on_whole_degrees(design):
 
 @pytest.mark.parametrize("which", [QUICK, FULL])
 def test_no_step_is_longer_than_its_design_states(which):
-    runs = [*main_runs(which), *rated_runs(which), *(ramped(which, design) for design in plan.designs())]
+    runs = [*main_runs(which), *rated_runs(which), *(ramp_run(which, design) for design in plan.designs())]
     runs += [run for one in plan.variations(which) for of in plan.designs() for run in varied_idle(which, one, of)]
     for run in dict.fromkeys(runs):
         assert schedule(Reducer(run)).timestep <= min(limits(Reducer(run)).values()), run.name
@@ -137,7 +137,7 @@ def test_figures_show_one_turn_of_360_samples():
 
 
 def test_the_ramp_is_the_papers():
-    design = ramped(FULL, PRESETS["pin"])
+    design = ramp_run(FULL, PRESETS["pin"])
     assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
     assert design.drive.hold > settling(Reducer(design))
 
@@ -174,7 +174,7 @@ def test_a_broken_stage_is_told_and_the_others_are_there(tmp_path, monkeypatch, 
     page = (tmp_path / "reproduce.html").read_text(encoding="utf-8")
     assert "ZeroDivisionError: nothing to divide by &lt;here&gt;" in page
     assert "ring.kind" in page
-    assert "FAIL  stage geometry (Figs 1-4) broke: ZeroDivisionError" in capsys.readouterr().out
+    assert "FAIL  stage geometry (Figs 1-4) failed: ZeroDivisionError" in capsys.readouterr().out
     told = json.loads((tmp_path / "reproduce.json").read_text(encoding="utf-8"))
     assert [stage["error"] != "" for stage in told["stages"]] == [True, False]
 
@@ -216,7 +216,7 @@ def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
 
 
 def test_an_unknown_stage_is_a_usage_error(tmp_path):
-    with pytest.raises(UsageError, match=r"no stage 'stres'; there are geometry, .*torque"):
+    with pytest.raises(UsageError, match=r"unknown stage 'stres'; available: geometry, .*torque"):
         command.reproduce(only=("stres",), delivery=ReproduceDelivery(out=str(tmp_path)))
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from hsieh2014 import hypothesis
-from hsieh2014.idle_stress import heaviest, idle_stress, joined
+from hsieh2014.idle_stress import heaviest, idle_stress, join_loads
 from hsieh2014.plan import FULL, QUICK, at_speed
 from hsieh2014.soft_contact import GENERIC, STEEL, PeakForces, SoftContact, _facets, in_millimetres, soft_idle
 
@@ -125,7 +125,7 @@ def test_the_heaviest_angles_of_a_start_are_solved_for():
     many = loads([[0.0, 1.0], [9.0, 0.0], [6.0, 6.0], [0.0, 0.0], [5.0, 4.5], [8.0, 0.0]])
     chosen = heaviest(many, 4)
     assert chosen.angle.tolist() == [1.0, 5.0, 2.0, 4.0]
-    both = joined([chosen, many])
+    both = join_loads([chosen, many])
     assert len(both.angle) == 10
     assert {len(getattr(both, each.name)) for each in fields(both) if each.name not in ("part", "labels")} == {10}
     assert both.labels == many.labels
