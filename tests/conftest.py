@@ -53,7 +53,7 @@ def _contact() -> None:
 
 def _contact_and_sliding() -> None:
     from cycloid_mj.design import Design
-    from cycloid_mj.statics.sliding import Losses, course_along
+    from cycloid_mj.statics.friction_path import Losses, course_along
 
     _contact()
     course_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())

@@ -1,14 +1,14 @@
-"""What a run says, held against the closed form: a `Run`'s `Findings`, their table and the series behind them.
+"""Results of runs compared with the closed form: the `Findings` of a `Run`, their table, and the series behind them.
 
-Transmission error is the gear's (or the output's) angle less the one that the measured crank angle asks for. The
-closed form of everything but the crank is evaluated at the *measured* crank angle and speed, so that the servo's lag
-is judged once, in the crank's own line.
+The transmission error is the angle of disc or output minus its ideal value at the measured crank angle. The closed form
+of all quantities but the crank's is evaluated at the *measured* crank angle and speed, so that the lag of the servo
+counts only once, as an error of the crank.
 """
 
 from cycloid_mj.analysis.curves import FIGURES, MICROMETRE, SIGNALS, Signal, SignalFigure
+from cycloid_mj.analysis.explanations import RETURNED, explain
 from cycloid_mj.analysis.findings import Findings, condition
 from cycloid_mj.analysis.judge import analyze, judge
-from cycloid_mj.analysis.meaning import RETURNED, meaning
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, FigureRow, RowGroup, groups, table
 
@@ -28,9 +28,9 @@ __all__ = [
     "SignalFigure",
     "analyze",
     "condition",
+    "explain",
     "groups",
     "judge",
-    "meaning",
     "series",
     "table",
 ]

@@ -1,4 +1,4 @@
-"""Signals of a run in the units of their axes, defined once for matplotlib and for the page."""
+"""Signals of a run in the units of their axes, shared by plots and the page."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ class Signal:
     Attributes
     ----------
     label
-        Its name, with its unit.
+        Name, with the unit in brackets.
     simulated, theory
-        Give it of a run [unit], shape (n,) or (n, 2); `theory` is None where nothing is held against it.
+        Functions from a series to values [unit], shape (n,) or (n, 2); `theory` is None without a reference.
     theory_name
-        What the theory is.
+        Name of the reference.
     is_error
-        Whether it is a difference from the closed form.
+        Whether the signal is a difference from the closed form.
     """
 
     label: str
@@ -35,17 +35,17 @@ class Signal:
 
     @property
     def unit(self) -> str:
-        """What stands in the label's brackets; "" of a plain number."""
+        """Unit in the brackets of the label; "" if there is none."""
         return self.label.partition("[")[2].removesuffix("]")
 
 
-def _beside_theory(label: str, part: Callable[[Series], Compared], factor: float = 1.0) -> Signal:
+def _with_theory(label: str, part: Callable[[Series], Compared], factor: float = 1.0) -> Signal:
     return Signal(label, lambda m: factor * part(m).simulated, lambda m: factor * part(m).theory)
 
 
 def _pin(motion: Series) -> PinPath:
     if motion.pin_1 is None:
-        raise LogError(f"{motion.design.name} has no moving ring pins: there is no path of pin 1")
+        raise LogError(f"{motion.design.name} has no moving ring pins, so pin 1 has no path")
     return motion.pin_1
 
 
@@ -56,15 +56,15 @@ def _error(label: str, part: Callable[[Series], Compared], factor: float) -> Sig
 SIGNALS = {
     "output_te": Signal("output [arcsec]", lambda m: ARCSECONDS * m.output_angle.error),
     "gear_te": Signal("gear [arcsec]", lambda m: ARCSECONDS * m.gear_angle.error),
-    "output_speed": _beside_theory("output speed [rad/s]", lambda m: m.output_speed),
+    "output_speed": _with_theory("output speed [rad/s]", lambda m: m.output_speed),
     "output_speed_error": _error("error [mrad/s]", lambda m: m.output_speed, 1e3),
-    "gear_speed": _beside_theory("gear speed [rad/s]", lambda m: m.gear_speed),
+    "gear_speed": _with_theory("gear speed [rad/s]", lambda m: m.gear_speed),
     "gear_speed_error": _error("error [mrad/s]", lambda m: m.gear_speed, 1e3),
-    "crank_speed": _beside_theory("crank speed [rad/s]", lambda m: m.crank_speed),
+    "crank_speed": _with_theory("crank speed [rad/s]", lambda m: m.crank_speed),
     "crank_speed_error": _error("error [mrad/s]", lambda m: m.crank_speed, 1e3),
-    "q_path": _beside_theory("q [mm]", lambda m: m.q_position, 1e3),
+    "q_path": _with_theory("q [mm]", lambda m: m.q_position, 1e3),
     "q_error": Signal(f"distance from Eq. 16 [{MICROMETRE}]", lambda m: 1e6 * m.q_position.error_size, is_error=True),
-    "q_speed": _beside_theory("speed of q [mm/s]", lambda m: m.q_velocity.size, 1e3),
+    "q_speed": _with_theory("speed of q [mm/s]", lambda m: m.q_velocity.size, 1e3),
     "q_speed_error": _error("error [mm/s]", lambda m: m.q_velocity.size, 1e3),
     "pin_path": Signal(f"centre of pin 1 [{MICROMETRE}]", lambda m: 1e6 * _pin(m).position),
     "pin_radial": Signal(f"distance from centre [{MICROMETRE}]", lambda m: 1e6 * _pin(m).radial),
@@ -80,12 +80,12 @@ SIGNALS = {
     ),
     "load_torque": Signal("load torque [N m]", lambda m: m.run["load_torque"]),
 }
-"""Key -> signal. Those of pin 1 exist where a ring has moving pins."""
+"""Signals by key. Those of pin 1 exist only if the ring has moving pins."""
 
 
 @dataclass(frozen=True)
 class SignalFigure:
-    """A figure of a run over time: its `panels` are keys of `SIGNALS`, above each other; `path` is one beside them."""
+    """A figure of a run over time; `panels` are keys of `SIGNALS`, `path` that of a plot next to them."""
 
     name: str
     title: str
@@ -94,7 +94,7 @@ class SignalFigure:
     path: str | None = None
 
     def shows(self, motion: Series) -> bool:
-        """Whether a run has something to show in it: pin 1 moves in some rings only."""
+        """Return whether a run has the signals of the figure: pin 1 moves in some rings only."""
         return motion.pin_1 is not None or "pin_radial" not in self.panels
 
 
@@ -102,8 +102,8 @@ FIGURES = (
     SignalFigure(
         "transmission_error",
         "Transmission error",
-        "Angle of output and gear less the ideal one at the measured crank angle: its swing is "
-        "what the drive errs by, its mean is play that is taken up and, under load, wind-up.",
+        "Angles of output and disc minus their ideal values at the measured crank angle. The peak-to-peak value is the "
+        "transmission error; the mean is backlash taken up and, under load, wind-up.",
         ("output_te", "gear_te"),
     ),
     SignalFigure(
@@ -114,7 +114,7 @@ FIGURES = (
     ),
     SignalFigure(
         "gear_speed",
-        "Speed of the cycloid gear",
+        "Speed of the cycloid disc",
         "Fig. 6 of the paper; closed form: Eq. 12 at the measured crank speed.",
         ("gear_speed", "gear_speed_error"),
     ),
@@ -128,32 +128,32 @@ FIGURES = (
     SignalFigure(
         "q_speed",
         "Speed of the point q",
-        "Fig. 8 of the paper; closed form: Eq. 18 at the measured crank.",
+        "Fig. 8 of the paper; closed form: Eq. 18 at the measured crank angle and speed.",
         ("q_speed", "q_speed_error"),
     ),
     SignalFigure(
         "pin_1",
         "Pin 1 in its socket",
-        "Fig. 9 of the paper: one crank turn of its centre; the circle is the clearance.",
+        "Fig. 9 of the paper: path of the pin's centre over a crank turn; the circle is the clearance.",
         ("pin_radial", "pin_spin"),
         path="pin_path",
     ),
     SignalFigure(
         "contact",
         "Contacts",
-        "Contacts that carry a force, the largest force of one, and the deepest approach.",
+        "Number of loaded contacts, largest contact force, and largest contact deflection.",
         ("contacts", "peak_force", "penetration"),
     ),
     SignalFigure(
         "torque",
         "Torques",
-        "The crank torque that the load would take without losses is load/ratio.",
+        "Without losses, the crank torque is the load torque divided by the ratio.",
         ("crank_torque", "load_torque"),
     ),
     SignalFigure(
         "crank",
         "Speed of the crank",
-        "Fig. 5 of the paper; closed form: the law of the drive.",
+        "Fig. 5 of the paper; closed form: the prescribed ramp and hold.",
         ("crank_speed", "crank_speed_error"),
     ),
 )

@@ -1,4 +1,4 @@
-"""The findings of a run: few numbers, each with its unit in its name, and their operating condition."""
+"""Results of a run: numbers with their units in their names, and the operating condition."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Crank:
 
 @dataclass(frozen=True)
 class SpeedFindings:
-    """Speed of the gear or the output against -omega_i/(N-1) (Eq. 12): the means, and the error at each sample."""
+    """Speed of disc or output compared with -omega_i/(N-1) (Eq. 12): mean values, and the error of the samples."""
 
     theory_rad_s: float
     mean_rad_s: float
@@ -37,7 +37,7 @@ class SpeedFindings:
 
 @dataclass(frozen=True)
 class PathFindings:
-    """Distance of the point q from its place by Eq. 16."""
+    """Distance of the point q from its position by Eq. 16."""
 
     q_mm: tuple[float, float]
     rms_error_um: float
@@ -46,7 +46,7 @@ class PathFindings:
 
 @dataclass(frozen=True)
 class VelocityFindings:
-    """Size of the difference between the velocity of q and Eq. 17, or between its speed and Eq. 18."""
+    """Magnitude of the difference between the velocity of q and Eq. 17, or between its speed and Eq. 18."""
 
     rms_error_mm_s: float
     max_error_mm_s: float
@@ -54,7 +54,7 @@ class VelocityFindings:
 
 @dataclass(frozen=True)
 class AccelerationFindings:
-    """Size of the difference between the mean acceleration of q from sample to sample and Eq. 19 half-way."""
+    """Magnitude of the difference between the acceleration of q from sample to sample and Eq. 19 at the midpoint."""
 
     rms_error_m_s2: float
     max_error_m_s2: float
@@ -62,9 +62,9 @@ class AccelerationFindings:
 
 @dataclass(frozen=True)
 class TransmissionError:
-    """Angle of the gear or the output less -theta/(N-1) at the measured crank angle theta.
+    """Angle of disc or output minus -theta/(N-1) at the measured crank angle theta.
 
-    The mean is no error of the run but a state of the drive: play that is taken up and, under load, elastic wind-up.
+    The mean is not an error of the run but a state of the drive: backlash taken up and, under load, elastic wind-up.
     """
 
     peak_to_peak_arcsec: float
@@ -73,7 +73,7 @@ class TransmissionError:
 
 @dataclass(frozen=True)
 class Disc:
-    """One of several discs, by its name: its speed, its transmission error, and its point q."""
+    """Name, speed, transmission error and point q of a disc, if there are several."""
 
     name: str
     speed: SpeedFindings
@@ -84,7 +84,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class ContactSummary:
-    """Contacts that carry a force, on average; the deepest penetration; the largest force of one contact."""
+    """Mean number of loaded contacts, largest contact deflection, and largest contact force."""
 
     mean_active: float
     max_penetration_um: float
@@ -93,7 +93,7 @@ class ContactSummary:
 
 @dataclass(frozen=True)
 class Pin1:
-    """Ring pin 1: how far its centre (its sleeve's) leaves its place, and its mean speed of rotation."""
+    """Largest radial displacement of ring pin 1 (or its sleeve), and its mean speed of rotation."""
 
     max_radial_um: float
     mean_spin_rad_s: float
@@ -101,7 +101,7 @@ class Pin1:
 
 @dataclass(frozen=True)
 class Ramp:
-    """The point q while the crank speeds up (Eqs 16-20 with their tangential terms)."""
+    """The point q during the ramp (Eqs 16-20 with their tangential terms)."""
 
     q_path: PathFindings
     q_speed: VelocityFindings
@@ -111,7 +111,7 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Power:
-    """Mean power into the crank and out at the load; mean torques, and the crank's without losses, T/(N-1)."""
+    """Mean input and output power, mean torques, and the crank torque without losses, T/(N-1)."""
 
     input_w: float
     output_w: float
@@ -122,9 +122,9 @@ class Power:
 
 @dataclass(frozen=True)
 class Loss:
-    """Mean power that one kind of mating pair takes: by sliding, and by its normal forces (damping).
+    """Mean power lost in a kind of mating pair: by friction, and by normal forces (damping).
 
-    Where pins rub alike on gear and seat, the time step decides which of them takes it: only their sum is determined.
+    Where pins slide equally on disc and seat, the split between the two depends on the time step; the sum does not.
     """
 
     pair: str
@@ -134,7 +134,7 @@ class Loss:
 
 @dataclass(frozen=True)
 class Window:
-    """The part of the run that was judged: the settled part of the hold, or the ramp of a run that ended in it."""
+    """The evaluated part of the run: the settled part of the hold, or the ramp of a run that ended there."""
 
     start_s: float
     end_s: float
@@ -145,12 +145,12 @@ class Window:
 
 @dataclass(frozen=True, repr=False)
 class Findings(Presented):
-    """What a run says. None stands where a quantity does not exist or the run does not have it.
+    """Results of a run; None for quantities that do not exist or that the run lacks.
 
-    All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
-    a user of the drive feels; `output_transmission_error` is the same under its full name. `warnings` say what a reader
-    should know before he trusts the figures. Of several discs, what is said of the gear and of q holds for the first;
-    `discs` has each of them, and nothing where there is one. `timestep_for` says for which figures the step was chosen.
+    All results except those of the `ramp` are for the `window`, under the `condition`. `transmission_error` is that of
+    the output, and so is `output_transmission_error`. `warnings` limit the validity of the results. With several discs,
+    the results of the disc and of q are those of the first; `discs` has all of them, and is empty for a single disc.
+    `timestep_for` names the results that the time step was chosen for.
     """
 
     design: str
@@ -187,7 +187,7 @@ class Findings(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Every number of `as_json`, a row each, under its keys joined by dots."""
+        """The numbers of `as_json`, one per row, named by their keys joined by dots."""
         return framed([{"key": key, "value": value} for key, value in _numbers(self.as_json())], ("key", "value"), {})
 
     @property
@@ -199,7 +199,7 @@ class Findings(Presented):
 
     @property
     def condition_words(self) -> str:
-        """The condition, and whether the run came that far."""
+        """The condition, and whether the run reached it."""
         return str(self.condition) + ("" if self.window.phase == "hold" else " (not reached: in the ramp)")
 
     def as_json(self) -> dict[str, Any]:
@@ -208,7 +208,7 @@ class Findings(Presented):
 
 
 def _numbers(of: Any, path: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers within dicts and lists, each with its keys and places joined by dots."""
+    """Yield the numbers in nested dicts and lists, named by keys and indices joined by dots."""
     if isinstance(of, dict | list):
         for key, inner in of.items() if isinstance(of, dict) else enumerate(of):
             yield from _numbers(inner, f"{path}.{key}".removeprefix("."))

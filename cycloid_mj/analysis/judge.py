@@ -1,15 +1,14 @@
 """Analysis of a run: from its series to its findings.
 
-Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
-it is shorter than a turn). The peak-to-peak transmission error is that of a crank turn, the mean of all whole turns;
-`crank.max_relative_error` is over the whole run, `ramp` over the ramp. A run that ended in its ramp is judged over all
-of it; then there is no efficiency, as the input also speeds up the drive.
+Extremes and rms values cover all settled samples of the hold, means its full crank turns (full mesh periods if it is
+shorter than a turn). The peak-to-peak transmission error is the mean over the full crank turns.
+`crank.max_relative_error` covers the entire run, `ramp` the ramp. A run that ended during the ramp is evaluated over
+the ramp; its efficiency is undefined, as the input also accelerates the drive.
 """
 
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.analysis.doubts import warnings
 from cycloid_mj.analysis.findings import (
     AccelerationFindings,
     ContactSummary,
@@ -28,6 +27,7 @@ from cycloid_mj.analysis.findings import (
     condition,
 )
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
+from cycloid_mj.analysis.warnings import warnings
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
@@ -37,19 +37,19 @@ from cycloid_mj.base.statistics import peak, rms
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.timestep import timestep
 
-COARSEST_SAMPLING = np.radians(5.0)
-"""Crank angle from sample to sample beyond which velocities give no acceleration: the error is its square / 24."""
+MAX_CRANK_STEP = np.radians(5.0)
+"""Largest crank angle between samples for accelerations from differences: their relative error is its square / 24."""
 
 
 def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None, log: str | None = None) -> Findings:
-    """Judge a run against its closed form.
+    """Evaluate a run and compare it with its closed form.
 
     Parameters
     ----------
     run, q, settle
-        As `series` takes them.
+        Arguments of `series`.
     log
-        Where the run was read from; only passed on.
+        Path of the log, for `Findings.log`.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Judge a series; see `analyze`."""
+    """Evaluate a series; see `analyze`."""
     run, provenance = motion.run, motion.run.provenance
     power, contacts, judged = _power(motion), _contacts(motion), _window(motion)
     output = _transmission_error(motion.output_angle, motion)
@@ -96,7 +96,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         complete=run.complete,
         note=run.note,
         condition=condition(motion.reducer),
-        solver=provenance.get("solver", "mujoco"),  # what a log names that has no entry of it
+        solver=provenance.get("solver", "mujoco"),  # logs of the first releases lack the entry
         warnings=tuple(warnings(motion, judged, contacts)),
     )
 
@@ -108,7 +108,7 @@ def _crank(motion: Series) -> Crank:
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
-    """Judge each of several discs."""
+    """Return the results of each disc, if there are several."""
     count = motion.design.gear.discs
     each = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
     return tuple(
@@ -146,7 +146,7 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     """Compare velocity differences with Eq. 19 at the mean crank angle, speed and acceleration between samples."""
     inner = np.flatnonzero(rows[1:] & rows[:-1])
-    if inner.size == 0 or peak(np.diff(motion.crank_angle)[inner]) > COARSEST_SAMPLING:
+    if inner.size == 0 or peak(np.diff(motion.crank_angle)[inner]) > MAX_CRANK_STEP:
         return None
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
@@ -203,7 +203,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:
-    """List the losses of each kind of pair that was ever in touch."""
+    """Return the losses of each kind of mating pair that was in contact."""
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     losses = []

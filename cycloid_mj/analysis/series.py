@@ -1,4 +1,4 @@
-"""The motion of a run beside its closed form, sample by sample."""
+"""The motion of a run and its closed form, sample by sample."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -28,7 +28,7 @@ PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One quantity, `simulated` and by `theory`, at the same samples: both (n,) or both (n, 2), locked."""
+    """A quantity, `simulated` and by `theory`, at the same samples: both (n,) or both (n, 2), read-only."""
 
     simulated: Array
     theory: Array
@@ -39,12 +39,12 @@ class Compared:
 
     @cached_property
     def error(self) -> Array:
-        """Simulated less theory."""
+        """Simulated minus theory."""
         return self.simulated - self.theory
 
     @cached_property
     def error_size(self) -> Array:
-        """Size of the error, shape (n,): of the vector where the quantity is one."""
+        """Magnitude of the error, shape (n,)."""
         return np.linalg.norm(self.error, axis=1) if self.error.ndim == 2 else np.abs(self.error)
 
     @cached_property
@@ -86,22 +86,22 @@ class Series:
     Attributes
     ----------
     run
-        The run, up to the first sample that holds something else than numbers.
+        The run, up to the first sample that is not all numbers.
     design
         Its design.
     disc
-        Index of the disc that `gear_angle`, `gear_speed` and the motion of q are of; `of_disc` gives those of another.
+        Index of the disc whose `gear_angle`, `gear_speed` and motion of q these are; `of_disc` selects another disc.
     q
-        The point of the gear that is followed, gear frame [m], shape (2,).
+        The point q of the disc, in the disc's frame [m], shape (2,).
     ramp, hold
         Masks of the samples in the ramp and in the settled hold, shape (n,); a run that ended in its ramp has no hold.
     crank_speed
-        Against the law of the drive [rad/s].
+        Compared with the prescribed ramp and hold [rad/s].
     gear_angle, gear_speed, output_angle, output_speed
-        Against Eq. 12 at the measured crank [rad], [rad/s], or against theta/N and a gear that does not turn, where the
-        ring does. The errors of the angles are the transmission errors.
+        Compared with Eq. 12 at the measured crank angle and speed [rad], [rad/s]; if the ring is the output, with
+        theta/N and a disc that does not rotate. The errors of the angles are the transmission errors.
     q_position, q_velocity
-        Against Eqs 16 and 17 at the measured crank; from the initial centre of the first disc [m], [m/s], (n, 2).
+        Compared with Eqs 16 and 17 at the measured crank; from the initial centre of the first disc [m], [m/s], (n, 2).
     pin_1
         Ring pin 1; None if the ring has no free pins.
     """
@@ -148,30 +148,30 @@ class Series:
         return "gear" if discs == 1 else f"gear {self.disc + 1} of {discs}"
 
     def of_disc(self, disc: int) -> "Series":
-        """Return the same with the motion of another disc, by its index."""
+        """Return the series with the motion of another disc, by its index."""
         motion: dict[str, Any] = _disc_motion(self.run, self.reducer, self.q, disc)
         return replace(self, disc=disc, **motion)
 
     @property
     def phase(self) -> Phase:
-        """What is judged: the settled hold, or the ramp of a run that ended in it."""
+        """The evaluated phase: the settled hold, or the ramp of a run that ended there."""
         return "hold" if self.hold.any() else "ramp"
 
     @property
     def judged(self) -> Mask:
-        """Mask of the samples that are judged, shape (n,): the settled hold, or the whole of a run without one."""
+        """Mask of the evaluated samples, shape (n,): the settled hold, or the entire run without one."""
         return self.hold if self.hold.any() else np.ones_like(self.hold)
 
     @property
     def whole_periods(self) -> slice:
-        """Samples over which means are taken: whole crank turns of what is judged, or else whole mesh periods."""
+        """Samples of mean values: full crank turns of the evaluated samples, or else full mesh periods."""
         first = int(np.argmax(self.judged))
         part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / Reducer(self.design).mesh_periods)
         return slice(first, first + part.stop)
 
     @property
     def one_turn(self) -> slice:
-        """Samples of one crank turn: of the hold, from crank angle 0 where it is long enough, or the ramp's last."""
+        """Samples of a crank turn: of the hold, from crank angle 0 if it is long enough, or the last of the ramp."""
         first = int(np.argmax(self.judged))
         chosen = window.one_turn if self.phase == "hold" else window.last_turn
         part = chosen(self.crank_angle[first:])
@@ -179,16 +179,16 @@ class Series:
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
-    """Hold the motion of a run against the closed form, as far as the run goes.
+    """Compare the motion of a run with the closed form.
 
     Parameters
     ----------
     run
-        From memory or from a log, with its ``design.toml``. Of several discs the first is followed, see `Series.disc`.
+        Run with its ``design.toml``. With several discs, the series is that of the first, see `Series.of_disc`.
     q
-        Point of the gear, gear frame [m]; by default the centre of hole 1, on +y.
+        Point of the disc in its frame [m]; by default the centre of hole 1, on +y.
     settle
-        Time after the ramp that is not judged [s]; see `window.in_hold`.
+        Time after the ramp that is left out [s]; see `window.in_hold`.
 
     Raises
     ------
@@ -203,7 +203,9 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     planar = [name for gear in names.gears(design.gear.discs) for name in _planar(gear)]
     run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.FEWEST_SAMPLES:
-        raise LogError(f"the run has {len(run)} usable samples: there is nothing to judge; simulate it again")
+        raise LogError(
+            f"the run has {len(run)} usable samples; at least {window.FEWEST_SAMPLES} are needed: simulate it again"
+        )
     if window.reaches_hold(reducer, run.time):
         hold = window.in_hold(reducer, run.time, settle)
     else:
@@ -228,16 +230,16 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
 def point_path(
     reducer: Reducer, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
 ) -> kinematics.PointPath:
-    """Compute the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
+    """Compute the closed form of the motion of a disc's point q: Eqs 16 to 19, with the phase of the disc on the crank.
 
-    Where the ring turns, the discs do not.
+    If the ring is the output, the discs do not rotate.
 
     Parameters
     ----------
     reducer, q, disc
         The reducer, the point in the disc's frame [m], shape (2,), and the index of the disc.
     crank_angle, speed, acceleration
-        Of the crank [rad], [rad/s], [rad/s2], shape (n,).
+        Those of the crank [rad], [rad/s], [rad/s2], shape (n,).
     """
     gear, ahead = reducer.tooth_profile, reducer.phases[disc]
     if reducer.design.output.turns_ring:
@@ -249,28 +251,32 @@ def point_path(
 
 
 def design_of(run: Run) -> Design:
-    """Return the design that a run carries.
+    """Return the design of a run from its attachment.
 
     Raises
     ------
     LogError
-        It carries none.
+        The attachment is missing, or belongs to another run.
     DesignError
-        What it carries is no valid design.
+        The attachment is not a valid design.
     """
     if DESIGN_FILE not in run.attachments:
-        raise LogError(f"the run has no attachment {DESIGN_FILE!r}, so its closed form is unknown: simulate it again")
+        raise LogError(
+            f"the run has no attachment {DESIGN_FILE!r}, so there is nothing to compare it with: simulate it again"
+        )
     try:
         text = run.attachments[DESIGN_FILE].decode()
     except UnicodeDecodeError as problem:
-        raise LogError(f"the run's {DESIGN_FILE} is no text ({problem}): simulate it again") from problem
+        raise LogError(
+            f"the attachment {DESIGN_FILE} of the run is not text ({problem}): simulate it again"
+        ) from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
     _require_fit(run, Reducer(design))
     return design
 
 
 def _require_fit(run: Run, reducer: Reducer) -> None:
-    """Raise LogError if the forces are of other pins, lobes or output pins than the design has."""
+    """Raise LogError if the run's forces belong to other pins, lobes or output pins than the design has."""
     kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
     expected = reducer.mechanism.pairs
     for kind, what in kinds.items():
@@ -278,17 +284,17 @@ def _require_fit(run: Run, reducer: Reducer) -> None:
         has = set(run.pairs(kind))
         if has and has != wanted:
             raise LogError(
-                f"the run's {DESIGN_FILE} has {len(wanted)} {what}, but its columns are of {len(has)}: "
-                "the file belongs to another run; take the log as it was written, or simulate it again"
+                f"the attachment {DESIGN_FILE} has {len(wanted)} {what}, the run's columns have {len(has)}: "
+                "the attachment belongs to another run; use the original log, or simulate it again"
             )
 
 
 def _usable(run: Run, needed: tuple[str, ...]) -> Run:
-    """Cut a run off before its first sample that is not all usable numbers; one that went wrong may end with some."""
+    """Cut a run off before its first sample that is not all finite numbers, which may end a run that failed."""
     missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
-            f"the run lacks {len(missing)} of the {len(needed)} columns that an analysis needs:"
+            f"the run lacks {len(missing)} of the {len(needed)} columns required by the analysis:"
             f" {', '.join(missing)}; simulate it again"
         )
     sane = np.ones(len(run), dtype=np.bool_)
@@ -297,25 +303,27 @@ def _usable(run: Run, needed: tuple[str, ...]) -> Run:
     if sane.all():
         return run
     first = int(np.argmin(sane))
-    cut = f"the samples from {run.time[first]:.9g} s on are not all numbers below {LARGEST:g} and were left out"
+    cut = f"samples from {run.time[first]:.9g} s on were left out: values are not finite or exceed {LARGEST:g}"
     return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, cut))))
 
 
 def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
     point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
-        raise UsageError(f"the point q is {q!r}; give two finite coordinates x, y in the gear frame, in metres")
+        raise UsageError(
+            f"the point q is {q!r}; it must be two finite coordinates x, y in the frame of the disc, in metres"
+        )
     point.setflags(write=False)
     return point
 
 
 def _planar(gear: str) -> tuple[str, ...]:
-    """Name the columns of a disc's motion: x, y, angle, and their speeds."""
+    """Return the names of the columns of a disc's motion: x, y, angle, and their speeds."""
     return (*names.planar_joints(gear), *names.planar_speeds(gear))
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Collect what a `Series` has of one disc."""
+    """Return the attributes of a `Series` that depend on the disc."""
     design = reducer.design
     *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]

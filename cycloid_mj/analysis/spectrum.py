@@ -1,11 +1,10 @@
-"""The one spectrum of the project: amplitudes by order, densities by frequency, and the filter before sampling less.
+"""Spectra: amplitudes by order, power spectral densities by frequency, and the low-pass filter before decimation.
 
-An order is a number of cycles in a turn of the crank. `periodic_orders` is for values at even steps of the crank that
-repeat: it is exact. `tapered_orders` is for logs, whose samples are even in time while the crank's speed sways, and
-whose signals need not repeat in the window: values between samples are those of the band-limited signal through them,
-and a Hann window keeps apart what does not fit. It reads a cosine within 1 % of its amplitude between ``LOWEST`` cycles
-in the window and ``BAND`` of the sampling rate; straight lines between samples would take 7 % at 0.15 of the rate and
-nearly half of it at 0.4.
+An order is a number of cycles per turn of the crank. `periodic_orders` is for values at even crank steps that repeat:
+it is exact. `tapered_orders` is for logs, whose samples are even in time while the crank's speed varies, and whose
+signals need not repeat in the window: it resamples by band-limited interpolation and applies a Hann window. Amplitudes
+of cosines are right within 1 % between ``LOWEST`` cycles in the window and ``BAND`` of the sampling rate; linear
+interpolation would lose 7 % at 0.15 of the rate and nearly half at 0.4.
 """
 
 import math
@@ -20,29 +19,29 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 
 BAND = 0.4
-"""Highest frequency that is given, as a share of the sampling rate."""
+"""Highest frequency of a spectrum, as a share of the sampling rate."""
 
 LOWEST = 3.0
-"""Least number of cycles in the window at which any cosine is read within 1 %; one that fits in whole is below it, too,
-at its own order."""
+"""Fewest cycles in the window at which any cosine is right within 1 %; a cosine of an integer number of cycles is right
+below it, too, at its own order."""
 
 REACH = 16
-"""Samples on either side that a value between samples is made of."""
+"""Samples on either side that a value between samples is interpolated from."""
 
 SHARPNESS = 9.0
-"""Kaiser's beta of the windows: ripples of 1e-4."""
+"""Parameter beta of the Kaiser window: ripple 1e-4."""
 
 PADDING = 8
-"""Orders given for each cycle in the window, so that one that lies between is not read too low."""
+"""Orders per cycle in the window (zero padding), so that a peak between two cycles is not too low."""
 
 HANN_BANDWIDTH = 1.5
 """Equivalent noise bandwidth of a Hann window, in cycles of the window."""
 
 EVEN = 1e-6
-"""Relative; by how much steps of the crank may differ."""
+"""Relative tolerance of the even steps of the crank."""
 
 SHORT = 0.02
-"""Share of a cycle by which a window may fall short of whole ones."""
+"""Share of a cycle by which a window may be shorter than full cycles."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,17 +51,17 @@ class Orders(Presented):
     Attributes
     ----------
     base
-        Cycles in a crank turn of the first of the orders that are told apart [1].
+        Cycles per crank turn of the lowest order that is resolved [1].
     order
         Orders [1], increasing, shape (n,).
     amplitude
         Half of the peak-to-peak value of a cosine of each order, in the values' unit, shape (n,).
     band
-        Lowest and highest order that is read within 1 % [1].
+        Lowest and highest order whose amplitude is right within 1 % [1].
     cycles
-        Whole cycles of the base in the window.
+        Full cycles of the base in the window.
     spread
-        Orders that one cosine shows in, as a power: 1 where each is given once.
+        Number of orders over which the power of a cosine is spread; 1 if it appears in its own order only.
     """
 
     base: float
@@ -74,12 +73,12 @@ class Orders(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Its orders, a row each."""
+        """The orders, one per row."""
         return Frame({"order": self.order, "amplitude": self.amplitude})
 
     @property
     def line(self) -> str:
-        """How many there are, and the largest."""
+        """Number of orders, and the largest amplitude."""
         largest = int(np.argmax(self.amplitude))
         return f"{len(self.order)} orders; largest {self.amplitude[largest]:.4g} at {self.order[largest]:.4g}"
 
@@ -89,7 +88,7 @@ class Orders(Presented):
 
 
 def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float = np.inf) -> Orders:
-    """Compute the orders of values that repeat, over as many whole cycles as there are.
+    """Compute the orders of periodic values, over as many full cycles as there are.
 
     Parameters
     ----------
@@ -100,7 +99,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     base
         Cycles in a crank turn of what the values repeat with [1].
     most
-        The largest order that is given [1]; at most that of two samples in a cycle.
+        The largest order to return [1]; at most that of two samples in a cycle.
 
     Raises
     ------
@@ -113,8 +112,8 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     uneven = np.abs(np.diff(crank) - step).max() > EVEN * step
     if cycles < 1 or uneven or abs(points * step - cycles * period) > EVEN * period:
         raise UsageError(
-            f"{len(crank)} crank angles over {np.degrees(crank[-1] - crank[0]):.6g} deg are no even division of whole "
-            f"cycles of {np.degrees(period):.6g} deg: sample at even angles, a whole number in a cycle"
+            f"{len(crank)} crank angles over {np.degrees(crank[-1] - crank[0]):.6g} deg do not divide full cycles of "
+            f"{np.degrees(period):.6g} deg evenly: sample at even angles, an integer number per cycle"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = base * np.arange(amplitude.size) / cycles
@@ -124,7 +123,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
 
 
 def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
-    """Compute the orders of logged values about their mean, over as many whole cycles of a base as there are.
+    """Compute the orders of logged values about their mean, over as many full cycles of a base as there are.
 
     Parameters
     ----------
@@ -133,14 +132,14 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     values
         Shape (n,).
     most
-        The largest order that is given [1]; at most ``BAND`` of the samples in a turn.
+        The largest order to return [1]; at most ``BAND`` of the samples in a turn.
     base
-        Cycles in a crank turn of which the window is to hold whole ones [1]; by default whole turns.
+        Cycles per crank turn of which the window has an integer number [1]; by default full turns.
 
     Returns
     -------
     Orders or None
-        None where there is not one whole cycle.
+        None if the values are shorter than a cycle.
     """
     swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * REACH or (np.diff(swept) <= 0.0).any():
@@ -164,8 +163,8 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
 def _inverse(rising: Array, targets: Array) -> Array:
     """Return at which sample number, between samples, rising values (n,) reach targets (k,): by Lagrange's cubic.
 
-    The crank angle of a run is so smooth that this is right to 1e-5 samples; to import SciPy's splines for it takes
-    longer than to judge a run.
+    The crank angle of a run is so smooth that this is right to 1e-5 samples; importing SciPy's splines would take
+    longer than the evaluation of a run.
     """
     first = np.clip(np.searchsorted(rising, targets) - 2, 0, len(rising) - 4)
     nodes = rising[first + np.arange(4)[:, np.newaxis]]
@@ -183,9 +182,9 @@ def between_samples(values: Array, places: Array) -> Array:
     Parameters
     ----------
     values
-        Samples, shape (n,); beyond both ends they are taken to go on turned by half a turn about the end.
+        Samples, shape (n,); they are extended at both ends by odd reflection.
     places
-        Where to read it, in samples from the first, from 0 to n - 1 or little more, shape (k,).
+        Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
     """
     ahead = np.pad(values, REACH, mode="reflect", reflect_type="odd")
     first = np.clip(np.floor(places).astype(np.int64), 0, len(values) - 1)
@@ -199,21 +198,21 @@ def between_samples(values: Array, places: Array) -> Array:
 
 
 def thinned(values: Array, every: int, means: bool = False) -> Array:
-    """Keep one of `every` samples, after a filter that takes away what would fold into the band.
+    """Decimate samples by a factor `every` after a low-pass filter that prevents aliasing.
 
     Parameters
     ----------
     values
         Even samples, shape (n,) or (n, k).
     every
-        What is above ``1 - BAND`` of the new rate is taken away to 1e-3, what is below ``BAND`` of it kept.
+        Frequencies above ``1 - BAND`` of the new rate are attenuated to 1e-3, those below ``BAND`` of it are kept.
     means
-        Whether each value is a mean from one sample to the next, which reads high frequencies too low: made good.
+        Whether values are means from one sample to the next; the filter then corrects their attenuation.
 
     Returns
     -------
     Array
-        Shape (ceil(n / every),) or (ceil(n / every), k); the first and last 10 of them feel the ends.
+        Shape (ceil(n / every),) or (ceil(n / every), k); the first and last 10 samples are affected by the ends.
     """
     if every == 1:
         return values
@@ -221,15 +220,15 @@ def thinned(values: Array, every: int, means: bool = False) -> Array:
     columns = values.reshape(len(values), -1)
     ends = len(taps) // 2
     ahead = np.pad(columns, ((ends, ends), (0, 0)), mode="reflect", reflect_type="odd")
-    kept = sliding_window_view(ahead, len(taps), axis=0)[::every] @ taps  # taps read alike from both ends
+    kept = sliding_window_view(ahead, len(taps), axis=0)[::every] @ taps  # the filter is symmetric
     return np.asarray(kept.reshape(-1, *values.shape[1:]))
 
 
 def low_pass(every: int, means: bool = False) -> Array:
     """Compute the filter of `thinned`, shape (20 every + 1,): its response by frequency, under a Kaiser window.
 
-    The response is sampled finely and transformed back, as SciPy's ``firwin2`` does; to load ``scipy.signal`` takes
-    longer than all the filtering of a measure.
+    The frequency response is sampled finely and transformed back, as SciPy's ``firwin2`` does; importing
+    ``scipy.signal`` takes longer than the filtering.
     """
     ends = 10 * every
     frequency = np.linspace(0.0, 0.5, 1 + 2 ** math.ceil(math.log2(2 * ends + 1)))
@@ -242,7 +241,7 @@ def low_pass(every: int, means: bool = False) -> Array:
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
-    """Compute frequencies [Hz] and one-sided power spectral densities by Welch's method, Hann windows half laid over.
+    """Compute frequencies [Hz] and one-sided power spectral densities by Welch's method (Hann, half overlap).
 
     Parameters
     ----------

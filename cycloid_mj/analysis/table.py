@@ -1,7 +1,7 @@
-"""The findings as rows of text, for people: what a user of the drive feels comes first.
+"""The findings of a run as rows of text: what a user of the drive notices comes first.
 
-An error is a difference from a reference that the ideal mechanism would keep. What friction takes and what a load winds
-up are no errors: they stand under "simulated".
+An error is a difference from a reference that the ideal mechanism would reach. Friction losses and elastic wind-up are
+not errors: they are in the column "simulated".
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from cycloid_mj.analysis.findings import Findings, PathFindings, SpeedFindings, 
 
 
 class FigureRow(NamedTuple):
-    """One line of the table; a cell is "" where there is nothing to say."""
+    """A row of the table; cells without a value are ""."""
 
     quantity: str
     simulated: str
@@ -21,7 +21,7 @@ class FigureRow(NamedTuple):
 
 
 class RowGroup(NamedTuple):
-    """The rows about one part of the drive, one of `GROUPS`; `detail` says more of it, such as where a point is."""
+    """The rows of a part of the drive, named as in `GROUPS`; `detail` adds to the name, such as a point's place."""
 
     name: str
     rows: tuple[FigureRow, ...]
@@ -29,19 +29,19 @@ class RowGroup(NamedTuple):
 
 
 ROUNDING = 1e-12
-"""Share of its reference below which a difference is rounding."""
+"""Relative difference below which a value equals its reference."""
 
 GROUPS = ("output", "gear", "path of q", "contacts", "pin 1", "torques and losses", "energy", "crank")
-"""Names of the groups, in their order."""
+"""Names of the groups, in the order of the table."""
 
 
 def table(findings: Findings) -> list[FigureRow]:
-    """List the findings as rows: quantity, simulated, closed form, error, unit."""
+    """Return the findings as rows: quantity, simulated, closed form, error, unit."""
     return [row for group in groups(findings) for row in group.rows]
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """List the rows of `table` by what they are about; a group without rows is left out."""
+    """Return the rows of `table` in groups; groups without rows are left out."""
     rows = (
         _part("output", findings.output_speed, findings.output_transmission_error),
         _gears(findings),
@@ -57,7 +57,7 @@ def groups(findings: Findings) -> list[RowGroup]:
 
 def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[FigureRow]:
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
-    # a difference that is rounding beside its reference is none
+    # a difference within rounding is shown as 0
     off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
     yield _row(f"transmission error of {article}{part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
     yield _row(f"transmission error of {article}{part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
@@ -95,7 +95,7 @@ def _contacts(findings: Findings) -> Iterator[FigureRow]:
 
 def _pin_1(findings: Findings) -> Iterator[FigureRow]:
     if pin := findings.pin1:
-        yield _row("pin 1, distance from where it is centred, largest", "um", pin.max_radial_um)
+        yield _row("pin 1, radial displacement, largest", "um", pin.max_radial_um)
         yield _row("pin 1, spin, mean", "rad/s", pin.mean_spin_rad_s)
 
 
@@ -121,7 +121,7 @@ def _energy(findings: Findings) -> Iterator[FigureRow]:
 def _crank(findings: Findings) -> Iterator[FigureRow]:
     crank = findings.crank
     yield _row("crank speed, mean", "rad/s", crank.speed_rad_s)
-    yield _row("crank speed against its law, largest, whole run", "1", error=crank.max_relative_error)
+    yield _row("crank speed, largest relative error in the entire run", "1", error=crank.max_relative_error)
 
 
 def _row(

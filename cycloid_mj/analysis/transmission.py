@@ -1,4 +1,4 @@
-"""Transmission error of a run: the turn of output and gear less the ideal one at the measured crank angle."""
+"""Transmission error of a run: angles of output and disc minus their ideal values at the measured crank angle."""
 
 import numpy as np
 
@@ -17,9 +17,9 @@ def output_error(run: Run, reducer: Reducer) -> Array:
 
 
 def gear_error(run: Run, reducer: Reducer) -> Array:
-    """Compute the transmission error of the gear [rad], shape (n,), counter-clockwise; of several discs in the mean.
+    """Compute the transmission error of the disc [rad], shape (n,), counter-clockwise; the mean of several discs.
 
-    It is phi + theta/(N-1) of the gear's angle phi, or phi where the ring is the output, as the gear does not turn.
+    It is phi + theta/(N-1) of the disc's angle phi, or phi if the ring is the output, as the disc does not rotate.
     """
     turned = [run[names.planar_joints(gear)[2]] for gear in reducer.gears]
     return np.mean(turned, axis=0) - reducer.member.gear_angle(run["crank_angle"])

@@ -34,7 +34,7 @@ from cycloid_mj.bench.search import DISCREPANCY, STEP, FitProblem, Trials
 from cycloid_mj.bench.uncertainty import COVERED
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sliding import Held, Losses
+from cycloid_mj.statics.friction_path import Held, Losses
 
 ALIKE = 0.95
 """Correlation from which on a loop cannot tell two values apart."""

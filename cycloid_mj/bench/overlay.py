@@ -15,8 +15,8 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import announced, njit
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
+from cycloid_mj.statics.friction_path import Held, course_along
 from cycloid_mj.statics.locked import load_friction, locked_branches, locked_curve, slip_elements
-from cycloid_mj.statics.sliding import Held, course_along
 
 GRID, LEAD = 24, 8
 """Torques of a branch of the model, and of each that only leads to the loop."""

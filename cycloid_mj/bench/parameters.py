@@ -16,7 +16,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.explore.sampling import tolerances
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sliding import Losses
+from cycloid_mj.statics.friction_path import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
 
 MOST_PLAY = 900.0
@@ -58,8 +58,8 @@ class Model:
     losses
         Beside those of contacts that rub.
     rubs
-        Whether the contacts' own friction is followed (`statics.sliding`); else the friction of the wind-up stands for
-        all of it (`statics.locked`).
+        Whether the contacts' own friction is followed (`statics.friction_path`); else the friction of the wind-up
+        stands for all of it (`statics.locked`).
     """
 
     reducer: Reducer

@@ -13,7 +13,7 @@ from cycloid_mj.bench.loop_figures import LoopReading, read_figures
 from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
 from cycloid_mj.bench.parameters import Model
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sliding import Losses
+from cycloid_mj.statics.friction_path import Losses
 
 
 @dataclass(frozen=True, eq=False, repr=False)

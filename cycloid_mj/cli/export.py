@@ -156,11 +156,11 @@ def export(
     count, size, material, made_or_bought, designation, fit).
     """
     from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.parts import fused
+    from cycloid_mj.parts import fuse
     from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, drive_files, stl_bytes, threemf_bytes, widened
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
-    from cycloid_mj.parts.export.printable import coupon, coupon_words, doubts, prints_plastic
+    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings, prints_plastic
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
@@ -184,8 +184,8 @@ def export(
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}
         if prints_plastic(reducer):
-            parts |= {f"{name}.stl": stl_bytes(fused(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
-            warn(design.name, doubts(reducer, printed, chord_error, sizes))
+            parts |= {f"{name}.stl": stl_bytes(fuse(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
+            warn(design.name, print_warnings(reducer, printed, chord_error, sizes))
     if assembly:
         parts |= _assembly(reducer, sizes)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, delivery.force)

@@ -137,7 +137,7 @@ def simulate(
     findings = ran.judged()
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
-    outcome = _with_meaning(outcome_of(findings), findings, ran, page, chosen, delivery.quiet)
+    outcome = _with_explanations(outcome_of(findings), findings, ran, page, chosen, delivery.quiet)
     if not delivery.all:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
@@ -148,11 +148,11 @@ def review_of(log: Path) -> Path:
     return log.with_name(f"{log.stem}-review.html")
 
 
-def _with_meaning(
+def _with_explanations(
     outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
     """Return an outcome with explanations of its figures in place of the headline, and with commands to continue."""
-    from cycloid_mj.analysis import meaning
+    from cycloid_mj.analysis import explain
 
     log = ran.log
     written = f"log: {log}{f'; page for a browser: {page}' if page else ''}"
@@ -161,7 +161,7 @@ def _with_meaning(
         condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
         summary=[
-            *meaning(findings),
+            *explain(findings),
             *([] if findings.condition.load else _unloaded(chosen.resolved())),
             written,
             *(f"next: {words}" for words in _next(findings, chosen)),

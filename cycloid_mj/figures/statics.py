@@ -11,7 +11,7 @@ from cycloid_mj.figures.sampled import BACKLASH, TOUCH, Sampled
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.bearings import HELD
-from cycloid_mj.statics.following import INERTIA_SHARE
+from cycloid_mj.statics.load_tracking import INERTIA_SHARE
 from cycloid_mj.statics.sheet import CASES, PARTS, SHAFTS, WAYS, sheet_part
 
 SheetPart = Literal["motions", "errors", "loads", "losses"]

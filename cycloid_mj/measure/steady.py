@@ -2,7 +2,7 @@
 
 import math
 
-from cycloid_mj.analysis.doubts import unbalanced
+from cycloid_mj.analysis.warnings import balance_warnings
 from cycloid_mj.base.errors import warn
 from cycloid_mj.base.names import GEAR
 from cycloid_mj.base.record import Run
@@ -75,7 +75,7 @@ def steady(
     timed = densely_logged(reducer).steady(settled, periods / reducer.mesh_periods)
     run = simulate(timed.design, compiled or model_for(solver, timed), course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
-    warn(reducer.design.name, unbalanced(run, reducer, REMEDY))
+    warn(reducer.design.name, balance_warnings(run, reducer, REMEDY))
     return run
 
 

@@ -5,18 +5,18 @@ alone; what does not fit together is refused here, in the words of the design fi
 """
 
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
-from cycloid_mj.parts.fused import fused
+from cycloid_mj.parts.body_inertia import moving_masses, output_inertia, turning_inertia
 from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.mesh import Mesh, mesh
-from cycloid_mj.parts.moving import moving_masses, output_inertia, turning_inertia
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
 from cycloid_mj.parts.part import Part, PartSection, Stretch
 from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, laid_out, part_sections, parts
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
+from cycloid_mj.parts.union import fuse
 
 __all__ = [
     "VISUAL_CHORD_ERROR",
@@ -32,7 +32,7 @@ __all__ = [
     "circle",
     "crank_solid",
     "crank_stretches",
-    "fused",
+    "fuse",
     "gear_solid",
     "housing_solid",
     "laid_out",

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
-from cycloid_mj.parts import Mesh, Solid, carried, fused, mesh, parts
+from cycloid_mj.parts import Mesh, Solid, carried, fuse, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
@@ -64,6 +64,6 @@ def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Pi
 
 def _piece(name: str, solid: Solid, place: Array) -> Piece:
     """Return a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
-    shape = fused(solid)
+    shape = fuse(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
     return Piece(name, placed, tinted(COLOURS[family(name)], name))

@@ -3,7 +3,7 @@
 The contacts carry T_s, and turn the output by x(T_s) without friction (`statics.balance`); beside them friction H holds
 the output's turn, whatever turns it: T = T_s(x) + H(x). H is shared by elements, each a spring that slips at a limit of
 its own (Iwan 1966, J. Appl. Mech. 33, 893-900), so that it comes on over a travel as 1 - exp(-x/travel), and remembers.
-Unlike `statics.sliding`, the contacts themselves do not rub: with stiff ones, a locked crank lets them slide by little.
+Unlike in `statics.friction_path`, the contacts have no friction: with stiff ones, they slide little at a locked crank.
 Friction that grows with the load (`LoadFriction`) adds mu |T_s| s(x), where s, from -1 to 1, comes on over a travel as
 H does: that of a reducer whose crank turns as it winds up, so that all contacts slide.
 """
@@ -22,7 +22,7 @@ from cycloid_mj.base.compiling import announced, njit
 from cycloid_mj.design.model import StructureSprings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.sliding import slip_turns
+from cycloid_mj.statics.friction_path import slip_turns
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 

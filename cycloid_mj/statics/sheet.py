@@ -20,9 +20,9 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
-from cycloid_mj.statics.following import INERTIA_SHARE, inertia_share, unfollowed
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRIES
+from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, unfollowed
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance

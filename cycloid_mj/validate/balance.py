@@ -14,9 +14,9 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.friction_path import Losses, rubbing_of
 from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path, state, state_after
 from cycloid_mj.statics.samples import alike, solve_samples
-from cycloid_mj.statics.sliding import Losses, rubbing_of
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_offsets, slip_force
 

@@ -46,9 +46,9 @@ from cycloid_mj.reducer.limits import stops
 from cycloid_mj.robot import ReducedJoint, reduce
 from cycloid_mj.robot.trial import bench as bench_scene
 from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.friction_path import Held, Losses, course_along
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
 from cycloid_mj.statics.sheet import sheet
-from cycloid_mj.statics.sliding import Held, Losses, course_along
 
 DATA = Path(__file__).parents[1] / "data" / "bench"
 BENCH = [DATA / "play_loop.csv", DATA / "stiffness_loop.csv"]

@@ -455,8 +455,8 @@ def test_log_that_was_cut_is_judged_with_a_note(run, tmp_path):
     code, out, err = told("analyze", str(cut), "--json")
     found = one_object(out)
     assert code == 0
-    assert err.startswith("warning: pin: the run did not reach its end")
-    assert found["warnings"][0].startswith("the run did not reach its end")
+    assert err.startswith("warning: pin: the run is incomplete")
+    assert found["warnings"][0].startswith("the run is incomplete")
     assert (found["complete"], found["steps"]) == (False, None)
 
 

@@ -200,7 +200,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert "(10, 3) mm" in page
     code, out, err = told("report", cut, path)
     assert (code, out) == (0, f"{cut.with_suffix('.html')}\n")
-    assert f"warning: {cut.stem}: the run did not reach its end: the log was cut" in err
+    assert f"warning: {cut.stem}: the run is incomplete: the log was cut" in err
     assert "stopped early" in cut.with_suffix(".html").read_text(encoding="utf-8")
     assert rejected("report") == (2, "no log is given: cycloid-mj report RUN.mcap...")
     assert rejected("report", path, path) == (2, "a log is given twice: give each once")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from designs import unlike
 
-from cycloid_mj.analysis.doubts import unbalanced
+from cycloid_mj.analysis.warnings import balance_warnings
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, override
@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.steady import REMEDY, steady, steady_design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sliding import Losses, course_along
+from cycloid_mj.statics.friction_path import Losses, course_along
 
 TEETH21 = unlike("teeth21")
 CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
@@ -120,7 +120,7 @@ def test_the_remedy_of_an_open_balance_is_valid_for_a_measure() -> None:
     reducer = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"', "load.torque_nm=30"]))
     run = steady(steady_design(reducer), 0.01, 8)
     spoiled = replace(run, columns={**run.columns, "load_torque": 1.5 * run["load_torque"]})
-    said = unbalanced(spoiled, reducer, REMEDY)
+    said = balance_warnings(spoiled, reducer, REMEDY)
     assert said
     assert all("drive.hold_s" not in one for one in said)
     assert any("settings.log_rate_hz to 40000" in one for one in said)

@@ -23,7 +23,7 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import envelope, profile
-from cycloid_mj.parts import Part, Stretch, fused, mass_properties, mesh, parts
+from cycloid_mj.parts import Part, Stretch, fuse, mass_properties, mesh, parts
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.curve import (
     SPLINE_ERROR,
@@ -253,7 +253,7 @@ def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
     file_format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A triangle of a cap is lost."""
-    module = importlib.import_module("cycloid_mj.parts.fused")
+    module = importlib.import_module("cycloid_mj.parts.union")
     monkeypatch.setattr(module, "triangulated", lambda points, rings: triangulated(points, rings)[:-1])
     out = tmp_path / "parts"
     arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "20", "--out", str(out)]
@@ -477,7 +477,7 @@ def test_the_shaft_is_bored_for_the_motor_in_every_format(name: str, file_format
 
 def test_the_shaft_is_not_bored_for_a_motor_without_a_shaft() -> None:
     files = export(PRESETS["twodisc"], "stl", CHORD_ERROR, motor="circle").files
-    assert files["shaft.stl"] == stl_bytes(fused(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
+    assert files["shaft.stl"] == stl_bytes(fuse(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
 
 
 def distances(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
@@ -606,7 +606,7 @@ def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
     stretches = tuple(
         Stretch("step", CircleContour(radius), (), float(number), number + 1.0) for number, radius in enumerate(radii)
     )
-    shape = fused(Part("stepped", stretches, 1.0).solid(1e-4))
+    shape = fuse(Part("stepped", stretches, 1.0).solid(1e-4))
     volume = math.pi * sum(radius**2 for radius in radii)
     assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 

@@ -23,7 +23,7 @@ from cycloid_mj.parts import (
     Prism,
     Solid,
     circle,
-    fused,
+    fuse,
     mass_properties,
     output_centres,
     parts,
@@ -43,7 +43,7 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, doubts, thinnest_wall
+from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import made_parts, printed_parts
 from cycloid_mj.parts.export.supports import BESIDE, BRIDGED, LEDGE, UNDER, overhangs, support
 from cycloid_mj.reducer import Reducer
@@ -243,7 +243,7 @@ def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
     (bearing,) = [item for item in bill(Reducer(design)) if item.item == "cam_bearing"]
     seat = design.gear.eccentricity + design.shaft.radius
     assert f"bore {2e3 * seat:g} x" in bearing.size
-    shaft = fused(made_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
+    shaft = fuse(made_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
     assert trimesh.Trimesh(shaft.vertices, shaft.faces, process=False).body_count == 1
 
 
@@ -348,7 +348,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     np.testing.assert_allclose(rooms, CLEARANCES, atol=2.0 * CHORD_ERROR)
     assert len(block.holes) == len(sockets) + 1 + 2 + 3
     for solid in drawn.values():
-        shape = fused(solid)
+        shape = fuse(solid)
         assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
     assert thinnest_wall(block) > THINNEST
 
@@ -359,10 +359,12 @@ def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     reducer = Reducer(made_by_printing(Requirement(15, 0.075, 1.0, process="printed")))
     sizes = casing(reducer)
     laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
-    assert not list(doubts(reducer, laid, CHORD_ERROR, sizes))
+    assert not list(print_warnings(reducer, laid, CHORD_ERROR, sizes))
     monkeypatch.setattr("cycloid_mj.parts.export.printable.THINNEST", 2e-3)
-    assert any("output_cover has a wall of" in text for text in doubts(reducer, laid, CHORD_ERROR, sizes))
-    assert not list(doubts(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None))
+    assert any("output_cover has a wall of" in text for text in print_warnings(reducer, laid, CHORD_ERROR, sizes))
+    assert not list(
+        print_warnings(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None)
+    )
 
 
 def cup(hole: float) -> Solid:
@@ -373,7 +375,7 @@ def cup(hole: float) -> Solid:
 
 
 def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
-    (face,) = overhangs(fused(cup(5e-3)))
+    (face,) = overhangs(fuse(cup(5e-3)))
     assert (face.z, len(face.holes)) == (5e-3, 1)
     assert face.area == pytest.approx(np.pi * (9.5e-3**2 - 5e-3**2), rel=1e-2)
     below = support(cup(5e-3), face, CHORD_ERROR)
@@ -381,13 +383,13 @@ def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
     radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
     assert (radii.min(), radii.max()) == pytest.approx((5e-3 + BESIDE, 9.5e-3 - BESIDE), abs=1e-6)
     assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - UNDER))
-    assert not list(overhangs(fused(cup(9.5e-3 - 0.9 * LEDGE))))
+    assert not list(overhangs(fuse(cup(9.5e-3 - 0.9 * LEDGE))))
 
 
 def test_a_face_on_uneven_ground_has_no_support() -> None:
     step = Prism(np.array([[1e-3, -1e-3], [3e-3, -1e-3], [3e-3, 1e-3], [1e-3, 1e-3]]), (), 0.0, 1e-3)
     uneven = Solid("cup", (*cup(0.0).prisms, step), 1.0)
-    (face,) = overhangs(fused(uneven))
+    (face,) = overhangs(fuse(uneven))
     assert support(cup(0.0), face, CHORD_ERROR) is not None
     corners = Prism(np.array([[-9e-3, 0.0], [0.0, -9e-3], [9.4e-3, 0.0], [0.0, 9.4e-3]]), (), 0.0, 1e-3)
     assert support(Solid("cup", (*cup(0.0).prisms, corners), 1.0), face, CHORD_ERROR) is None

@@ -129,7 +129,7 @@ def test_a_loss_that_comes_back_is_explained_below_its_table(pin):
     for power, explained in ((-1e-3, True), (1e-3, False)):
         losses = (replace(first, normal_w=power), *(replace(one, normal_w=0.0) for one in others))
         text = page_of([replace(item, findings=replace(item.findings, losses=losses))])
-        assert ("is elastic energy that comes back" in text) == explained
+        assert ("is elastic energy that is returned" in text) == explained
 
 
 def test_backlash_and_stiffness_by_statics_stand_beside_what_the_run_tells(pin, text):
@@ -273,9 +273,11 @@ def test_warnings_say_what_spoils_the_numbers(pin):
     assert told(pin) == []
     cut = replace(pin.select(slice(0, 250)), complete=False, note="killed <b>")
     deep = replace(pin, columns={**pin.columns, "penetration": pin["penetration"] + 30e-6})
-    assert told(cut)[0] == "the run did not reach its end: killed <b>"
-    assert "crank turns at constant speed were judged" in told(cut)[1]
-    assert told(deep) == ["contacts were 31 um deep; a run ends with an error at 50 um"]
+    assert told(cut)[0] == "the run is incomplete: killed <b>"
+    assert "crank turns at constant speed were evaluated" in told(cut)[1]
+    assert told(deep) == [
+        "largest contact deflection 31 um; a run stops with an error at 50 um (contact.max_penetration_um)"
+    ]
     page = report({"a.mcap": cut})
     assert "stopped early" in page
     assert "killed &lt;b&gt;" in page
@@ -305,7 +307,7 @@ def test_a_run_that_ended_in_its_ramp_is_reported(tmp_path):
     design = override(PRESETS["pin"], ["drive.ramp_s=0.2", "drive.hold_s=0.1", "load.torque_nm=36"])
     page = Page(report({"a.mcap": replace(made_run(design, 1000), complete=False, note="stopped by Ctrl-C")}))
     words = " ".join(text for _, text in page.texts)
-    assert "ended in its ramp" in words
+    assert "ended during the ramp" in words
     assert "No spectrum" in words
     assert page.data["runs"][0]["spans"]["hold"] == pytest.approx([0.0, 0.0999])
 

@@ -14,6 +14,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.friction_path import Held, Losses, rubbing_of
 from cycloid_mj.statics.kernel import (
     BALANCED,
     CARRIES,
@@ -36,7 +37,6 @@ from cycloid_mj.statics.kernel import (
 from cycloid_mj.statics.kernel.continuation import along, by_continuation, new_path
 from cycloid_mj.statics.kernel.system import system_of
 from cycloid_mj.statics.samples import alike, solve_samples
-from cycloid_mj.statics.sliding import Held, Losses, rubbing_of
 from cycloid_mj.validate.displaced import exact_gaps, slip_force
 
 CRANK = 1.9

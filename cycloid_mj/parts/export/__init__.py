@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fused, laid_out, mass_properties, part_sections, parts
+from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, laid_out, mass_properties, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
@@ -182,7 +182,7 @@ def drive_files(
     encoding = _Encoding(file_format, chord_error, polylines)
     made = made_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
-        return {f"{name}.{file_format}": encoding.mesh(name, fused(one.solid)) for name, one in made.items()}
+        return {f"{name}.{file_format}": encoding.mesh(name, fuse(one.solid)) for name, one in made.items()}
     if encoding.is_polylines:
         laid = assembly_parts(reducer, sizes)
         return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in made}
@@ -270,7 +270,7 @@ def _exported_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | No
         laid = laid_out(reducer, chord_error) | {names.SHAFT: shaft}
         contents = {name: encoding.polylines_of(part) for name, part in laid.items()}
     else:
-        contents = {name: encoding.mesh(name, fused(solid)) for name, solid in _apart(reducer, solids).items()}
+        contents = {name: encoding.mesh(name, fuse(solid)) for name, solid in _apart(reducer, solids).items()}
     return Export({f"{name}.{encoding.file_format}": content for name, content in contents.items()}, clearances)
 
 

@@ -54,7 +54,7 @@ def coupon_words() -> str:
     )
 
 
-def doubts(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing | None) -> Iterator[str]:
+def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing | None) -> Iterator[str]:
     """Yield what of the plastic parts a printer makes badly, with the part and its measure."""
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.design import PRESETS
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.following import inertia_share
+from cycloid_mj.statics.load_tracking import inertia_share
 from cycloid_mj.statics.sheet import sheet
 
 LOOSE = "fixed-n31-d1-carrier-250um"

@@ -7,7 +7,7 @@ from designs import cases, unlike
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sliding import Losses, course_along
+from cycloid_mj.statics.friction_path import Losses, course_along
 
 COURSE = np.sin(2.0 * np.pi * np.linspace(0.0, 1.25, 250))
 WEIGHTLESS = {"gravity_x": 0.0, "gravity_y": 0.0}

@@ -15,7 +15,7 @@ from cycloid_mj.parts.prism import Prism, Solid
 NONE = np.empty((0, 2), dtype=np.int64)
 
 
-def fused(solid: Solid) -> Mesh:
+def fuse(solid: Solid) -> Mesh:
     """Build the mesh of a solid as one closed surface; prisms that touch nothing remain surfaces of their own.
 
     Outlines that stand on each other may share edges if their vertices there are the very same numbers.

@@ -1,0 +1,69 @@
+"""The findings of a run in sentences that compare each figure with that of an ideal drive."""
+
+import math
+from collections.abc import Iterator
+
+from cycloid_mj.analysis.findings import Findings
+
+RETURNED = (
+    "a negative loss by damping is elastic energy that is returned: the power of a normal force includes the energy "
+    "stored in the contact's spring and released by it, which a window of few turns does not average out"
+)
+"""Explanation of a negative loss."""
+
+
+def explain(findings: Findings) -> list[str]:
+    """Return up to eight sentences on the results of a run: motion first, then torque, losses and contacts."""
+    return [*_motion(findings), *_torques(findings), *_losses(findings), _contacts(findings)]
+
+
+def _motion(findings: Findings) -> Iterator[str]:
+    """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc."""
+    speed, error, crank = findings.output_speed, findings.transmission_error, findings.crank
+    if speed.theory_rad_s:
+        yield (
+            f"speed: output {abs(speed.mean_rad_s):.4f} rad/s, ideal {abs(speed.theory_rad_s):.4f} rad/s (1/"
+            f"{abs(crank.speed_rad_s / speed.theory_rad_s):.4g} of the crank's); ripple "
+            f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s rms"
+        )
+    swing = f"transmission error: {error.peak_to_peak_arcsec:.3g} arcsec peak to peak, ideal 0"
+    chance = "" if findings.condition.load else " (without load it differs from start to start: parts rattle)"
+    yield f"{swing}{chance}"
+    if findings.condition.load:
+        yield f"wind-up: {abs(error.mean_arcsec) / 60.0:.3g} arcmin (backlash taken up plus elastic deflection)"
+    path = findings.q_path
+    yield f"path: the point q of the disc deviates by at most {path.max_error_um:.3g} um from the ideal curve (Eq. 16)"
+
+
+def _torques(findings: Findings) -> Iterator[str]:
+    """Yield sentences on the crank torque and the efficiency."""
+    power = findings.power
+    crank = f"crank torque: {abs(power.crank_torque_nm):.4g} N m"
+    if findings.condition.load:
+        yield (
+            f"{crank} at a load torque of {abs(power.load_torque_nm):.4g} N m; without losses "
+            f"{abs(power.ideal_crank_torque_nm):.4g} N m"
+        )
+        if findings.efficiency is not None:
+            yield f"efficiency: {100 * findings.efficiency:.2f} %"
+    else:
+        yield f"{crank}, friction only; efficiency is undefined without a load"
+
+
+def _losses(findings: Findings) -> Iterator[str]:
+    """Yield a sentence on the losses, unless there are none."""
+    losses = {loss.pair.replace("_", "-"): loss.friction_w + loss.normal_w for loss in findings.losses}
+    total = math.fsum(losses.values())
+    if total > 0.0:
+        pair, largest = max(losses.items(), key=lambda item: item[1])
+        yield f"losses: {total:.3g} W, of which {min(1.0, largest / total):.0%} at {pair}"
+
+
+def _contacts(findings: Findings) -> str:
+    """Return a sentence on the contacts and, where ring pins move, on pin 1."""
+    contact, pin = findings.contact_summary, findings.pin1
+    moves = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""
+    return (
+        f"contacts: {contact.mean_active:.3g} on average; largest contact force {contact.peak_force_n:.4g} N, largest "
+        f"deflection {contact.max_penetration_um:.2g} um{moves}"
+    )

@@ -1,0 +1,186 @@
+"""Warnings about the results of a run, as sentences that terminal, page and JSON share.
+
+Some are known before the run; the others concern its end, its time step, its power balance and its efficiency.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.analysis.findings import ContactSummary, Window
+from cycloid_mj.analysis.series import Series
+from cycloid_mj.base.names import REDUCER
+from cycloid_mj.base.powers import mean_powers
+from cycloid_mj.base.record import Run
+from cycloid_mj.design.units import MICROMETRE, RPM
+from cycloid_mj.dynamics import timestep
+from cycloid_mj.dynamics.jam import SELF_LOCKING
+from cycloid_mj.dynamics.planar.timestep import FEWEST_STEPS, MOST_ROUNDS
+from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.reducer import Reducer
+
+BALANCE_RTOL = 0.002
+"""Largest error of the power balance, relative to the power: what samples may miss of it.
+
+With every time step sampled, the balance closes to 1e-9 at any speed; at 20 kHz, over full turns of loaded reducers of
+nine designs, to 2e-5.
+"""
+
+IDLING_BALANCE_RTOL = 0.01
+"""The same for an idling reducer, relative to its input power: the stated accuracy of its mean values.
+
+Samples at 10 kHz miss 0.01 to 6 % on sixteen reducers, as parts strike each other; with every time step sampled, the
+balance closes to 0.25 % in 0.2 s.
+"""
+
+COARSE = "the log rate or the hold is too low for these powers: raise settings.log_rate_hz or drive.hold_s"
+"""Cause of an open balance, and its remedy."""
+
+MIN_TURNS = 0.99
+"""Crank turns from which on sampled powers average out; rounding may take a sample off a full turn."""
+
+MIN_POWER_SHARE = 0.01
+"""Smallest power that errors are related to, relative to the rated power: an idling reducer takes next to none."""
+
+MIN_DRIVING_SHARE = 0.1
+"""Input power relative to output power below which the load does not yet act on the shaft that drives."""
+
+PENETRATION_WARNING = 0.5
+"""Share of the allowed penetration from which on a run is warned of."""
+
+
+def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
+    """Yield the warnings of a run that was judged over a window."""
+    run, design = motion.run, motion.design
+    if not run.complete:
+        yield f"the run is incomplete: {run.note or 'the reason is unknown'}"
+    elif run.note:
+        yield run.note
+    if judged.phase == "ramp":
+        yield _ended_in_ramp(motion)
+    elif _turns(judged) < 1.0:
+        yield _short(motion, judged)
+    yield from run_warnings(motion)
+    limit = MICROMETRE.from_si(deepest(Reducer(design)))
+    if contacts.max_penetration_um > PENETRATION_WARNING * limit:
+        yield (
+            f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at {limit:g} "
+            "um (contact.max_penetration_um)"
+        )
+
+
+def run_warnings(motion: Series) -> tuple[str, ...]:
+    """Return the warnings of a run but for its end: what is wrong, where, and what to change."""
+    run, design = motion.run, motion.design
+    reducer = Reducer(design)
+    # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
+    judged = run.of_topic(REDUCER).select(motion.whole_periods)
+    powers = balance_warnings(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
+    fewest = FEWEST_STEPS if run.provenance.get("solver") == "planar" else timestep.FEWEST_STEPS
+    return tuple(dict.fromkeys((*run.warnings, *pace(reducer, fewest), *convergence_warnings(run), *powers)))
+
+
+def convergence_warnings(run: Run) -> Iterator[str]:
+    """Yield a warning if time steps of the planar solver ended before its contact iteration converged."""
+    if run.provenance.get("solver") != "planar" or "solver_iterations" not in run.columns:
+        return
+    count = int(np.count_nonzero(run["solver_iterations"] > MOST_ROUNDS))
+    if count:
+        yield (
+            f"in {count} of {len(run)} samples, the contact iteration of the planar solver did not converge within "
+            f"{MOST_ROUNDS} iterations: forces and losses there are wrong; reduce settings.timestep_us"
+        )
+
+
+def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str, ...]:
+    """Return warnings if the power balance of a run's samples is open, or its efficiency is undefined or impossible.
+
+    A run that logs no losses has no balance, and sampled powers do not average out over less than a crank turn. A
+    reducer whose load is not the design's may be driven through both shafts.
+
+    Parameters
+    ----------
+    run, reducer
+        The run, and the drive under its load.
+    remedy
+        Remedy, if log rate and duration of the run are not those of the design; by default the design's keys for both.
+    """
+    design = reducer.design
+    powers = mean_powers(run)
+    idle = MIN_POWER_SHARE * design.drive.torque * abs(design.drive.speed)
+    taken = max(powers.crank, powers.output, powers.lost)
+    scale = max(taken, idle)
+    texts = []
+    short = _swept(run) < MIN_TURNS
+    if "kinetic_energy" in run.columns and not short:
+        idles = powers.delivered <= idle
+        through, most = (max(taken, MIN_POWER_SHARE * idle), IDLING_BALANCE_RTOL) if idles else (scale, BALANCE_RTOL)
+        if abs(powers.missing) > most * through:
+            texts.append(_open(powers.missing, through, abs(design.drive.speed), idles, remedy or COARSE))
+    if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
+        texts.append(
+            f"efficiency {powers.efficiency:.2%}: friction losses are {1.0 / powers.efficiency - 1.0:.3g} times the "
+            "output power, and the drive is almost self-locking; check friction.*, clearance.* and load.torque_nm"
+        )
+    why = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if short else COARSE)
+    of_load = abs(design.load.torque * design.drive.speed) / design.reduction
+    if powers.supplied < MIN_DRIVING_SHARE * powers.delivered and powers.delivered > MIN_POWER_SHARE * of_load > 0.0:
+        texts.append(
+            f"the load does not act yet: {powers.supplied:.3g} W in, {powers.delivered:.3g} W out, while parts cross "
+            "their clearances; forces and efficiency are not steady: "
+            f"raise {'' if remedy else 'drive.hold_s or '}load.torque_nm, or reduce clearance.*"
+        )
+    if powers.supplied <= MIN_DRIVING_SHARE * powers.delivered:
+        # the efficiency of a drive that floats or stands still is undefined
+        return tuple(texts)
+    # without friction the efficiency is 1 to rounding and what sampled powers leave open
+    most = 1.0 + (BALANCE_RTOL if powers.lost < BALANCE_RTOL * scale else 0.0)
+    outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
+    if design.load.torque and powers.note:
+        texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {why}")
+    if outside and (design.load.torque or max(powers.crank, powers.output) > idle):
+        texts.append(f"efficiency {powers.efficiency:.2%} is impossible: {why}")
+    return tuple(texts)
+
+
+def _open(missing: float, through: float, speed: float, idles: bool, remedy: str) -> str:
+    """Return the warning of an open balance at a crank speed [rad/s], from the missing and the total power [W]."""
+    figures = "powers and losses" if idles else "powers, losses and efficiency"
+    whose = f"{' of the idling drive' if idles else ''} at {RPM.from_si(speed):.4g} rpm"
+    return (
+        f"power balance{whose}: {missing:.3g} W are missing, {abs(missing) / through:.2%} of {through:.4g} W; "
+        f"{figures} have an error of this size; {remedy}"
+    )
+
+
+def _swept(run: Run) -> float:
+    angle = run["crank_angle"]
+    return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
+
+
+def _ended_in_ramp(motion: Series) -> str:
+    drive = motion.design.drive
+    reached = RPM.from_si(float(motion.crank_speed.simulated[-1]))
+    return (
+        f"the run ended during the ramp, at {motion.time[-1]:.4g} of {drive.ramp:g} s and {reached:.4g} of"
+        f" {RPM.from_si(drive.speed):g} rpm: all results are those of the ramp; results at constant speed, such as the"
+        " efficiency, are missing"
+    )
+
+
+def _short(motion: Series, judged: Window) -> str:
+    speed = abs(motion.design.drive.speed)
+    settled = judged.start_s - motion.design.drive.ramp
+    needed = (
+        f"; a full turn needs drive.hold_s = {settled + 2.0 * np.pi / speed:.2g}, settling included" if speed else ""
+    )
+    return (
+        f"only {judged.crank_turns:.2f} crank turns at constant speed were evaluated: means and peaks are those of part"
+        f" of a turn{needed}"
+    )
+
+
+def _turns(judged: Window) -> float:
+    """Return the crank turns of a window, including the interval after its last sample."""
+    return judged.crank_turns * judged.samples / max(judged.samples - 1, 1) + 1e-6
