@@ -36,8 +36,10 @@ from cycloid_mj.parts.export import (
     places,
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
-from cycloid_mj.parts.export.casing import NEMA, CasingPart, casing_parts
+from cycloid_mj.parts.export.casing import NEMA
+from cycloid_mj.parts.export.casing_parts import casing_parts
 from cycloid_mj.parts.export.printing import made_parts, separate_parts
+from cycloid_mj.parts.export.round_part import RoundPart
 from cycloid_mj.parts.parts import tinted
 from cycloid_mj.parts.polygon import area_moments, turned
 from cycloid_mj.reducer import Reducer
@@ -288,7 +290,7 @@ def test_a_screws_head_has_play_in_its_counterbore(name: str) -> None:
 def test_the_motors_shaft_goes_into_the_crank(name: str) -> None:
     reducer = Reducer(design_of(name))
     sizes = casing(reducer)
-    bores = casing_parts(reducer, sizes).get("shaft", CasingPart("shaft")).holes
+    bores = casing_parts(reducer, sizes).get("shaft", RoundPart("shaft")).holes
     assert bool(bores) == bool(sizes.motor.shaft)
     for _, radius, _, end in bores:
         assert radius == sizes.motor.shaft < reducer.design.shaft.radius

@@ -13,7 +13,7 @@ from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import casing, drive, places
 from cycloid_mj.parts.export.assembly import assembly_sections
-from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.bearings import cam_bearing
 from cycloid_mj.parts.export.printing import PRESSED_PIN, separate_parts
 from cycloid_mj.reducer import Reducer
 

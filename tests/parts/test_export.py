@@ -50,7 +50,8 @@ from cycloid_mj.parts.export import (
     stl_bytes,
 )
 from cycloid_mj.parts.export import clearance as measured
-from cycloid_mj.parts.export.casing import bored_shaft, casing_parts, motor_bore
+from cycloid_mj.parts.export.casing import motor_bore
+from cycloid_mj.parts.export.casing_parts import bored_shaft, casing_parts
 from cycloid_mj.parts.export.printing import made_parts, separate_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.parts.mesh import triangulated

@@ -17,8 +17,10 @@ from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, laid_out, mas
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
-from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, cam_bearing, shaft_bearing
-from cycloid_mj.parts.export.casing import Casing, Motor, bored_shaft, casing, casing_or_none
+from cycloid_mj.parts.export.bearings import cam_bearing, shaft_bearing
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
+from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none
+from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order

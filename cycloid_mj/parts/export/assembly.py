@@ -1,4 +1,4 @@
-"""A reducer put together: every part in its place, and one STEP file of them, named and coloured (AP 214)."""
+"""The assembled reducer: all parts in place, and one STEP file with names and colours (AP 214)."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, carried, output_centres
-from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.bearings import cam_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
@@ -28,11 +28,10 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
-    casing_places,
-    tube,
-    with_holes,
 )
+from cycloid_mj.parts.export.casing_parts import casing_places
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
+from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, roller_places, tinted
 from cycloid_mj.reducer import Reducer
@@ -68,7 +67,7 @@ _NUMBER = re.compile(r"#(\d+)")
 
 @dataclass(frozen=True)
 class Place:
-    """Where one part stands: its name there, the part, its origin [m] and how far it is turned about z [rad]."""
+    """Position of a part: its name there, the part, its origin [m] and its angle about z [rad]."""
 
     name: str
     part: str
@@ -77,7 +76,7 @@ class Place:
 
 
 def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[Place, ...]:
-    """Place every part at a crank angle [rad], all clearances even: teeth and rollers touch nothing."""
+    """Return the places of all parts at a crank angle [rad], with all clearances centred: nothing touches."""
     return tuple(_places(reducer, crank, sizes))
 
 

@@ -1,8 +1,8 @@
-"""The bill of materials: every part of a reducer with its count, size and material, made or bought."""
+"""The bill of materials: each part of a reducer with count, size and material, manufactured or bought."""
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, fields
 from typing import Literal
 
@@ -13,26 +13,23 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import stock
 from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.export.bearings import (
+    PRESS_FIT,
+    SHAFT_BEARINGS,
+    SOCKET_FIT,
+    cam_bearing,
+    fit_of,
+    shaft_bearing,
+)
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
-    DOWEL,
-    FLANGE_INSERT,
-    FLANGE_SCREW,
-    LOAD_INSERT,
-    MOTOR_INSERT,
-    MOTOR_SCREW,
     OUTPUT_BEARING,
-    SCREW,
-    SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
     bearing_width_of,
-    casing_places,
-    flange_screw_length,
-    insert_in,
     motor_bore,
-    motor_screw,
 )
+from cycloid_mj.parts.export.joints import ITEMS, bearing_dimensions, bought_parts, drive_joints
 from cycloid_mj.parts.export.printing import (
     OUTPUT_PIN,
     PRESSED_PIN,
@@ -45,21 +42,12 @@ from cycloid_mj.parts.export.printing import (
 )
 from cycloid_mj.reducer import Reducer
 
-PRESSED, FREE = "m6 in H7", "m6, free in its socket"
-"""Fits of dowels (m6, ISO 8734)."""
-
-NEEDLES, BALLS = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
-BALLS_OF_HUB = "H7 outside, k6 on the hub"
-"""Fits of drawn cups and the shaft under their needles (ISO 3245), and of ball bearings whose shaft turns."""
-
-SHAFT_BEARINGS = 2
-
 
 @dataclass(frozen=True)
 class BillLine:
-    """One line of the bill; the size says what it measures, in mm. Rolling bearings are of their maker's material.
+    """A line of the bill of materials, with named dimensions in mm.
 
-    What is bought has a designation where it is in stock (``design.stock``), and the fit of its seat (ISO 286-1).
+    Bought parts have a designation if they are in stock (``design.stock``), and the fit of their seat (ISO 286-1).
     """
 
     item: str
@@ -72,18 +60,18 @@ class BillLine:
 
 
 def bill(reducer: Reducer, cam_seat: float = 0.0, sizes: Casing | None = None) -> tuple[BillLine, ...]:
-    """List the bill of materials of a design: what is made, as `printing.made_parts` has it, then what is bought.
+    """Return the bill of materials of a design: manufactured parts (`printing.made_parts`), then bought parts.
 
-    `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet. `sizes` are those of covers,
-    screws and the output's bearings; None: without them.
+    `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet. `sizes` are those of the casing;
+    None: the mechanism only.
 
-    Seals, motor and lubricant are not part of the design. A bearing has the size of the seat that the design
-    gives it; the other diameter is the catalogue's.
+    Seals, motor and lubricant are not part of the design. A bearing has the diameter of its seat in the design; the
+    other diameter is that of the catalogue.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be manufactured.
     """
     return (*_manufactured(reducer, cam_seat, sizes), *_bought(reducer, cam_seat, sizes))
 
@@ -100,7 +88,7 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
 def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     for name, part in made_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
-        bored = _bored(reducer, sizes) if name == names.SHAFT else ""
+        bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
         material = _material(reducer, material_part(reducer, name))
         yield BillLine(item, part.count, _extent(part) + bored, material, "made")
 
@@ -119,26 +107,16 @@ def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator
 
 
 def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """List bearings of the output, screws, dowels and threaded inserts."""
-    hub, places = sizes.hub, [place.part for place in casing_places(reducer, sizes)]
-    yield BillLine(OUTPUT_BEARING, 2, _sizes_of(hub), "", "bought", hub.designation, BALLS_OF_HUB)
-    flange = sizes.flange_bolt, flange_screw_length(sizes)
-    screws = {SCREW: (sizes.screws.bolt, sizes.screws.length), FLANGE_SCREW: flange}
-    if sizes.motor.tapped:
-        screws[MOTOR_SCREW] = motor_screw(sizes.motor, sizes.wall)
-    for item, (bolt, length) in screws.items():
-        size = f"thread {_mm(bolt.thread)} x length {_mm(length)} mm"
-        name = f"{bolt.designation} x {_mm(length)}"
-        yield BillLine(item, places.count(item), size, "steel 8.8", "bought", name)
-    bolt_and_motor = sizes.screws.bolt.thread, sizes.flange_bolt.thread, sizes.flange_bolt.thread, sizes.motor.thread
-    for item, thread in zip((SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT), bolt_and_motor, strict=True):
-        insert = insert_in(reducer, thread)
-        if insert and item in places:
-            size = f"hole {_mm(insert.hole)} x length {_mm(insert.length)} mm"
-            yield BillLine(item, places.count(item), size, "brass", "bought", insert.designation)
-    if dowel := sizes.dowel:
-        size = _round(("diameter", 0.5 * dowel.diameter), length=dowel.length)
-        yield BillLine(DOWEL, places.count(DOWEL), size, "steel", "bought", dowel.designation, PRESSED)
+    """List the bought parts of the joints: bearings of the output first, then screws, inserts and dowels."""
+    counts: dict[str, int] = {}
+    parts = {}
+    for part in bought_parts(drive_joints(reducer, sizes)):
+        counts[part.item] = counts.get(part.item, 0) + len(part.origins)
+        parts[part.item] = part
+    for item in sorted(parts.keys() - {SHAFT_BEARING}, key=lambda item: (item != OUTPUT_BEARING, ITEMS.index(item))):
+        part = parts[item]
+        size = _size(part.dimensions)
+        yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit)
 
 
 def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
@@ -151,22 +129,22 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
             yield BillLine(names.SLEEVE, ring.teeth, _round(*diameters, length=gear.stack_width), material, "bought")
             core = sleeve_core_radius(reducer)
-            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESSED)
+            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESS_FIT)
         else:
-            fit = FREE if ring.has_sockets else PRESSED
+            fit = SOCKET_FIT if ring.has_sockets else PRESS_FIT
             yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, fit)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESSED)
+        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESS_FIT)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (drawn,) = parts(reducer)[names.SHAFT].prisms
-        size = _round(("diameter", shaft.radius), length=drawn.height) + _bored(reducer, sizes)
+        size = _round(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)
         bar = f"ground bar {_mm(2.0 * shaft.radius)} h6" if 2.0 * shaft.radius in stock.bar_diameters() else ""
         yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar)
 
 
-def _bored(reducer: Reducer, sizes: Casing | None) -> str:
-    """Format diameter and depth of the shaft's bore for the motor's shaft; empty if there is none."""
+def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
+    """Format diameter and depth of the bore for the motor shaft; empty if there is none."""
     bore = motor_bore(reducer, sizes) if sizes else None
     if not bore:
         return ""
@@ -175,7 +153,7 @@ def _bored(reducer: Reducer, sizes: Casing | None) -> str:
 
 
 def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:
-    """Return the line of round pins: of those in stock, which may stand in line or be cut, or of their own size."""
+    """Return the line of round pins: pins in stock, several in line or cut to length, or of their own size."""
     in_stock = stock.pins(2.0 * radius, reach)
     if not in_stock:
         return BillLine(item, count, _round(("diameter", radius), length=reach), material, "bought")
@@ -187,7 +165,7 @@ def _pin(item: str, count: int, radius: float, reach: float, material: str, fit:
 
 
 def _rollers(reducer: Reducer) -> Iterator[BillLine]:
-    """List the rollers of the output pins: made where they turn on a core of their own, as none is in stock."""
+    """List the rollers of the output pins: manufactured if they turn on a core of their own, as none is in stock."""
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
@@ -206,63 +184,41 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
         in_stock = cam_bearing(reducer)
         if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
             bearing, count = in_stock
-            size = _sizes_of(bearing)
-            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, _fit_of(bearing))
+            size = _size(bearing_dimensions(bearing))
+            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, fit_of(bearing))
         else:
             bore = (("bore", cam_seat),) if cam_seat else ()
             size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
             yield BillLine(CAM_BEARING, gear.discs, size, "", "bought")
     if on_shaft := shaft_bearing(reducer):
-        size, fit = _sizes_of(on_shaft), _fit_of(on_shaft)
+        size, fit = _size(bearing_dimensions(on_shaft)), fit_of(on_shaft)
         yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought", on_shaft.designation, fit)
     else:
         size = _round(("bore", shaft.radius), length=bearing_width_of(reducer))
         yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought")
 
 
-def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Choose the bearing in stock for each cam, and how many stand side by side; none if none fits gear and cam."""
-    design = reducer.design
-    gear = design.gear
-    flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
-    wide_enough = [
-        one
-        for one in stock.bearings_outside(2.0 * gear.bore_radius)
-        if one.bore > flush or (gear.discs == 1 and one.bore == flush)
-    ]
-    return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
-
-
-def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
-    """Choose the bearing in stock of which two hold the shaft; none if none has its size."""
-    return next(iter(stock.bearings_on(2.0 * reducer.design.shaft.radius, bearing_width_of(reducer))), None)
-
-
-def _fit_of(bearing: stock.StockBearing) -> str:
-    return BALLS if bearing in stock.ball_bearings() else NEEDLES
-
-
-def _sizes_of(bearing: stock.StockBearing) -> str:
-    sizes = ("outside diameter", 0.5 * bearing.outside), ("bore", 0.5 * bearing.bore)
-    return _round(*sizes, length=bearing.width)
-
-
 def _material(reducer: Reducer, part: str) -> str:
-    """Name what a part is made of, or tell it by its stiffness and density where the design gives numbers alone."""
+    """Return the name of the material of a part, or its stiffness and density if it has no name."""
     material = reducer.design.material_of(part)
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 
 def _extent(part: PrintedPart) -> str:
-    """Format length x width x height of a part that is made."""
+    """Format length x width x height of a manufactured part."""
     outlines = np.concatenate([prism.outline for prism in part.solid.prisms])
     height = max(prism.z1 for prism in part.solid.prisms) - min(prism.z0 for prism in part.solid.prisms)
     return " x ".join(f"{MILLIMETRES * length:.4g}" for length in (*np.ptp(outlines, axis=0), height)) + " mm"
 
 
 def _round(*radii: tuple[str, float], length: float) -> str:
-    """Format diameters, each with what it measures, and the length of a round part."""
-    return " x ".join([*(f"{what} {_mm(2.0 * radius)}" for what, radius in radii), f"length {_mm(length)}"]) + " mm"
+    """Format named diameters, from radii [m], and the length of a round part."""
+    return _size([*((name, 2.0 * radius) for name, radius in radii), ("length", length)])
+
+
+def _size(dimensions: Iterable[tuple[str, float]]) -> str:
+    """Format named dimensions [m]."""
+    return " x ".join(f"{name} {_mm(length)}" for name, length in dimensions) + " mm"
 
 
 def _mm(length: float) -> str:

@@ -1,14 +1,13 @@
-"""The casing that turns a mechanism into a drive: covers, bearings, screws, dowels and flanges.
+"""Sizes of the casing that turns a mechanism into a drive: covers, bearings, screws, dowels and flanges.
 
-The mechanism's own sizes stay; what is chosen here are those of the usual design (assumed), and of stock. Along z: the
-motor, the cover on its side with its flange and the shaft's bearing, the ring, the cover on the output's side with the
-two bearings of the output's hub, and the output's flange.
+The dimensions of the mechanism stay; those chosen here follow the usual design (assumed) and parts in stock. Along z:
+the motor, the motor cover with its flange and a bearing of the shaft, the ring, the output cover with the two bearings
+of the hub, and the output flange.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -19,8 +18,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import Part, Stretch, crank_stretches, laid_out
-from cycloid_mj.parts.contour import CircleContour, circles_at
+from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -35,41 +33,40 @@ CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "ou
 
 Motor = Literal["auto", "nema17", "nema23", "circle"]
 
-WALL_SHARE, LEAST_WALL, LEAST_PRINTED_WALL = 0.02, 0.5e-3, 0.8e-3
-"""Least wall around holes, as a share of the outer radius, and at least [m]: two lines of a nozzle of 0.4 mm."""
+WALL_SHARE, MIN_WALL, MIN_PRINTED_WALL = 0.02, 0.5e-3, 0.8e-3
+"""Minimum wall around holes: share of the outer radius; limits in metal and plastic (two 0.4 mm lines) [m]."""
 
-USUAL_OUTSIDE = 1.4
-"""Radius of a shaft's bearing outside over the shaft's, where none in stock has its size (as its rollers are rated)."""
+BEARING_RATIO = 1.4
+"""Outside diameter of a shaft bearing relative to its bore, if none in stock fits (as its rollers are rated)."""
 
-PILOT = 2.5e-3
-"""Depth of the recess for a motor's pilot [m]."""
-
-SAME = 1e-9
-"""Within which faces are the same [m]."""
+PILOT_DEPTH = 2.5e-3
+"""Depth of the recess for the pilot of a motor [m]."""
 
 THREAD_SHARE = 0.09
-"""Thread of the housing's screws in the outer radius, about."""
+"""Largest thread of the cover screws relative to the outer radius."""
 
-MOST_SCREWS = 8
-ENGAGED = 1.5
-"""Length of a thread in its part, in its diameters."""
+MAX_SCREWS = 8
+"""Number of cover screws that the design does not state."""
+
+ENGAGEMENT = 1.5
+"""Engaged length of a thread in thread diameters."""
 
 HEAD_PLAY = 0.2e-3
-"""Of a screw's head in its counterbore [m], at its radius (assumed; DIN 974-1: 0.5 mm, for which walls are wanting)."""
+"""Radial play of a screw head in its counterbore [m] (assumed; DIN 974-1 has 0.5 mm, for which walls are too thin)."""
 
 FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = 6, 0.66, 0.16
-"""Screws of the output's flange, radius of their circle and their thread in the hub's radius."""
+"""Number of screws of the output flange; their circle radius and thread relative to the radius of the hub."""
 
-SHOULDER = 0.3
-"""Of a bearing's section: how high a shoulder stands before its rings."""
+SHOULDER_SHARE = 0.3
+"""Height of a shoulder relative to the section of its bearing."""
 
 
 @dataclass(frozen=True)
 class MotorFlange:
-    """Where a motor is bolted on: radii of its pilot and its bolts' circle, thread, radius and length of its shaft [m].
+    """Interface of a motor: radii of its pilot and bolt circle, thread, radius and length of its shaft [m].
 
-    A shaft of no radius: that of the motor is not given, and it is coupled to the end of the journal. A motor whose own
-    holes are `tapped` is held by screws from within the cover; others have holes that screws into the cover pass.
+    A shaft radius of 0 means that the shaft is unknown and coupled to the end of the journal. A motor with `tapped`
+    holes is held by screws from within the cover; other motors have holes for screws into the cover.
     """
 
     name: str
@@ -94,9 +91,9 @@ deep. Shafts are 20.6 +- 0.8 mm long there, 22 mm of many motors of 17. As in th
 
 @dataclass(frozen=True)
 class Screws:
-    """The screws that hold the covers: bolt, length, how many, radius of their circle [m], and their angles [rad].
+    """Screws of the covers: bolt, length and circle radius [m], and angles clockwise from +y [rad].
 
-    Angles are clockwise from +y. Outside of the ring they leave it a seat in the cover of the motor's side.
+    `outside`: they pass next to the ring, which then has a seat in the motor cover.
     """
 
     bolt: stock.Bolt
@@ -107,36 +104,36 @@ class Screws:
 
     @property
     def hole(self) -> float:
-        """Radius of the hole that they pass through [m]."""
+        """Radius of the through hole [m]."""
         return 0.5 * stock.bolt_hole(self.bolt.thread)
 
     def centres(self) -> Array:
-        """Compute the middles of the screws (n, 2) [m]."""
+        """Compute the centres of the screws (n, 2) [m]."""
         return self.circle * unit(np.array(self.angles))
 
 
 @dataclass(frozen=True)
 class Casing:
-    """Sizes of what holds a mechanism together [m]; heights are along z, what is `_radius` or in `Screws` is beside it.
+    """Sizes of the casing [m]; positions are along z.
 
     Attributes
     ----------
     outer, wall
-        Outer radius of both covers, and the least wall around holes.
+        Outer radius of both covers, and minimum wall around holes.
     screws, dowel, dowel_angles
-        What holds the covers, and the pins that place them (none where none fits), with their angles clockwise from +y.
+        Screws of the covers, and their dowels (None if none fits) with angles clockwise from +y.
     motor, face
-        The motor's flange, and its plane.
+        Interface of the motor, and its plane.
     near, far, seat
-        From where to where the shaft's bearings stand in the cover, and the one in the output's hub; their radius.
+        Ends of the shaft bearings in the motor cover and in the hub (None without), and the radius of their seats.
     cavity, floor
-        Radius and bottom of the room for the crank in the cover on the motor's side.
+        Radius and bottom of the cavity for the crank in the motor cover.
     hub, hub_floor, spacing
-        Bearing of the output, of which there are two, where the first stands, and their distance.
+        Bearing of the output (two of it), start of the first one, and the distance between them.
     rim
-        Radius of the output's disc.
+        Radius of the disc of the output.
     flange_bolt, flange_thickness
-        Screws of the output's flange, and its thickness.
+        Screws of the output flange, and its thickness.
     """
 
     outer: float
@@ -160,28 +157,33 @@ class Casing:
 
     @property
     def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Where the two bearings of the output stand along z [m]."""
+        """Ends of the two bearings of the output along z [m]."""
         first, width = self.hub_floor, self.hub.width
         return (first, first + width), (first + width + self.spacing, self.top)
 
     @property
     def top(self) -> float:
-        """Where cover and hub end on the output's side, and its flange begins [m]."""
+        """End of output cover and hub, where the flange begins [m]."""
         return self.hub_floor + 2.0 * self.hub.width + self.spacing
 
     @property
     def flange_radius(self) -> float:
-        """Radius of the output's flange, which clamps the inner rings [m]."""
-        return _shoulder(0.5 * self.hub.bore, 0.5 * self.hub.outside)
+        """Radius of the output flange, which clamps the inner rings [m]."""
+        return shoulder_radius(0.5 * self.hub.bore, 0.5 * self.hub.outside)
+
+    @property
+    def output_cavity(self) -> float:
+        """Radius of the cavity for the disc of the output in the output cover [m]."""
+        return max(self.rim + self.wall, 0.5 * self.hub.outside)
 
     @property
     def grip(self) -> float:
-        """Thickness of the cover below the heads of its screws [m]."""
+        """Thickness of the output cover below the heads of its screws [m]."""
         return _grip(self.screws.bolt, self.wall)
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Where the drive begins and ends along z, the motor left out [m]."""
+        """Ends of the drive along z without the motor [m]."""
         return self.face, self.top + self.flange_thickness
 
 
@@ -192,7 +194,7 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     Raises
     ------
     DesignError
-        The motor's flange, the output's bearing, the crank or the screws have no room.
+        Motor flange, output bearing, crank or screws do not fit.
     """
     design = reducer.design
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
@@ -210,18 +212,18 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     flange = _motor_flange(reducer, motor, outer, seat, wall, most)
     if flange.tapped:
         cavity = max(cavity, _heads_end(flange))
-    under = _under_floor(reducer, flange, wall)
+    under = _floor_thickness(reducer, flange, wall)
     first = near[0] if straddles else far[0]
     through = _grip(screws.bolt, wall) + (0.0 if screws.outside else 2.0 * half)
-    tip = (half if screws.outside else -half) - _depth(reducer, screws.bolt.thread, screws.length - through) - wall
+    tip = (half if screws.outside else -half) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
     bored = _bore_end(reducer) - flange.shaft_length
-    face = min(min(prisms["journal"].z0, first - wall) - PILOT, floor - under, tip - under, bored)
+    face = min(min(prisms["journal"].z0, first - wall) - PILOT_DEPTH, floor - under, tip - under, bored)
     dowel, dowel_angles = _dowel(reducer, screws, wall)
     room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
-    bolt = _thickest(FLANGE_THREAD * hub.bore / 2.0)
+    bolt = thickest_bolt(FLANGE_THREAD * hub.bore / 2.0)
     hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
-    deepest = max(far[1] if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGED * bolt.thread
+    deepest = max(far[1] if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGEMENT * bolt.thread
     return Casing(
         outer=outer,
         wall=wall,
@@ -240,17 +242,17 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
         rim=rim,
         flange_bolt=bolt,
-        flange_thickness=_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
+        flange_thickness=hole_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
     )
 
 
 def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | None, str]:
-    """Return the casing, or None and the reason why covers, bearings or screws have no room.
+    """Return the casing, or None and the reason why covers, bearings or screws do not fit.
 
     Raises
     ------
     DesignError
-        There is no casing with the motor that was chosen.
+        The chosen motor does not fit.
     """
     try:
         return casing(reducer, motor), ""
@@ -261,13 +263,13 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | No
 
 
 def least_wall(reducer: Reducer) -> float:
-    """Compute the least wall around holes of a drive [m]."""
-    least = LEAST_PRINTED_WALL if _is_printed(reducer) else LEAST_WALL
+    """Compute the minimum wall around holes of a drive [m]."""
+    least = MIN_PRINTED_WALL if is_plastic(reducer) else MIN_WALL
     return max(least, WALL_SHARE * reducer.design.housing.outer_radius)
 
 
 def covers_fit(reducer: Reducer) -> bool:
-    """Tell whether the screws of the covers have room within the housing's outer radius."""
+    """Return whether the screws of the covers fit within the outer radius of the housing."""
     try:
         return not _screws(reducer, least_wall(reducer)).outside
     except DesignError:
@@ -275,16 +277,16 @@ def covers_fit(reducer: Reducer) -> bool:
 
 
 def seat_radius(reducer: Reducer, width: float) -> float:
-    """Find the radius of the seat of the shaft's bearings [m]: of those in stock, or as their rollers are rated."""
+    """Return the radius of the seats of the shaft bearings [m]: of a bearing in stock, or as the rollers are rated."""
     radius = reducer.design.shaft.radius
     stocked = stock.bearings_on(2.0 * radius, width)
-    return 0.5 * stocked[0].outside if stocked else USUAL_OUTSIDE * radius
+    return 0.5 * stocked[0].outside if stocked else BEARING_RATIO * radius
 
 
-def _thickest(thread: float) -> stock.Bolt:
-    """Find the thickest screw of at most a thread [m], or the thinnest of all."""
+def thickest_bolt(thread: float) -> stock.Bolt:
+    """Return the thickest screw up to a thread [m], or the thinnest screw."""
     bolts = stock.bolts()
-    return max((one for one in bolts if one.thread <= thread), key=lambda one: one.thread, default=bolts[0])
+    return max((bolt for bolt in bolts if bolt.thread <= thread), key=lambda bolt: bolt.thread, default=bolts[0])
 
 
 def _grip(bolt: stock.Bolt, wall: float) -> float:
@@ -292,14 +294,14 @@ def _grip(bolt: stock.Bolt, wall: float) -> float:
 
 
 def _screws(reducer: Reducer, wall: float) -> Screws:
-    """Place the screws in the ring's wall, or between its pins, or where neither has room outside of it.
+    """Place the screws in the wall of the ring, between its pins, or else outside of it.
 
-    Thin screws that would pass through a wide ring are not in stock.
+    Thin screws are not in stock in the length of a wide ring.
     """
     design = reducer.design
     ring, housing = design.ring, design.housing
-    around = wall if _is_printed(reducer) else max(0.5 * wall - HEAD_PLAY, 0.5 * LEAST_WALL)
-    for bolt in _candidates(housing.outer_radius):
+    around = wall if is_plastic(reducer) else max(0.5 * wall - HEAD_PLAY, 0.5 * MIN_WALL)
+    for bolt in _bolts_up_to(housing.outer_radius):
         hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
@@ -314,37 +316,39 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
                 and math.dist(*apart.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
                 and circle - hole - wall >= wall_radius(design)
             )
-        if fits and stock.bolt_length(bolt.thread, _reach(bolt, wall, design.gear.stack_width)):
-            return _of_length(bolt, circle, angles, wall, design.gear.stack_width)
-    bolt = _thickest(THREAD_SHARE * housing.outer_radius)
+        if fits and stock.bolt_length(bolt.thread, _min_screw_length(bolt, wall, design.gear.stack_width)):
+            return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
+    bolt = thickest_bolt(THREAD_SHARE * housing.outer_radius)
     circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
-    angles = tuple(2.0 * math.pi * number / MOST_SCREWS for number in range(MOST_SCREWS))
-    return _of_length(bolt, circle, angles, wall, 0.0)
+    angles = tuple(2.0 * math.pi * number / MAX_SCREWS for number in range(MAX_SCREWS))
+    return _screws_of_length(bolt, circle, angles, wall, 0.0)
 
 
-def _candidates(radius: float) -> Iterator[stock.Bolt]:
-    most = _thickest(THREAD_SHARE * radius)
+def _bolts_up_to(radius: float) -> Iterator[stock.Bolt]:
+    most = thickest_bolt(THREAD_SHARE * radius)
     yield from (bolt for bolt in reversed(stock.bolts()) if bolt.thread <= most.thread)
 
 
 def _lands(teeth: int) -> tuple[float, ...]:
-    """Choose the lands between pins that have screws, two at least left for dowels; their angles clockwise from +y."""
-    count = max(min(MOST_SCREWS, teeth - 2), 2)
+    """Return the angles [rad] of screws between pins, clockwise from +y; at least two lands stay free for dowels."""
+    count = max(min(MAX_SCREWS, teeth - 2), 2)
     return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
 
 
-def _reach(bolt: stock.Bolt, wall: float, through: float) -> float:
-    """Compute the least length of a screw that passes through a cover and a ring into the cover beyond [m]."""
-    return _grip(bolt, wall) + through + ENGAGED * bolt.thread
+def _min_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
+    """Compute the minimum length of a screw through a cover and a ring into the other cover [m]."""
+    return _grip(bolt, wall) + through + ENGAGEMENT * bolt.thread
 
 
-def _of_length(bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float) -> Screws:
-    length = _screw_length(bolt, _reach(bolt, wall, through))
+def _screws_of_length(
+    bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float
+) -> Screws:
+    length = stock_screw_length(bolt, _min_screw_length(bolt, wall, through))
     return Screws(bolt, length, circle, angles, outside=not through)
 
 
 def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...]]:
-    """Choose two dowels for each face that covers meet at, opposite each other between the screws."""
+    """Choose two dowels for each face between covers and ring, opposite each other between the screws."""
     design = reducer.design
     sizes = [size for size in reversed(stock.dowel_diameters()) if size <= screws.bolt.thread]
     pins = [in_stock[0] for size in sizes if (in_stock := stock.pins(size, 2.0 * size))]
@@ -361,19 +365,21 @@ def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel |
 
 
 def counterbore(bolt: stock.Bolt) -> float:
-    """Compute the radius of the counterbore for a screw's head [m]."""
+    """Compute the radius of the counterbore of a screw head [m]."""
     return 0.5 * bolt.head + HEAD_PLAY
 
 
 def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
-    """Find the radius of the room for crank and second disc [m] in the cover, which keeps the ring's pins in; its most.
+    """Compute the radius of the cavity for crank and second disc in the motor cover, and its maximum [m].
 
-    Where the heads of a motor's screws widen it, pins still rest on the cover with a fifth of their ends.
+    The cover retains the ring pins: the maximum leaves them a fifth of their end face.
     """
     design = reducer.design
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
     cavity = max(weight, second) + wall
-    room = screws.circle - _core(reducer, screws.bolt.thread) if not screws.outside else design.housing.outer_radius
+    room = (
+        screws.circle - core_radius(reducer, screws.bolt.thread) if not screws.outside else design.housing.outer_radius
+    )
     most = min(room - wall, design.ring_root_radius)
     if not cavity <= most:
         raise DesignError(
@@ -385,20 +391,20 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tup
 
 
 def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, most: float) -> MotorFlange:
-    """Choose a flange: that asked for, or the largest of NEMA's that fits with its shaft, or a circle of bolts.
+    """Return the flange of the motor: the chosen one, the largest NEMA flange that fits, or a bolt circle.
 
-    `most` is the radius [m] within which the heads of screws from within the cover have room.
+    `most` is the largest radius [m] of the cavity for the heads of screws from within the cover.
     """
 
     def hole(one: MotorFlange) -> float:
-        return counterbore(_thickest(one.thread)) if one.tapped else _core(reducer, one.thread)
+        return counterbore(thickest_bolt(one.thread)) if one.tapped else core_radius(reducer, one.thread)
 
     def reach(one: MotorFlange) -> tuple[float, float]:
         return (_heads_end(one), most) if one.tapped else (one.circle + hole(one) + wall, outer)
 
     def fits(one: MotorFlange) -> bool:
         needed, there = reach(one)
-        return one.circle - hole(one) - wall >= seat and needed <= there and _takes(reducer, one, wall)
+        return one.circle - hole(one) - wall >= seat and needed <= there and _fits_shaft(reducer, one, wall)
 
     if motor in NEMA and not fits(NEMA[motor]):
         one = NEMA[motor]
@@ -413,70 +419,78 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
     if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
         return frame
-    thread = _thickest(THREAD_SHARE * outer).thread
-    circle = outer - _core(reducer, thread) - 2.0 * wall
+    thread = thickest_bolt(THREAD_SHARE * outer).thread
+    circle = outer - core_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
 
+def output_cover_step(reducer: Reducer, sizes: Casing) -> float | None:
+    """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
+    step = reducer.design.gear.stack_width / 2.0 + sizes.grip + sizes.screws.bolt.head_height
+    slim = sizes.output_cavity + 2.0 * sizes.wall
+    fits = slim < sizes.screws.circle - counterbore(sizes.screws.bolt) and step < sizes.bearings[0][0]
+    return step if fits else None
+
+
 def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
-    """Choose the screws from within the cover into a motor that is tapped, by a thread's diameter: bolt, length [m]."""
-    bolt = _thickest(motor.thread)
-    return bolt, _screw_length(bolt, _grip(bolt, wall) + motor.thread)
+    """Return bolt and length [m] of screws from within the cover into a tapped motor, by one thread diameter."""
+    bolt = thickest_bolt(motor.thread)
+    return bolt, stock_screw_length(bolt, _grip(bolt, wall) + motor.thread)
 
 
 def _heads_end(motor: MotorFlange) -> float:
-    """Compute the least radius of a cavity on whose floor the counterbores of the motor's screws open [m]."""
-    return motor.circle + counterbore(_thickest(motor.thread)) + HEAD_PLAY
+    """Compute the minimum radius of a cavity with the counterbores of the motor screws in its floor [m]."""
+    return motor.circle + counterbore(thickest_bolt(motor.thread)) + HEAD_PLAY
 
 
-def _motor_grip(motor: MotorFlange, wall: float) -> float:
-    """Compute the thickness of the cover under the heads of the motor's screws [m]."""
+def motor_grip(motor: MotorFlange, wall: float) -> float:
+    """Compute the thickness of the cover under the heads of the motor screws [m]."""
     _, length = motor_screw(motor, wall)
     return length - motor.thread
 
 
-def _under_floor(reducer: Reducer, motor: MotorFlange, wall: float) -> float:
-    """Compute how thick the cover has to be behind its cavity for what holds the motor [m]."""
+def _floor_thickness(reducer: Reducer, motor: MotorFlange, wall: float) -> float:
+    """Compute the thickness of the cover behind its cavity that the motor screws need [m]."""
     if motor.tapped:
-        return _motor_grip(motor, wall) + _thickest(motor.thread).head_height
-    return _depth(reducer, motor.thread, ENGAGED * motor.thread) + wall
+        return motor_grip(motor, wall) + thickest_bolt(motor.thread).head_height
+    return hole_depth(reducer, motor.thread, ENGAGEMENT * motor.thread) + wall
 
 
-def _takes(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
-    """Tell whether the crank is thick enough for a bore for a motor's shaft."""
+def _fits_shaft(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
+    """Return whether the crank is thick enough for a bore for the shaft of the motor."""
     return motor.shaft <= reducer.design.shaft.radius - 2.0 * wall
 
 
 def _bore_end(reducer: Reducer) -> float:
-    """Compute how far a bore for the motor's shaft may reach along the crank [m]: to the cam, which is one piece."""
+    """Compute the end of the longest bore for the shaft of the motor [m]: the cam if the crank is one piece."""
     prisms = crank_stretches(reducer)
     return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
 
 
 def insert_in(reducer: Reducer, thread: float) -> stock.Insert | None:
-    """Choose the heat-set insert of a thread [m] in covers and hub; none in a metal, or where none is in stock."""
-    return stock.insert_of(thread) if _is_printed(reducer) else None
+    """Return the heat-set insert of a thread [m] in covers and hub; None in a metal, or if none is in stock."""
+    return stock.insert_of(thread) if is_plastic(reducer) else None
 
 
-def _is_printed(reducer: Reducer) -> bool:
-    """Tell whether covers and hub are of a plastic, as the housing."""
+def is_plastic(reducer: Reducer) -> bool:
+    """Return whether covers and hub are of a plastic, as the housing."""
     return reducer.design.material_of(names.HOUSING).youngs_modulus < SOFTEST_METAL
 
 
-def _core(reducer: Reducer, thread: float) -> float:
+def core_radius(reducer: Reducer, thread: float) -> float:
     """Compute the radius of the hole of a thread, or of its insert [m]."""
     insert = insert_in(reducer, thread)
     return 0.5 * (insert.hole if insert else thread)
 
 
-def _depth(reducer: Reducer, thread: float, reach: float) -> float:
-    """Compute the depth of the hole of a thread, or of its insert, which a screw is to reach into [m]."""
+def hole_depth(reducer: Reducer, thread: float, reach: float) -> float:
+    """Compute the depth of the hole of a thread or its insert, for a screw of some reach [m]."""
     insert = insert_in(reducer, thread)
     return max(reach, insert.length) if insert else reach
 
 
 def _hub(room: float, most: float, least: float) -> stock.StockBearing:
-    """Choose the widest bearing for the hub in a room [m], its bore from a least radius to a most [m]."""
+    """Return the largest bearing of the hub within a radius [m], with a bore between two radii [m]."""
     for bearing in reversed(stock.thin_ball_bearings()):
         if bearing.outside <= 2.0 * room and 2.0 * least <= bearing.bore <= 2.0 * most:
             return bearing
@@ -484,113 +498,6 @@ def _hub(room: float, most: float, least: float) -> stock.StockBearing:
         f"no bearing in stock fits the output's hub: its bore is to be {2e3 * least:.4g} to {2e3 * most:.4g} mm, its "
         f"outside at most {2e3 * room:.4g} mm; take a larger diameter, or a thinner shaft (shaft.radius_mm)"
     )
-
-
-Round = tuple[float, float, float]
-"""Radius about the part's axis, from z0 to z1 [m]."""
-
-Hole = tuple[Array, float, float, float]
-"""Middles (n, 2), radius, from z0 to z1 [m]."""
-
-AXIS = np.zeros((1, 2))
-
-
-@dataclass(frozen=True, eq=False)
-class CasingPart:
-    """A part of rounds with round holes, of the material of a part of the mechanism; or the holes that one has here."""
-
-    material: str
-    rounds: tuple[Round, ...] = ()
-    holes: tuple[Hole, ...] = ()
-    bought: bool = False
-
-
-@dataclass(frozen=True)
-class CasingPlace:
-    """Where a part of the casing is: its name there, the part, its origin [m], and the body that it moves with."""
-
-    name: str
-    part: str
-    origin: tuple[float, float, float]
-    body: str
-
-
-def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, CasingPart]:
-    """Build all parts of the casing by name, those bought in frames of their own; of the mechanism's what is added."""
-    screws, bolt, hub = sizes.screws, sizes.screws.bolt, sizes.hub
-    parts = {
-        names.HOUSING: _ring(reducer, sizes),
-        names.OUTPUT: _output(reducer, sizes),
-        MOTOR_COVER: _motor_cover(reducer, sizes),
-        OUTPUT_COVER: _output_cover(reducer, sizes),
-        FLANGE: _flange(reducer, sizes),
-        SCREW: _screw(bolt, screws.length),
-        FLANGE_SCREW: _screw(sizes.flange_bolt, flange_screw_length(sizes)),
-        OUTPUT_BEARING: tube(0.5 * hub.bore, 0.5 * hub.outside, hub.width),
-        SHAFT_BEARING: tube(reducer.design.shaft.radius, sizes.seat, bearing_width_of(reducer)),
-    }
-    if bore := motor_bore(reducer, sizes):
-        parts[names.SHAFT] = _bored(bore)
-    threads = {SCREW_INSERT: bolt.thread, FLANGE_INSERT: sizes.flange_bolt.thread}
-    threads |= {LOAD_INSERT: sizes.flange_bolt.thread}
-    if sizes.motor.tapped:
-        parts[MOTOR_SCREW] = _screw(*motor_screw(sizes.motor, sizes.wall))
-    else:
-        threads |= {MOTOR_INSERT: sizes.motor.thread}
-    for name, thread in threads.items():
-        if insert := insert_in(reducer, thread):
-            parts[name] = tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length)
-    if sizes.dowel:
-        half = 0.5 * sizes.dowel.length
-        parts[DOWEL] = CasingPart(names.PIN, ((0.5 * sizes.dowel.diameter, -half, half),), bought=True)
-    return parts
-
-
-def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
-    """Yield where each part of the casing is, beside ring and output, at the crank angle 0."""
-    half, screws = reducer.design.gear.stack_width / 2.0, sizes.screws
-    for name in (MOTOR_COVER, OUTPUT_COVER):
-        yield CasingPlace(name, name, (0.0, 0.0, 0.0), names.HOUSING)
-    yield CasingPlace(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
-    for number, centre in enumerate(screws.centres(), start=1):
-        yield CasingPlace(names.numbered(SCREW, number), SCREW, _place(centre, half + sizes.grip), names.HOUSING)
-    for number, centre in enumerate(_flange_centres(sizes)[::2], start=1):
-        at = _place(centre, sizes.top + sizes.flange_thickness - sizes.flange_bolt.head_height)
-        yield CasingPlace(names.numbered(FLANGE_SCREW, number), FLANGE_SCREW, at, names.OUTPUT)
-    for number, centre in enumerate(_motor_centres(sizes) if sizes.motor.tapped else (), start=1):
-        at = _place(centre, sizes.face + _motor_grip(sizes.motor, sizes.wall))
-        yield CasingPlace(names.numbered(MOTOR_SCREW, number), MOTOR_SCREW, at, names.HOUSING)
-    for number, (low, high) in enumerate(sizes.bearings, start=1):
-        yield CasingPlace(
-            names.numbered(OUTPUT_BEARING, number), OUTPUT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.HOUSING
-        )
-    for number, (low, high) in enumerate(bearing_seats(reducer, crank_stretches(reducer)), start=1):
-        yield CasingPlace(
-            names.numbered(SHAFT_BEARING, number), SHAFT_BEARING, (0.0, 0.0, 0.5 * (low + high)), names.SHAFT
-        )
-    yield from _inserts(reducer, sizes)
-    if sizes.dowel:
-        faces = (half,) if screws.outside else (-half, half)
-        spots = [(centre, z) for z in faces for centre in _dowel_centres(sizes)]
-        for number, (centre, z) in enumerate(spots, start=1):
-            yield CasingPlace(names.numbered(DOWEL, number), DOWEL, _place(centre, z), names.HOUSING)
-
-
-def _inserts(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
-    """Yield where the inserts are, each in the mouth of its hole."""
-    half, screws, bolt = reducer.design.gear.stack_width / 2.0, sizes.screws, sizes.flange_bolt
-    centres, end = _flange_centres(sizes), sizes.top + sizes.flange_thickness
-    motor = _motor_centres(sizes) if not sizes.motor.tapped else ()
-    for name, thread, at, mouth, inwards, body in (
-        (SCREW_INSERT, screws.bolt.thread, screws.centres(), half if screws.outside else -half, -1.0, names.HOUSING),
-        (FLANGE_INSERT, bolt.thread, centres[::2], sizes.top, -1.0, names.OUTPUT),
-        (LOAD_INSERT, bolt.thread, centres[1::2], end, -1.0, names.OUTPUT),
-        (MOTOR_INSERT, sizes.motor.thread, motor, sizes.face, 1.0, names.HOUSING),
-    ):
-        if insert := insert_in(reducer, thread):
-            for number, centre in enumerate(at, start=1):
-                place = _place(centre, mouth + inwards * 0.5 * insert.length)
-                yield CasingPlace(names.numbered(name, number), name, place, body)
 
 
 def bearing_width_of(reducer: Reducer) -> float:
@@ -602,151 +509,23 @@ def bearing_width_of(reducer: Reducer) -> float:
 def flange_screw_length(sizes: Casing) -> float:
     """Return the length of the screws of the output's flange [m]."""
     bolt = sizes.flange_bolt
-    return _screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGED * bolt.thread)
+    return stock_screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGEMENT * bolt.thread)
 
 
-def with_holes(name: str, part: CasingPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Return the stretches of a part of the casing, or those of a part of the mechanism with the casing's holes.
-
-    The stretches end at all faces of the part and of its holes.
-    """
-    shells = [*base, *(Stretch(name, CircleContour(radius), (), z0, z1) for radius, z0, z1 in part.rounds)]
-    ends = [(one.z0, one.z1) for one in shells] + [(start, end) for _, _, start, end in part.holes]
-    faces = sorted({z for pair in ends for z in pair})
-    laid = []
-    for shell in shells:
-        within = [z for z in faces if shell.z0 + SAME < z < shell.z1 - SAME]
-        for low, high in pairwise([shell.z0, *within, shell.z1]):
-            if high - low < SAME:
-                continue
-            through = [
-                hole
-                for centres, radius, start, end in part.holes
-                if start < 0.5 * (low + high) < end
-                for hole in circles_at(radius, centres)
-            ]
-            laid.append(Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high))
-    return tuple(laid)
-
-
-def motor_bore(reducer: Reducer, sizes: Casing) -> Round | None:
-    """Return radius, start and end [m] of the shaft's bore for the motor's shaft; None if the motor states no shaft."""
+def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | None:
+    """Return radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
     motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
     return (motor.shaft, start, sizes.face + motor.shaft_length) if motor.shaft else None
 
 
-def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
-    """Return the shaft, bored where the motor's shaft enters if `sizes` state one.
+def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
+    """Return the length in stock [m] of a screw of some minimum length [m].
 
-    `chord_error` [m] is that of the outlines that balance, see `laid_out`.
+    Raises
+    ------
+    DesignError
+        All in stock are shorter.
     """
-    shaft = laid_out(reducer, chord_error)[names.SHAFT]
-    bore = motor_bore(reducer, sizes) if sizes else None
-    return shaft.of(with_holes(names.SHAFT, _bored(bore), shaft.stretches)) if bore else shaft
-
-
-def _bored(bore: Round) -> CasingPart:
-    radius, start, end = bore
-    return CasingPart(names.SHAFT, holes=((AXIS, radius, start, end),))
-
-
-def _ring(reducer: Reducer, sizes: Casing) -> CasingPart:
-    half, screws = reducer.design.gear.stack_width / 2.0, sizes.screws
-    if screws.outside:
-        return CasingPart(names.HOUSING)
-    holes: list[Hole] = [(screws.centres(), screws.hole, -half, half)]
-    if sizes.dowel:
-        size, deep = 0.5 * sizes.dowel.diameter, 0.5 * sizes.dowel.length
-        holes += [(_dowel_centres(sizes), size, -half, -half + deep), (_dowel_centres(sizes), size, half - deep, half)]
-    return CasingPart(names.HOUSING, holes=tuple(holes))
-
-
-def _motor_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
-    design, screws, motor = reducer.design, sizes.screws, sizes.motor
-    half, (first, _) = design.gear.stack_width / 2.0, sizes.near
-    end = half if screws.outside else -half
-    depth = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
-    in_cover = _depth(reducer, screws.bolt.thread, depth)
-    holes: list[Hole] = [
-        (AXIS, motor.pilot, sizes.face, sizes.face + PILOT),
-        (AXIS, _shoulder(sizes.seat, design.shaft.radius), sizes.face + PILOT, first),
-        (AXIS, sizes.seat, first, sizes.floor),
-        (AXIS, sizes.cavity, sizes.floor, -half),
-        (screws.centres(), _core(reducer, screws.bolt.thread), end - in_cover, end),
-        *_motor_holes(reducer, sizes),
-    ]
-    if screws.outside:
-        holes.append((AXIS, design.housing.outer_radius, -half, half))
-    if sizes.dowel:
-        holes.append((_dowel_centres(sizes), 0.5 * sizes.dowel.diameter, end - 0.5 * sizes.dowel.length, end))
-    return CasingPart(names.HOUSING, ((sizes.outer, sizes.face, end),), tuple(holes))
-
-
-def _motor_holes(reducer: Reducer, sizes: Casing) -> Iterator[Hole]:
-    """Yield the holes for the motor's screws: threads, or for screws from within holes and counterbores."""
-    motor, at, face = sizes.motor, _motor_centres(sizes), sizes.face
-    if not motor.tapped:
-        yield at, _core(reducer, motor.thread), face, face + _depth(reducer, motor.thread, ENGAGED * motor.thread)
-        return
-    under_head = face + _motor_grip(motor, sizes.wall)
-    yield at, 0.5 * stock.bolt_hole(motor.thread), face, under_head
-    yield at, counterbore(_thickest(motor.thread)), under_head, sizes.floor
-
-
-def _output_cover(reducer: Reducer, sizes: Casing) -> CasingPart:
-    screws, hub, half = sizes.screws, sizes.hub, reducer.design.gear.stack_width / 2.0
-    (first, inner), (outer, top) = sizes.bearings
-    seat = 0.5 * hub.outside
-    room = max(sizes.rim + sizes.wall, seat)
-    flush = half + sizes.grip + screws.bolt.head_height
-    slim = room + 2.0 * sizes.wall
-    stepped = slim < screws.circle - counterbore(screws.bolt) and flush < first
-    rounds = ((sizes.outer, half, flush), (slim, flush, top)) if stepped else ((sizes.outer, half, top),)
-    holes: list[Hole] = [
-        (AXIS, room, half, first),
-        (AXIS, seat, first, inner),
-        (AXIS, _shoulder(seat, 0.5 * hub.bore), inner, outer),
-        (AXIS, seat, outer, top),
-        (screws.centres(), screws.hole, half, half + sizes.grip),
-        (screws.centres(), counterbore(screws.bolt), half + sizes.grip, flush if stepped else top),
-    ]
-    if sizes.dowel:
-        deep = 0.5 * sizes.dowel.length
-        holes.append((_dowel_centres(sizes), 0.5 * sizes.dowel.diameter, half, half + deep))
-    return CasingPart(names.HOUSING, rounds, tuple(holes))
-
-
-def _output(reducer: Reducer, sizes: Casing) -> CasingPart:
-    """Build what stands on the output's disc: a floor over its bores, the shoulder, the hub; and the holes in them."""
-    disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
-    floor, hub = disc + reducer.design.output.disc_thickness, 0.5 * sizes.hub.bore
-    shoulder = floor + 0.5 * AXIAL_GAP
-    rounds = (
-        (sizes.rim, floor, shoulder),
-        (_shoulder(hub, 0.5 * sizes.hub.outside), shoulder, sizes.hub_floor),
-        (hub, sizes.hub_floor, sizes.top),
-    )
-    bolt = sizes.flange_bolt
-    depth = _depth(reducer, bolt.thread, flange_screw_length(sizes) - sizes.flange_thickness + bolt.head_height)
-    holes: list[Hole] = [(_flange_centres(sizes)[::2], _core(reducer, bolt.thread), sizes.top - depth, sizes.top)]
-    if sizes.far:
-        holes.append((AXIS, sizes.seat, disc, sizes.far[1]))
-    return CasingPart(names.OUTPUT, rounds, tuple(holes))
-
-
-def _flange(reducer: Reducer, sizes: Casing) -> CasingPart:
-    """Build the output's flange: it clamps the inner rings, and has threads for the load between its screws."""
-    bolt, top, thickness = sizes.flange_bolt, sizes.top, sizes.flange_thickness
-    under, centres = top + thickness - bolt.head_height, _flange_centres(sizes)
-    holes: tuple[Hole, ...] = (
-        (centres[::2], 0.5 * stock.bolt_hole(bolt.thread), top, under),
-        (centres[::2], counterbore(bolt), under, top + thickness),
-        (centres[1::2], _core(reducer, bolt.thread), top, top + thickness),
-    )
-    return CasingPart(names.OUTPUT, ((sizes.flange_radius, top, top + thickness),), holes)
-
-
-def _screw_length(bolt: stock.Bolt, reach: float) -> float:
     length = stock.bolt_length(bolt.thread, reach)
     if length is None:
         raise DesignError(
@@ -756,36 +535,21 @@ def _screw_length(bolt: stock.Bolt, reach: float) -> float:
     return length
 
 
-def _screw(bolt: stock.Bolt, length: float) -> CasingPart:
-    """Build a screw that points along -z, its head above z = 0."""
-    return CasingPart(
-        names.SHAFT, ((0.5 * bolt.thread, -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)), bought=True
-    )
+def shoulder_radius(ring: float, other: float) -> float:
+    """Compute the radius of a shoulder [m] that touches the ring of a bearing with the first radius only."""
+    return ring + SHOULDER_SHARE * (other - ring)
 
 
-def tube(bore: float, outside: float, width: float) -> CasingPart:
-    """Draw a bearing as one ring, its middle at z = 0 [m]."""
-    half = 0.5 * width
-    return CasingPart(names.SHAFT, ((outside, -half, half),), ((AXIS, bore, -half, half),), bought=True)
-
-
-def _shoulder(ring: float, other: float) -> float:
-    """Compute the radius of a shoulder before a bearing [m]: it stands before its ring of one radius alone."""
-    return ring + SHOULDER * (other - ring)
-
-
-def _flange_centres(sizes: Casing) -> Array:
-    """Compute the middles of the flange's holes (n, 2) [m]: its screws, and between them the threads for the load."""
+def flange_centres(sizes: Casing) -> Array:
+    """Compute the centres of the holes of the flange (n, 2) [m]: screws and threads for the load in turn."""
     return FLANGE_CIRCLE * 0.5 * sizes.hub.bore * unit(math.pi * np.arange(2 * FLANGE_SCREWS) / FLANGE_SCREWS)
 
 
-def _motor_centres(sizes: Casing) -> Array:
+def motor_centres(sizes: Casing) -> Array:
+    """Compute the centres of the four motor screws (4, 2) [m]."""
     return sizes.motor.circle * unit(np.array([0.25, 0.75, 1.25, 1.75]) * math.pi)
 
 
-def _dowel_centres(sizes: Casing) -> Array:
+def dowel_centres(sizes: Casing) -> Array:
+    """Compute the centres of the dowels of a face (n, 2) [m]."""
     return sizes.screws.circle * unit(np.array(sizes.dowel_angles))
-
-
-def _place(centre: Array, z: float) -> tuple[float, float, float]:
-    return float(centre[0]), float(centre[1]), z

@@ -1,11 +1,11 @@
-"""What covers, bearings, screws and flanges add to a mechanism: mass, inertia, length."""
+"""Mass, inertia and length that covers, bearings, screws and flanges add to a mechanism."""
 
 from collections.abc import Mapping
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Part, mass_properties
-from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.parts.export.bearings import cam_bearing
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -13,28 +13,25 @@ from cycloid_mj.parts.export.casing import (
     OUTPUT_COVER,
     SHAFT_BEARING,
     Casing,
-    CasingPart,
     casing,
-    casing_parts,
-    casing_places,
-    tube,
-    with_holes,
 )
+from cycloid_mj.parts.export.casing_parts import casing_parts, casing_places
 from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts, separate_parts
+from cycloid_mj.parts.export.round_part import RoundPart, tube, with_holes
 from cycloid_mj.reducer import Reducer, once
 
 BEARING_FILL = 0.67
-"""Mass of a rolling bearing over that of a tube of its sizes: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
+"""Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
 
 CHORD_ERROR = 1e-6
-"""Largest distance of a chord from its curve [m]: a volume is right within some 1e-4."""
+"""Largest distance of a chord from its curve [m]; volumes are accurate to 1e-4."""
 
 TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, MOTOR_COVER, OUTPUT_COVER)}
-"""Body that the load is on -> parts that turn with it."""
+"""Parts that rotate with the loaded body, by body."""
 
 
 def has_casing(reducer: Reducer) -> bool:
-    """Tell whether covers, bearings and screws can be chosen for a mechanism."""
+    """Return whether covers, bearings and screws fit a mechanism."""
     try:
         casing(reducer)
     except DesignError:
@@ -43,14 +40,14 @@ def has_casing(reducer: Reducer) -> bool:
 
 
 def casing_mass(reducer: Reducer) -> float:
-    """Compute the mass that the casing adds to the parts as drawn [kg]: covers, hub, flange, screws, dowels, bearings.
+    """Compute the mass that the casing adds to the drawn parts [kg]: covers, hub, flange, screws, dowels, bearings.
 
-    Holes in ring and shaft are taken away; a cam's bearing stands where the cam is drawn as thick as its outside.
+    Holes in ring and shaft are subtracted; the bearing of a cam replaces the outer part of the drawn cam.
 
     Raises
     ------
     DesignError
-        A part has no room.
+        A part does not fit.
     """
     sizes = casing(reducer)
     added = sum(mass for mass, _ in _added(reducer).values())
@@ -58,12 +55,12 @@ def casing_mass(reducer: Reducer) -> float:
 
 
 def casing_inertia(reducer: Reducer) -> float:
-    """Compute the inertia that the casing adds at the input [kg m2]: of hub and flange, less the shaft's bore.
+    """Compute the inertia that the casing adds at the input [kg m2]: hub and flange, less the bore of the shaft.
 
     Raises
     ------
     DesignError
-        A part has no room.
+        A part does not fit.
     """
     added = _added(reducer)
     turning = TURNING[reducer.mechanism.turning]
@@ -73,31 +70,31 @@ def casing_inertia(reducer: Reducer) -> float:
 
 
 def drive_length(reducer: Reducer) -> float:
-    """Compute the length from the motor's flange to the output's [m].
+    """Compute the length from motor flange to output flange [m].
 
     Raises
     ------
     DesignError
-        A part has no room.
+        A part does not fit.
     """
     low, high = casing(reducer).ends
     return high - low
 
 
 def drive_diameter(reducer: Reducer) -> float:
-    """Compute the diameter of the covers [m]: more than the ring's where their screws stand outside of it.
+    """Compute the diameter of the covers [m], larger than the ring if the screws are outside of it.
 
     Raises
     ------
     DesignError
-        A part has no room.
+        A part does not fit.
     """
     return 2.0 * casing(reducer).outer
 
 
 @once
 def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
-    """Compute mass [kg] and inertia about the axis [kg m2] that each made part gains by the casing."""
+    """Compute mass [kg] and inertia about the axis [kg m2] that the casing adds to each manufactured part."""
     bare, cased = (made_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
     of_casing = [name for name, part in casing_parts(reducer, casing(reducer)).items() if not part.bought]
     gains = {}
@@ -125,7 +122,7 @@ def _bought(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _hollow_cams(reducer: Reducer) -> float:
-    """Compute the mass that cams with bearings in stock save against cams as drawn, as wide as the bores [kg]."""
+    """Compute the mass that cams with bearings in stock save, compared with cams that fill the bores [kg]."""
     bought = cam_bearing(reducer)
     if not bought:
         return 0.0
@@ -137,7 +134,7 @@ def _hollow_cams(reducer: Reducer) -> float:
     return saved - BEARING_FILL * count * reducer.design.gear.discs * ring
 
 
-def _steel(part: CasingPart) -> float:
+def _steel(part: RoundPart) -> float:
     return _mass(Part("bought", with_holes("bought", part), STEEL))
 
 

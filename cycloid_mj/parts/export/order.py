@@ -1,4 +1,4 @@
-"""How a drive is put together: ten steps, and its parts in the order along its axis."""
+"""Assembly instructions of a drive in ten steps, and the order of its parts along the axis."""
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
@@ -50,7 +50,7 @@ ALONG = (
     LOAD_INSERT,
     FLANGE_SCREW,
 )
-"""Families of parts from the motor to the load; the second disc of the output counts with the first."""
+"""Families of parts from motor to load; the second disc of the output belongs to the first."""
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
@@ -60,13 +60,13 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
-        "Set the threaded inserts with a hot iron." if printed else "Try each screw in its thread.",
+        "Set the threaded inserts with a hot iron." if printed else "Check that each screw enters its thread.",
         _output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({FLANGE_SCREWS} x {sizes.flange_bolt.designation}): it clamps them.",
         f"Lay the {names.HOUSING} on it{dowels if not screws.outside else ''} and "
-        f"{'put the pins into their sockets' if free else 'see that all pins are flush'}.",
+        f"{'put the pins into their sockets' if free else 'check that all pins are flush'}.",
         _discs(reducer),
         _crank(reducer),
         f"{_first_on_cover(sizes)}the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten "
@@ -77,38 +77,39 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
 
 
 def _first_on_cover(sizes: Casing) -> str:
-    """Tell what is done with the cover before its bearing: a motor with threads of its own is bolted on from within."""
+    """Describe the step before the bearing of the motor cover: a tapped motor is bolted on from within."""
     if not sizes.motor.tapped:
         return "Press "
     bolt, length = motor_screw(sizes.motor, sizes.wall)
     screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
     return (
-        f"Turn the crank by hand for a turn of it; bolt the motor on ({sizes.motor.name}, {screws} from within), press "
+        f"Turn the crank by hand through one turn; bolt the motor on ({sizes.motor.name}, {screws} from within), press "
     )
 
 
 def _last(sizes: Casing) -> str:
-    """Tell how the motor goes on, or where it is on the cover already, that it is to turn the drive."""
+    """Describe the last step: mount the motor, or let a mounted motor turn the drive."""
     motor = sizes.motor
     if motor.tapped:
         return "Let the motor, its shaft glued into the bore of the crank, turn it slowly for a turn."
     return (
-        f"Turn the crank by hand for a turn of it; bolt the motor on ({motor.name}, 4 x "
+        f"Turn the crank by hand through one turn; bolt the motor on ({motor.name}, 4 x "
         f"M{MILLIMETRES * motor.thread:g} on a circle of {2.0 * MILLIMETRES * motor.circle:.4g} mm), its shaft "
         f"{'glued into the bore' if motor.shaft else 'coupled to the end'} of the crank."
     )
 
 
 def _output_pins(reducer: Reducer) -> str:
+    """Describe the step that mounts or inspects the output pins."""
     if in_one_piece(reducer):
-        return "See that the output pins, one piece with their disc, are round and smooth."
+        return "Check that the output pins, in one piece with their disc, are round and smooth."
     return (
         f"Press {reducer.design.output.pins} output pins into the disc of the {names.OUTPUT}, flush with its far face."
     )
 
 
 def _discs(reducer: Reducer) -> str:
-    """Tell how the discs go on; where a second disc of the output holds the pins, it comes last."""
+    """Describe the step that mounts the discs, and the second disc of the output if there is one."""
     design = reducer.design
     rollers = "Put a roller on each output pin, and the" if design.output.rollers else "Put the"
     gears = f"{names.GEAR} over them"
@@ -119,6 +120,7 @@ def _discs(reducer: Reducer) -> str:
 
 
 def _crank(reducer: Reducer) -> str:
+    """Describe the step that mounts the crank."""
     if reducer.design.gear.discs > 1:
         return "Push the shaft through, and with it each cam with its bearing into its gear, as marked by their turn."
     bearing = "Press the cam's bearing into the gear, and push" if reducer.design.gear.bearing == "rolling" else "Push"

@@ -9,12 +9,13 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
-from cycloid_mj.parts.export.casing import LEAST_PRINTED_WALL, SAME, Casing
+from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing
 from cycloid_mj.parts.export.plate import PrintPlate
 from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
+from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 
-THINNEST, SMALLEST = LEAST_PRINTED_WALL, 2.0e-3
+THINNEST, SMALLEST = MIN_PRINTED_WALL, 2.0e-3
 """Two lines of a nozzle of 0.4 mm, and the diameter below which holes close (both assumed) [m]."""
 
 CLEARANCES = (50e-6, 100e-6, 200e-6)
@@ -60,7 +61,7 @@ def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < THINNEST - SAME:
+        if wall < THINNEST - SAME_FACE:
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * THINNEST:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
         if hole < SMALLEST:

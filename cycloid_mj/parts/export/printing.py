@@ -9,15 +9,9 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.parts import Part, Solid, Stretch, laid_out, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
-from cycloid_mj.parts.export.casing import (
-    FLANGE,
-    MOTOR_COVER,
-    OUTPUT_COVER,
-    Casing,
-    CasingPart,
-    casing_parts,
-    with_holes,
-)
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing
+from cycloid_mj.parts.export.casing_parts import casing_parts
+from cycloid_mj.parts.export.round_part import RoundPart, with_holes
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
@@ -242,7 +236,7 @@ def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
         return {}
     disc, *others = drawn.stretches
     radius = reducer.design.output.root_radius
-    pressed = CasingPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
+    pressed = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
     pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
         names.OUTPUT: drawn.of(with_holes(names.OUTPUT, pressed, [disc])),

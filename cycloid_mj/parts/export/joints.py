@@ -1,0 +1,395 @@
+"""The joints of a drive: each connection of parts as one record of mating parts, fit and geometry.
+
+A joint states the holes that it needs in its mating parts, and the bought parts that make it. Solids and places
+(`casing_parts`) and the bill of materials (`bill`) are views of these records.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.design import stock
+from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts.export.bearings import HUB_BEARING_FIT, PRESS_FIT, fit_of, shaft_bearing
+from cycloid_mj.parts.export.casing import (
+    DOWEL,
+    ENGAGEMENT,
+    FLANGE,
+    FLANGE_INSERT,
+    FLANGE_SCREW,
+    LOAD_INSERT,
+    MOTOR_COVER,
+    MOTOR_INSERT,
+    MOTOR_SCREW,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    PILOT_DEPTH,
+    SCREW,
+    SCREW_INSERT,
+    SHAFT_BEARING,
+    Casing,
+    bearing_width_of,
+    core_radius,
+    counterbore,
+    dowel_centres,
+    flange_centres,
+    flange_screw_length,
+    hole_depth,
+    insert_in,
+    motor_bore,
+    motor_centres,
+    motor_grip,
+    motor_screw,
+    output_cover_step,
+    shoulder_radius,
+    thickest_bolt,
+)
+from cycloid_mj.parts.export.round_part import AXIS, Hole, RoundPart, dowel_body, screw_body, tube
+from cycloid_mj.parts.shaft import bearing_seats
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.bending import AXIAL_GAP
+
+ITEMS = (
+    *(SCREW, FLANGE_SCREW, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
+    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL),
+)
+"""Bought parts of joints, in the order of solids and places."""
+
+MOTOR, LOAD = "motor", "load"
+"""Mating parts that are not part of the drive."""
+
+Point = tuple[float, float, float]
+
+
+class JointKind(StrEnum):
+    """What a joint does; the value is the word for people and programs."""
+
+    SCREWED = "screwed"
+    DOWELLED = "dowelled"
+    BEARING = "rolling bearing"
+    LOCATED = "located"
+    """One part centres the other."""
+    CLEARANCE = "clearance"
+    """Parts move in a cavity without touching it."""
+
+
+@dataclass(frozen=True, eq=False)
+class BoughtPart:
+    """Equal bought parts of a joint: a solid and its positions, and a line of the bill of materials.
+
+    Attributes
+    ----------
+    item
+        Its name in the bill; the n-th part of all joints is ``item_n``.
+    solid
+        The part in its own frame.
+    body
+        Body of the mechanism that it moves with.
+    origins
+        Its positions [m].
+    dimensions
+        Names and values [m] of its dimensions.
+    material, designation, fit
+        As in the bill; empty if the catalogue or the shop decides.
+    first
+        Number of the part at the first position.
+    """
+
+    item: str
+    solid: RoundPart
+    body: str
+    origins: tuple[Point, ...]
+    dimensions: tuple[tuple[str, float], ...]
+    material: str = ""
+    designation: str = ""
+    fit: str = ""
+    first: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A connection of parts.
+
+    Attributes
+    ----------
+    name, kind
+        What it connects, in words, and how.
+    parts
+        Mating parts by name.
+    holes
+        Holes of the joint, each with the name of the part that it is cut into.
+    bought
+        The bought parts that make it.
+    """
+
+    name: str
+    kind: JointKind
+    parts: tuple[str, ...]
+    holes: tuple[tuple[str, Hole], ...] = ()
+    bought: tuple[BoughtPart, ...] = ()
+
+    def holes_in(self, part: str) -> tuple[Hole, ...]:
+        """Return the holes of the joint in one of its parts."""
+        return tuple(hole for name, hole in self.holes if name == part)
+
+
+@once
+def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
+    """Return all joints of the casing of a drive, from motor to load."""
+    return (
+        *_motor_shaft(reducer, sizes),
+        _motor_pilot(sizes),
+        _cover_shaft_bearings(reducer, sizes),
+        *_cavities(reducer, sizes),
+        _output_bearings(sizes),
+        _cover_screws(reducer, sizes),
+        _motor_screws(reducer, sizes),
+        *_ring_seat(reducer, sizes),
+        _flange_screws(reducer, sizes),
+        *_hub_shaft_bearing(reducer, sizes),
+        _load_threads(reducer, sizes),
+        *_dowels(reducer, sizes),
+    )
+
+
+def bought_parts(joints: Iterable[Joint]) -> Iterator[BoughtPart]:
+    """Yield the bought parts of joints in the order of `ITEMS` and of their numbers."""
+    parts = [part for joint in joints for part in joint.bought]
+    yield from sorted(parts, key=lambda part: (ITEMS.index(part.item), part.first))
+
+
+def _motor_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    bore = motor_bore(reducer, sizes)
+    if bore:
+        hole = (AXIS, *bore)
+        yield Joint("shaft of the motor in the crank", JointKind.LOCATED, (MOTOR, names.SHAFT), ((names.SHAFT, hole),))
+
+
+def _motor_pilot(sizes: Casing) -> Joint:
+    recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + PILOT_DEPTH)
+    return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, MOTOR_COVER), ((MOTOR_COVER, recess),))
+
+
+def _cover_shaft_bearings(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of the shaft in the cover on the motor's side: one bearing, or both of an overhung shaft."""
+    first = sizes.near[0]
+    shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
+    holes: tuple[Hole, ...] = (
+        (AXIS, shoulder, sizes.face + PILOT_DEPTH, first),
+        (AXIS, sizes.seat, first, sizes.floor),
+    )
+    numbers = (2,) if sizes.far else (1, 2)
+    return Joint(
+        "shaft in the motor cover",
+        JointKind.BEARING,
+        (names.SHAFT, MOTOR_COVER),
+        tuple((MOTOR_COVER, hole) for hole in holes),
+        (_shaft_bearings(reducer, sizes, numbers),),
+    )
+
+
+def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joint of a straddled shaft in the hub of the output."""
+    if sizes.far:
+        disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
+        seat = (AXIS, sizes.seat, disc, sizes.far[1])
+        bearing = _shaft_bearings(reducer, sizes, (1,))
+        parts = (names.SHAFT, names.OUTPUT)
+        yield Joint("shaft in the hub", JointKind.BEARING, parts, ((names.OUTPUT, seat),), (bearing,))
+
+
+def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
+    """Return the bearings of the shaft with some of the numbers 1 (next to the disc) and 2."""
+    seats = bearing_seats(reducer, crank_stretches(reducer))
+    middles = [0.5 * (low + high) for low, high in seats]
+    radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
+    return BoughtPart(
+        SHAFT_BEARING,
+        tube(radius, sizes.seat, width),
+        names.SHAFT,
+        tuple((0.0, 0.0, middles[number - 1]) for number in numbers),
+        bearing_dimensions(bearing) if bearing else (("bore", 2.0 * radius), ("length", width)),
+        designation=bearing.designation if bearing else "",
+        fit=fit_of(bearing) if bearing else "",
+        first=numbers[0],
+    )
+
+
+def _cavities(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the cavities in which crank and output turn."""
+    half = reducer.design.gear.stack_width / 2.0
+    crank = (AXIS, sizes.cavity, sizes.floor, -half)
+    yield Joint("crank in its cavity", JointKind.CLEARANCE, (names.SHAFT, MOTOR_COVER), ((MOTOR_COVER, crank),))
+    output = (AXIS, sizes.output_cavity, half, sizes.bearings[0][0])
+    yield Joint("output in its cavity", JointKind.CLEARANCE, (names.OUTPUT, OUTPUT_COVER), ((OUTPUT_COVER, output),))
+
+
+def _output_bearings(sizes: Casing) -> Joint:
+    hub, ((first, inner), (outer, top)) = sizes.hub, sizes.bearings
+    seat = 0.5 * hub.outside
+    holes: tuple[Hole, ...] = (
+        (AXIS, seat, first, inner),
+        (AXIS, shoulder_radius(seat, 0.5 * hub.bore), inner, outer),
+        (AXIS, seat, outer, top),
+    )
+    bearings = BoughtPart(
+        OUTPUT_BEARING,
+        tube(0.5 * hub.bore, seat, hub.width),
+        names.HOUSING,
+        tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in sizes.bearings),
+        bearing_dimensions(hub),
+        designation=hub.designation,
+        fit=HUB_BEARING_FIT,
+    )
+    parts = (names.OUTPUT, OUTPUT_COVER)
+    return Joint(
+        "hub in the output cover", JointKind.BEARING, parts, tuple((OUTPUT_COVER, hole) for hole in holes), (bearings,)
+    )
+
+
+def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of both covers: through the ring, or next to it."""
+    screws, bolt, half = sizes.screws, sizes.screws.bolt, reducer.design.gear.stack_width / 2.0
+    centres, end = screws.centres(), half if screws.outside else -half
+    engagement = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
+    thread_depth = hole_depth(reducer, bolt.thread, engagement)
+    step = output_cover_step(reducer, sizes)
+    holes: list[tuple[str, Hole]] = [
+        (MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
+        (OUTPUT_COVER, (centres, screws.hole, half, half + sizes.grip)),
+        (OUTPUT_COVER, (centres, counterbore(bolt), half + sizes.grip, step or sizes.top)),
+    ]
+    if not screws.outside:
+        holes.append((names.HOUSING, (centres, screws.hole, -half, half)))
+    bought = [
+        _screws(SCREW, bolt, screws.length, names.HOUSING, centres, half + sizes.grip),
+        *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
+    ]
+    parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
+    return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought))
+
+
+def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of motor and cover: by threads in the cover, or by screws from within into a tapped motor."""
+    motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
+    name, parts = "screws of the motor", (MOTOR, MOTOR_COVER)
+    if not motor.tapped:
+        depth = hole_depth(reducer, motor.thread, ENGAGEMENT * motor.thread)
+        thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
+        inserts = _inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0)
+        return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), tuple(inserts))
+    under_head = face + motor_grip(motor, sizes.wall)
+    holes: tuple[Hole, ...] = (
+        (centres, 0.5 * stock.bolt_hole(motor.thread), face, under_head),
+        (centres, counterbore(thickest_bolt(motor.thread)), under_head, sizes.floor),
+    )
+    bought = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, under_head)
+    return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought,))
+
+
+def _ring_seat(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the seat of a ring that the screws pass outside of."""
+    if sizes.screws.outside:
+        half = reducer.design.gear.stack_width / 2.0
+        seat = (AXIS, reducer.design.housing.outer_radius, -half, half)
+        parts = (names.HOUSING, MOTOR_COVER)
+        yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((MOTOR_COVER, seat),))
+
+
+def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of flange and hub, which clamps the inner rings of the output's bearings."""
+    bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
+    centres, length, under_head = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
+    depth = hole_depth(reducer, bolt.thread, length - sizes.flange_thickness + bolt.head_height)
+    holes: tuple[tuple[str, Hole], ...] = (
+        (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
+        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, under_head)),
+        (FLANGE, (centres, counterbore(bolt), under_head, end)),
+    )
+    bought = (
+        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head),
+        *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
+    )
+    return Joint("screws of the output flange", JointKind.SCREWED, (names.OUTPUT, FLANGE), holes, bought)
+
+
+def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
+    bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
+    thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
+    inserts = _inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0)
+    return Joint("threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), tuple(inserts))
+
+
+def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the dowels of each face at which covers and ring, or both covers, meet."""
+    dowel = sizes.dowel
+    if dowel is None:
+        return
+    half, centres = reducer.design.gear.stack_width / 2.0, dowel_centres(sizes)
+    radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
+    faces = (
+        ((half, MOTOR_COVER, OUTPUT_COVER),)
+        if sizes.screws.outside
+        else (
+            (-half, MOTOR_COVER, names.HOUSING),
+            (half, names.HOUSING, OUTPUT_COVER),
+        )
+    )
+    for index, (face, below, above) in enumerate(faces):
+        bought = BoughtPart(
+            DOWEL,
+            dowel_body(dowel),
+            names.HOUSING,
+            tuple(_point(centre, face) for centre in centres),
+            (("diameter", dowel.diameter), ("length", dowel.length)),
+            "steel",
+            dowel.designation,
+            PRESS_FIT,
+            first=1 + index * len(centres),
+        )
+        holes: tuple[tuple[str, Hole], ...] = (
+            (below, (centres, radius, face - depth, face)),
+            (above, (centres, radius, face, face + depth)),
+        )
+        yield Joint(f"dowels of {below} and {above}", JointKind.DOWELLED, (below, above), holes, (bought,))
+
+
+def _screws(item: str, bolt: stock.Bolt, length: float, body: str, centres: Array, under_head: float) -> BoughtPart:
+    """Return screws along -z with their heads on a plane [m]."""
+    return BoughtPart(
+        item,
+        screw_body(bolt, length),
+        body,
+        tuple(_point(centre, under_head) for centre in centres),
+        (("thread", bolt.thread), ("length", length)),
+        "steel 8.8",
+        f"{bolt.designation} x {1e3 * length:.5g}",
+    )
+
+
+def _inserts(
+    reducer: Reducer, item: str, thread: float, body: str, centres: Array, mouth: float, inwards: float
+) -> Iterator[BoughtPart]:
+    """Yield the inserts of threads in a plastic, each flush with the mouth of its hole [m]."""
+    if insert := insert_in(reducer, thread):
+        middle = mouth + inwards * 0.5 * insert.length
+        yield BoughtPart(
+            item,
+            tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length),
+            body,
+            tuple(_point(centre, middle) for centre in centres),
+            (("hole", insert.hole), ("length", insert.length)),
+            "brass",
+            insert.designation,
+        )
+
+
+def bearing_dimensions(bearing: stock.StockBearing) -> tuple[tuple[str, float], ...]:
+    """Return the dimensions of a bearing in stock [m], with their names."""
+    return ("outside diameter", bearing.outside), ("bore", bearing.bore), ("length", bearing.width)
+
+
+def _point(centre: Array, z: float) -> Point:
+    return float(centre[0]), float(centre[1]), z
