@@ -44,7 +44,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
 
-ABOUT = "Measure one figure with its error and its closed form."
+ABOUT = "Measure one figure by simulation, with its numerical error and its closed form."
 EXAMPLES = """Examples:
   cycloid-mj measure te --design pin
   cycloid-mj measure backlash --design nonpin --set clearance.tooth_um=5
@@ -62,9 +62,10 @@ class MeasureDelivery(Delivery):
 
     out: Annotated[str | None, out_flag("the JSON file, the logs and the figure", OUT)] = None
     figure: Annotated[
-        bool, Parameter(help="Draw the figure (png, svg), too, which takes as long as a short measure. --html does.")
+        bool,
+        Parameter(help="Also draw the figure (PNG, SVG), which takes as long as a short measure. --html draws it too."),
     ] = False
-    no_log: Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")] = False
+    no_log: Annotated[bool, Parameter(name="--no-log", help="Do not write the MCAP logs of the runs.")] = False
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class MeasureOptions:
 
     EXAMPLES: ClassVar[str] = ""
     PUBLISHED: ClassVar[bool] = False
-    """Whether the measure sets torques that a paper gives for the design beside its own."""
+    """Whether the measure compares its torques with those that a paper publishes for the design."""
 
     def values(self) -> Values:
         """Return the values that the options set in the design."""
@@ -125,19 +126,19 @@ TurnsFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(1, 1000),
-        help="Crank turns of each run, from 1 to 1000; one turn of the output tells all orders apart. Default: 1.",
+        help="Crank turns of each run, 1 to 1000. A full turn of the output separates all orders. Default: 1.",
     ),
 ]
 
 
 @dataclass(frozen=True)
 class TransmissionErrorOptions(MeasureOptions):
-    """Measure the transmission error of gear and output against crank angle.
+    """Measure the transmission error of disc and output over the crank angle.
 
-    Over whole crank turns, in both directions, unloaded and loaded, slow and
-    at speed: peak to peak, rms, what reversal and load shift, and the order
-    spectrum, with the orders that errors of pins, holes and eccentricity give.
-    Beside it stand the same figures from statics.
+    The runs cover full crank turns in both directions, unloaded and loaded, slow and
+    at the design's speed. Results: peak to peak, rms, the shifts by reversal and by
+    load, and the order spectrum, with the orders that errors of pins, holes and
+    eccentricity cause. Each figure is compared with its value by statics.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -148,27 +149,27 @@ class TransmissionErrorOptions(MeasureOptions):
     drag_nm: Annotated[
         float | None,
         LOAD.flag(
-            "Torque of the unloaded runs", ". 0 lets the gear float in its backlash. Default: 1 % of the rated torque."
+            "Torque of the unloaded runs",
+            ". With 0 the disc floats in its clearances. Default: 1 % of the rated torque.",
         ),
     ] = None
     slow_rpm: Annotated[
         float | None,
-        SPEED.flag("Crank speed of the slow runs", "; both ways are run. Default: a quarter of the design's."),
+        SPEED.flag("Crank speed of the slow runs", ", in both directions. Default: a quarter of drive.speed_rpm."),
     ] = None
     turns: TurnsFlag = 1
-    quick: Annotated[bool, Parameter(help="At speed only, and no runs with half the step.")] = False
+    quick: Annotated[bool, Parameter(help="Skip the slow runs and those with half the time step.")] = False
 
 
 @dataclass(frozen=True)
 class BacklashOptions(MeasureOptions):
     """Measure the backlash of the output at locked crank angles.
 
-    A small torque presses the output to either stop, at 8 crank angles over
-    the turn and over the mesh period, without friction and weight. Then the
-    same with each clearance alone: teeth, pin sockets or sleeves, cam, output
-    pins. Beside it stand the closed forms: for each clearance alone, and for
-    all together a linear programme of rigid contacts, manufacturing errors
-    included.
+    A small torque presses the output against both stops at 8 crank angles, spread over
+    the turn and over the mesh period, without friction and weight. The measurement is
+    repeated with each clearance alone: teeth, pin sockets or sleeves, cam, output pins.
+    References: a closed form for each clearance alone, and for all together a linear
+    programme of rigid contacts that includes manufacturing errors.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -176,19 +177,19 @@ class BacklashOptions(MeasureOptions):
   cycloid-mj measure backlash --design nonpin --set clearance.tooth_um=5
   cycloid-mj measure backlash --design pin --set errors.pin_position_um=0.3 --out placed --json"""
 
-    quick: Annotated[bool, Parameter(help="2 crank angles instead of 8.")] = False
+    quick: Annotated[bool, Parameter(help="Use 2 crank angles instead of 8.")] = False
 
 
 @dataclass(frozen=True)
 class LostMotionOptions(MeasureOptions):
     """Measure hysteresis, lost motion and torsional stiffness at locked crank angles.
 
-    A slow torque at the output goes up to the rated torque and back, both
-    ways, at 6 crank angles over the turn and over the mesh period: the design
-    as it is, then without friction and weight. Lost motion is read at +-3 % of
-    the rated torque, as the makers of reducers do, stiffness from 50 to 100 %,
-    backlash at zero. Beside them stands an independent static balance of all
-    contacts. The share of output pins, cam and teeth is told apart.
+    The output is loaded slowly to the rated torque and back, in both directions, at 6
+    crank angles spread over the turn and over the mesh period: the design as it is, then
+    without friction and weight. Lost motion is read at +-3 % of the rated torque, as
+    makers of reducers do, the stiffness between 50 and 100 %, the backlash at zero.
+    Reference: an independent static balance of all contacts. The compliances of output
+    pins, cam and teeth are listed separately.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -197,20 +198,19 @@ class LostMotionOptions(MeasureOptions):
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --out fixed --json"""
 
     load_nm: Annotated[
-        float | None, LOADED.flag("Largest torque of the loop, of which lost motion is read at 3 %", AT_RATED)
+        float | None, LOADED.flag("Largest torque of the loop; lost motion is read at 3 % of it", AT_RATED)
     ] = None
-    quick: Annotated[bool, Parameter(help="2 crank angles instead of 6.")] = False
+    quick: Annotated[bool, Parameter(help="Use 2 crank angles instead of 6.")] = False
 
 
 @dataclass(frozen=True)
 class LoadsOptions(MeasureOptions):
-    """Measure the force on each pin, tooth, output pin and the cam against crank angle.
+    """Measure the forces of ring pins or teeth, output pins and cam over the crank angle.
 
-    At a given output torque and the design's speed, over a turn of the crank:
-    peaks, means, the angle of the peak, beside ideal sharing; Hertz pressure
-    with the local relative curvature and the margin against the material's
-    yield for each kind of contact; and the capacity: which part limits the
-    torque, and at what torque.
+    The run covers a crank turn at the output torque and the design's speed. Results for
+    each kind of contact: peak force, mean force and the angle of the peak, next to ideal
+    load sharing; Hertz pressure with the local relative curvature, and the margin
+    against yield. Capacity: the torque at which a contact first yields, and which.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -218,20 +218,20 @@ class LoadsOptions(MeasureOptions):
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
     load_nm: Annotated[float | None, LOADED.flag("Torque on the output", AT_RATED)] = None
-    quick: Annotated[bool, Parameter(help="Two mesh periods instead of a whole turn of the crank.")] = False
+    quick: Annotated[bool, Parameter(help="Run two mesh periods instead of a full crank turn.")] = False
 
 
 @dataclass(frozen=True)
 class TorqueOptions(MeasureOptions):
     """Measure the output torque under the rated input torque.
 
-    The paper's test: the crank feels a given torque, a brake holds the
-    output at its speed. Mean and ripple of the output torque, its rate
-    against the torque without losses, how the rate answers to the friction
-    of each pair with pins free, fixed and sleeved, and which friction would
-    give the paper's figures. Each input that is assumed (play, the cam,
-    friction, creep speed, damping) is varied alone: how far the rate moves
-    with them stands beside its numerical error. --set changes every design.
+    Test of Hsieh 2014: a motor of constant torque drives the crank, and a brake holds
+    the output at its speed. Results: mean and ripple of the output torque; its ratio to
+    the torque without losses ("rate"); the sensitivity of this rate to the friction of
+    each pair, with pins free, fixed and sleeved; and the friction that would explain
+    published torques. Each assumed input (clearances, cam, friction, creep speed,
+    damping) is varied on its own; the resulting range of the rate is printed next to its
+    numerical error. --set changes every design.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -245,32 +245,31 @@ class TorqueOptions(MeasureOptions):
     quick: Annotated[
         bool,
         Parameter(
-            help="A shorter average, no run with half the step, and only the friction of all sliding pairs varied."
+            help="Average over a shorter time, skip the run with half the time step, and vary only the friction of all "
+            "sliding pairs together."
         ),
     ] = False
 
     def values(self) -> Values:
-        """Return the input torque and the speed: they are the design's."""
+        """Return the input torque and the speed, which are values of the design."""
         return (TORQUE, self.torque_nm), (SPEED, self.speed_rpm)
 
     def arguments(self) -> dict[str, Any]:
-        """Collect what the design does not hold."""
+        """Collect the arguments that are not values of the design."""
         return {"quick": self.quick, "solver": self.solver}
 
 
 @dataclass(frozen=True)
 class EfficiencyOptions(MeasureOptions):
-    """Measure the efficiency over torque and speed, and where the losses go.
+    """Measure the efficiency over torque and speed, and the losses by kind of contact.
 
-    Friction by kind of pair and the work of the normal forces, which add up
-    with input and output power to the residual that is told. Then the torque
-    without a load, and from the output: from rest, at speed with the crank
-    free, and against the rated torque on the crank. Beside the efficiency
-    stand ideal load sharing with Coulomb friction, and the formula of Wang et
-    al. 2016 at the same friction. The efficiency builds up from teeth, cam,
-    output and seals, and each input that is assumed (play, the cam, friction,
-    creep speed, damping) is varied alone: how far the efficiency moves with
-    them stands beside its numerical error.
+    Losses by kind of pair: friction, and the work of the normal forces. The residual of
+    the power balance is printed. Further results: the no-load torque, and the torques
+    that drive the output backwards from rest, at speed with a free crank, and against
+    the rated torque on the crank. References: ideal load sharing with Coulomb friction,
+    and the formula of Wang et al. 2016 at the same friction. Each assumed input
+    (clearances, cam, friction, creep speed, damping) is varied on its own; the resulting
+    range of the efficiency is printed next to its numerical error.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -290,18 +289,22 @@ class EfficiencyOptions(MeasureOptions):
     ] = ()
     speeds_rpm: SpeedsFlag = ()
     quick: Annotated[
-        bool, Parameter(help="Shorter averages, no run with half the step, and by default the rated point alone.")
+        bool,
+        Parameter(
+            help="Average over a shorter time, skip the run with half the time step, and measure only the rated point "
+            "unless torques or speeds are given."
+        ),
     ] = False
 
 
 @dataclass(frozen=True)
 class VibrationOptions(MeasureOptions):
-    """Measure the vibration of gear, output and housing over crank speed.
+    """Measure the vibration of disc, output and housing over crank speed.
 
-    The rms and the spectrum of the accelerations of the gear's centre and the
-    output about the closed form, and of the force on the housing, unloaded and
-    loaded; the unbalance with and without the counterweight. The design's own
-    speed is always run.
+    Results, unloaded and loaded: rms and spectrum of the accelerations of the disc's
+    centre and of the output relative to the closed form, and of the force on the
+    housing; the unbalance with and without the counterweight. The design's speed is
+    always included.
     """
 
     EXAMPLES: ClassVar[str] = """Examples:
@@ -311,7 +314,9 @@ class VibrationOptions(MeasureOptions):
     load_nm: LoadedFlag = None
     speeds_rpm: SpeedsFlag = ()
     turns: TurnsFlag = 1
-    quick: Annotated[bool, Parameter(help="At the design's speed only, and no runs with half the step.")] = False
+    quick: Annotated[
+        bool, Parameter(help="Measure only the design's speed, and skip the runs with half the time step.")
+    ] = False
 
 
 COMMANDS: Mapping[str, type[MeasureOptions]] = {
@@ -326,7 +331,7 @@ COMMANDS: Mapping[str, type[MeasureOptions]] = {
 """Name, as in `cycloid_mj.measure.MEASURES`, -> options."""
 
 WORDS = {"te": "transmission error", "lost-motion": "lost motion"}
-"""What progress calls a measure, where it is not its name."""
+"""Names of measures in progress lines, where they differ from the command's."""
 
 
 def commands(sort_key: int) -> App:
@@ -364,7 +369,7 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
 
 
 def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: MeasureDelivery) -> int:
-    """Measure designs, and print and write what was measurement."""
+    """Measure designs, and print and write the results."""
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
@@ -391,7 +396,7 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
 
 
 def _is_drawn(delivered: MeasureDelivery) -> bool:
-    """Tell whether the figure is asked for, by itself or in the page."""
+    """Return whether the figure is requested, as a file or in the page."""
     return delivered.figure or delivered.html is not None
 
 

@@ -1,4 +1,4 @@
-"""``cycloid-mj optimize``: the best design within ranges that passes its checks and limits."""
+"""``cycloid-mj optimize``: the best design within ranges that satisfies all checks and limits."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -31,9 +31,7 @@ if TYPE_CHECKING:
 
 OUT = "runs/optimize"
 STEM, FIGURE = "optimize", "tradeoff.png"
-SEARCHED = (
-    "Every point whose figures are known: over the evaluations or over the other objective; below, over each key."
-)
+SEARCHED = "Evaluated points: the objective over the evaluations or over the second objective; below, over each key."
 MOST_EVALUATIONS, MOST_STARTS = 1_000_000, 1000
 
 VaryFlag = Annotated[
@@ -41,43 +39,56 @@ VaryFlag = Annotated[
     Parameter(
         name="--vary",
         metavar="KEY=LO:HI",
-        help="A key of the design file and its range; whole numbers in it, and values a,b,c of any key, are tried one "
-        "by one. Repeatable.",
+        help="Key of the design file and its range. Whole numbers in a range and values a,b,c of any key are tried one "
+        "by one. May be repeated.",
     ),
 ]
 FIGURES = "any of geometry, statics or life that `cycloid-mj figures` lists"
 MinimizeFlag = Annotated[
     tuple[str, ...],
-    Parameter(name="--minimize", metavar="QUANTITY", help=f"Figure to make small: {FIGURES}. Two give a front."),
+    Parameter(
+        name="--minimize",
+        metavar="QUANTITY",
+        help=f"Figure to minimize: {FIGURES}. Two objectives yield a Pareto front.",
+    ),
 ]
 MaximizeFlag = Annotated[
-    tuple[str, ...], Parameter(name="--maximize", metavar="QUANTITY", help="Figure to make large; counts as one.")
+    tuple[str, ...],
+    Parameter(name="--maximize", metavar="QUANTITY", help="Figure to maximize; counts as an objective."),
 ]
 LimitFlag = Annotated[
     tuple[str, ...],
     Parameter(
         name="--limit",
         metavar="'KEY<=NUMBER'",
-        help="A figure is to be at most, or at least (>=), a number; repeatable. Checks are limits of their own.",
+        help="Upper (<=) or lower (>=) limit of a figure. May be repeated. The design checks always apply.",
     ),
 ]
 StrictFlag = Annotated[
-    bool, Parameter(help="All warnings of the checks refuse a point, not only errors and thin walls.")
+    bool, Parameter(help="Reject points with any warning of the checks, not only with errors and thin walls.")
 ]
 EvaluationsFlag = Annotated[
     int,
-    Parameter(metavar="N", converter=whole, validator=within(1, MOST_EVALUATIONS), help="Points, about. Default: 600."),
+    Parameter(
+        metavar="N",
+        converter=whole,
+        validator=within(1, MOST_EVALUATIONS),
+        help="Approximate number of points. Default: 600.",
+    ),
 ]
 StartsFlag = Annotated[
     int,
     Parameter(
-        metavar="N", converter=whole, validator=within(1, MOST_STARTS), help="Searches that compete. Default: 3."
+        metavar="N",
+        converter=whole,
+        validator=within(1, MOST_STARTS),
+        help="Number of independent searches. Default: 3.",
     ),
 ]
 SeedFlag = Annotated[
-    int, Parameter(metavar="N", converter=whole, validator=within(0, 2**63), help="Of all draws. Default: 0.")
+    int, Parameter(metavar="N", converter=whole, validator=within(0, 2**63), help="Random seed. Default: 0.")
 ]
-QuickFlag = Annotated[bool, Parameter(help="Do not run the best design in full dynamics, nor within its tolerances.")]
+QuickFlag = Annotated[bool, Parameter(help="Skip the full dynamics and the tolerance study of the best design.")]
 EXAMPLES = """Examples:
   cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2 \
 --minimize pin_gear_pressure_mpa --limit 'backlash_arcmin<=0.97' --out better
@@ -87,7 +98,7 @@ EXAMPLES = """Examples:
 
 @dataclass(frozen=True, kw_only=True)
 class OptimizeDelivery(ClusterDelivery):
-    """Where the search goes."""
+    """Flags for the results."""
 
     out: Annotated[str | None, out_flag("the history, the best design, figure and page", OUT)] = None
 
@@ -111,18 +122,20 @@ def optimize(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Find the best design within ranges, or a front of two aims.
+    """Find the best design within ranges, or a Pareto front of two objectives.
 
-    Real numbers are searched by CMA-ES (extra optimize), from several starts; whole numbers and words
-    are tried one by one, the better half of the combinations going on. A point must
-    pass the checks of `design check` and keep the limits: what refused how many is
-    told. The hole of an output pin follows pin and eccentricity, and the torque of
-    the drive the ratio, unless they vary themselves or --follow says otherwise.
+    Real numbers are searched by CMA-ES (extra optimize) from several starts. Whole
+    numbers and words are tried one by one; after each round the better half of the
+    combinations continues. A point must satisfy the checks of `design check` and all
+    limits; the report lists how many points each of them rejected. The hole of an output
+    pin follows the pin and the eccentricity, and drive.torque_nm follows the ratio,
+    unless they are varied or linked by --follow.
 
-    Every point is in DIR/history.csv (and .parquet) and on disk as it comes: the same
-    command goes on where it was stopped. The best is DIR/best.toml; its full statics
-    stand beside the start's, a run in full dynamics beside them, and its yield where
-    the design has tolerances. The exit code is 1 if no point keeps all.
+    All points are written to DIR/history.csv (and .parquet) as soon as they are
+    evaluated. To resume an interrupted search, run the same command again. The best
+    design is DIR/best.toml; the report compares its statics with those of the start, and
+    adds a run in full dynamics and, if the design has tolerances, its yield. The exit
+    code is 1 if no point satisfies all checks and limits.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.journal import begun, forget
@@ -144,7 +157,7 @@ def optimize(
         optimum = optimum if quick else checked(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {cause(stop)}; the points so far are in {into}: the same command goes on from there"
+            f"stopped by {cause(stop)}; the points so far are in {into}. Run the same command again to resume"
         ) from stop
     return deliver(_outcome(optimum, into / BEST), place, delivery)
 
@@ -158,7 +171,7 @@ def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
         if not equals or not key or not wanted.strip():
             raise UsageError(f"--vary {text!r}: expected KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
         if key in ranges:
-            raise UsageError(f"--vary {key}: it is there twice")
+            raise UsageError(f"--vary {key} is repeated: give its range once")
         ranges[key] = wanted.strip()
     return ranges
 
@@ -175,12 +188,12 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     from cycloid_mj.plots.save import drawn
 
     picture = Path(FIGURE).stem
-    numbers = {"evaluations": str(optimum.evaluations), "keep all": str(len(optimum.feasible))}
+    numbers = {"evaluations": str(optimum.evaluations), "feasible": str(len(optimum.feasible))}
     numbers |= {key: f"{value:.5g}" for key, value in optimum.best_figures.items()}
     return Outcome(
-        title=f"{optimum.task.reducer.design.name} optimised",
+        title=f"optimization of {optimum.task.reducer.design.name}",
         headline=dict(islice(numbers.items(), MOST_FIGURES)),
-        summary=[optimum.words, *optimum.ran_into, f"the best: {best}"],
+        summary=[optimum.words, *optimum.ran_into, f"best design: {best}"],
         tables=tables(optimum),
         warnings=optimum.warnings,
         notes=optimum.notes,

@@ -51,56 +51,58 @@ VaryFlag = Annotated[
     Parameter(
         name="--vary",
         metavar="KEY=VALUES",
-        help="A key of the design file and its values: a,b,c, or LO:HI:N, or with --sample LO:HI. Several make a grid; "
-        "repeatable.",
+        help="Key of the design file and its values: a,b,c or LO:HI:N, with --sample also LO:HI. Several keys form a "
+        "grid. May be repeated.",
     ),
 ]
 TableFlag = Annotated[
     Path | None,
-    Parameter(metavar="POINTS.csv", help="The points instead: a CSV file with keys of the design file as its header."),
+    Parameter(
+        metavar="POINTS.csv", help="CSV file of points, with keys of the design file as its header; replaces --vary."
+    ),
 ]
 SampleFlag = Annotated[
     Literal["sobol", "lhs", "random"] | None,
     Parameter(
-        help="Draw points from the ranges: a scrambled Sobol sequence, a Latin hypercube, or each for itself. Words "
-        "and switches are drawn from their values."
+        help="Draw points from the ranges by a scrambled Sobol sequence, a Latin hypercube or independent random "
+        "numbers. Words and switches are drawn from their values."
     ),
 ]
 PointsFlag = Annotated[
     int | None,
-    Parameter(metavar="N", converter=whole_number, help=f"How many are drawn, with --sample. Default: {POINTS}."),
+    Parameter(metavar="N", converter=whole_number, help=f"Number of points drawn with --sample. Default: {POINTS}."),
 ]
 SeedFlag = Annotated[
     int,
-    Parameter(metavar="N", converter=whole_number, validator=within(0, 2**63), help="Of the draws. Default: 0."),
+    Parameter(metavar="N", converter=whole_number, validator=within(0, 2**63), help="Random seed. Default: 0."),
 ]
 MeasureFlag = Annotated[
     tuple[str, ...],
     Parameter(
         name="--measure",
         metavar="NAME[,NAME]",
-        help="statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, simulate, mass, checks; with "
-        "several, columns begin with the measure's name. Or keys of `cycloid-mj figures`; figures: all of geometry "
-        "and statics. Default: statics.",
+        help="What to evaluate: statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, simulate, "
+        "mass, checks, keys of `cycloid-mj figures`, or figures for all of geometry and statics. With several, columns "
+        "start with the measure's name. Default: statics.",
     ),
 ]
-QuickFlag = Annotated[bool, Parameter(help="Measures take fewer angles and runs, as with their own --quick.")]
+QuickFlag = Annotated[bool, Parameter(help="Use fewer angles and runs, as the measures' own --quick.")]
 RealPinsFlag = Annotated[
     bool,
     Parameter(
         name="--real-pins",
-        help="Keep the inertia of moving pins in loaded runs of `simulate`. They take 30 to 60 times as long; mean "
-        "values and forces change by 0.2 %, the speeds' sway by up to a fifth.",
+        help="Keep the inertia of moving pins in loaded runs of `simulate`, which then take 30 to 60 times as long. "
+        "Mean values and forces change by 0.2 %, speed fluctuations by up to 20 %.",
     ),
 ]
 ShowFlag = Annotated[
-    str, Parameter(metavar="COLUMN[,COLUMN]", help="Quantities to draw. Default: up to six that change.")
+    str, Parameter(metavar="COLUMN[,COLUMN]", help="Quantities to plot. Default: up to six that vary.")
 ]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SweepDelivery(ClusterDelivery):
-    """Where the rows go."""
+    """Flags for the results."""
 
     out: Annotated[str | None, out_flag("the rows, the tables, the figure and the page", OUT)] = None
 
@@ -124,17 +126,17 @@ def sweep(
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Measure a design at many points: a grid, samples, a table.
+    """Evaluate a design over a grid, a random sample or a table of parameter values.
 
-    Any key of the design file can be varied: numbers, words and switches; others
-    follow with --follow, such as the hole of an output pin with the eccentricity. Each
-    point is a row of DIR/sweep.csv and DIR/sweep.parquet: inputs, every quantity with
-    its unit in the column's name, the error where it failed, CPU time and versions.
-    Rows are on disk as they come: a sweep that was stopped, even killed, goes on
-    where it was when the same command is given again.
+    Any key of the design file can be varied: numbers, words and switches. Further keys
+    can follow by formula (--follow), such as the hole of an output pin the eccentricity.
+    Results are written to DIR/sweep.csv and DIR/sweep.parquet, one row per point: inputs,
+    quantities with the unit in the column's name, the error if the point failed, CPU time
+    and versions. Rows are saved as soon as they are computed. To resume an interrupted
+    sweep, run the same command again.
 
-    Loaded runs (`simulate`) have massless pins where pins move, unless --real-pins or
-    ring.pins is varied. The exit code is 1 if every point failed.
+    Loaded runs (`simulate`) neglect the inertia of moving pins, unless --real-pins is set
+    or ring.pins is varied. The exit code is 1 if every point failed.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.journal import SWEEP, begun, forget
@@ -153,19 +155,19 @@ def sweep(
         swept = in_folder(task, wanted, into, engine, counted("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {cause(stop)}; the rows so far are in {into}: the same command goes on from there"
+            f"stopped by {cause(stop)}; the rows so far are in {into}. Run the same command again to resume"
         ) from stop
     quantities = shown(swept, tuple(name for name in show_.split(",") if name))
     code = deliver(_outcome(swept, quantities, place), place, delivery)
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(swept.points)} failed: {error}")
     if (more := len(swept.errors) - MOST_ERRORS) > 0:
-        tell(f"and {more} other errors: they are in {into}")
+        tell(f"{more} other errors are listed in {into}")
     return code
 
 
 def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
-    """Return the points that the flags ask for."""
+    """Return the points that the flags specify."""
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import chosen
 
@@ -175,7 +177,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
         if not equals or not key.strip() or not values.strip():
             raise UsageError(f"--vary {text!r}: expected KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
         if key.strip() in ranges:
-            raise UsageError(f"--vary {key.strip()} is there twice: give all its values in one")
+            raise UsageError(f"--vary {key.strip()} is repeated: list all its values in one --vary")
         ranges[key.strip()] = values.strip()
     if table is not None and not (vary or sample or points):
         return read_table(table)
@@ -193,7 +195,7 @@ def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) ->
     into = place.folder or Path(OUT)
     table, parquet = into / TABLE, into / PARQUET
     draw = cache(partial(drawn, sweep_figure(swept, quantities)))
-    without = "no sweep.parquet: it needs DuckDB, pip install 'cycloid-mj[parquet]'"
+    without = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
     return Outcome(
         title=f"sweep of {swept.task.reducer.design.name}",
         headline={"points": str(len(swept.points)), "failed": str(swept.failed), "rows": str(table)},

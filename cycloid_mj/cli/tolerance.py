@@ -1,4 +1,4 @@
-"""``cycloid-mj tolerance``: what becomes of a design within its tolerances, and which of them to tighten first."""
+"""``cycloid-mj tolerance``: Monte Carlo study of a design within its tolerances, with an error budget."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 OUT = "runs/tolerance"
 CAPTIONS = {
-    "distributions": "Distributions over the samples that do not jam.",
-    "budget": "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).",
+    "distributions": "Distributions of the samples that do not jam.",
+    "budget": "Share of each tolerance in the variance, alone and with its interactions (Sobol indices).",
 }
 MOST_SAMPLES = 1_000_000
 
-SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="How many are drawn. Default: 10000.")]
+SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="Number of samples. Default: 10000.")]
 SeedFlag = Annotated[
     int,
     Parameter(
         metavar="N",
         converter=whole,
-        help="Of the random draws: the same seed gives the same samples. Default: 0.",
+        help="Random seed; equal seeds draw equal samples. Default: 0.",
     ),
 ]
 LimitFlag = Annotated[
@@ -37,13 +37,15 @@ LimitFlag = Annotated[
     Parameter(
         name="--limit",
         metavar="'KEY<=NUMBER'",
-        help="A figure, any of geometry, statics or life that `cycloid-mj figures` lists, is to be at most, or at "
-        "least (>=), a number; repeatable.",
+        help="Upper (<=) or lower (>=) limit of a figure of geometry, statics or life listed by `cycloid-mj figures`. "
+        "May be repeated.",
     ),
 ]
 VerifyFlag = Annotated[
     int,
-    Parameter(metavar="K", converter=whole, help="Run so many of the five worst samples in full dynamics. Default: 0."),
+    Parameter(
+        metavar="K", converter=whole, help="Number of the five worst samples to run in full dynamics. Default: 0."
+    ),
 ]
 EXAMPLES = """Examples:
   cycloid-mj tolerance --design printed --set 'tolerance.cam="H8/f7"' --set 'tolerance.pin_position="normal 10"'
@@ -53,7 +55,7 @@ EXAMPLES = """Examples:
 
 @dataclass(frozen=True, kw_only=True)
 class ToleranceDelivery(ClusterDelivery):
-    """Where the samples go."""
+    """Flags for the results."""
 
     out: Annotated[str | None, out_flag("the samples, the JSON file, the page and the worst designs", OUT)] = None
 
@@ -71,7 +73,7 @@ def tolerance(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Draw samples within tolerances: yield and an error budget.
+    """Draw samples of a design within its tolerances: yield and error budget.
 
     Tolerances are read from the table [tolerance] of the design file: "normal 2",
     "uniform 5" or "between -1 4" (in um), a grade "IT6", or for clearances a fit
@@ -98,9 +100,9 @@ def tolerance(
     from cycloid_mj.explore.tolerances import tolerance as found_in
 
     if not 2 <= samples <= MOST_SAMPLES:
-        raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
+        raise UsageError(f"--samples {samples} is out of range; allowed: 2 to {MOST_SAMPLES}")
     if seed < 0:
-        raise UsageError(f"--seed {seed}: give 0 or more")
+        raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
     engine = delivery.engine("threads")
     design = chosen.sound()
     limits = [read(text, Reducer(design)) for text in limit]
