@@ -59,11 +59,13 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "datasheet": Listed("Write a data sheet, as makers of reducers do: PDF and HTML.", "datasheet:datasheet"),
     },
     "Analyse": {
-        "measure": Listed("Measure one figure with its error and its closed form.", "measure:commands"),
+        "measure": Listed("Measure one figure by simulation, with its error and its closed form.", "measure:commands"),
         "protocol": Listed("Tell what makers state of a reducer, from model and bench.", "protocol:protocol"),
         "stress": Listed("Compute the stress of the parts by finite elements.", "stress:stress"),
         "compare": Listed("Run designs at no load and under load, side by side.", "compare:compare"),
-        "validate": Listed("Hold the simulation against closed forms and other sources.", "validate:validate"),
+        "validate": Listed(
+            "Compare the simulation with closed forms, independent solvers and published cases.", "validate:validate"
+        ),
     },
     "Simulate": {
         "analyze": Listed("Compare a logged run with the closed form.", "analyze:analyze"),
@@ -72,9 +74,11 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "view": Listed("Open MuJoCo's viewer on a design, or replay a log there.", "view:view"),
     },
     "Explore": {
-        "sweep": Listed("Measure a design at many points: a grid, samples, a table.", "sweep:sweep"),
-        "tolerance": Listed("Draw samples within tolerances: yield and an error budget.", "tolerance:tolerance"),
-        "optimize": Listed("Find the best design within ranges, or a front of two aims.", "optimize:optimize"),
+        "sweep": Listed("Evaluate a design over a grid, a sample or a table of parameter values.", "sweep:sweep"),
+        "tolerance": Listed("Draw samples within the tolerances: yield and error budget.", "tolerance:tolerance"),
+        "optimize": Listed(
+            "Find the best design within ranges, or a Pareto front of two objectives.", "optimize:optimize"
+        ),
     },
     "Make": {
         "export": Listed("Write every part of a design for CAD or printing.", "export:export"),

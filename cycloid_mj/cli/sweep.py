@@ -126,7 +126,7 @@ def sweep(
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     delivery: Annotated[SweepDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Evaluate a design over a grid, a random sample or a table of parameter values.
+    """Evaluate a design over a grid, a sample or a table of parameter values.
 
     Any key of the design file can be varied: numbers, words and switches. Further keys
     can follow by formula (--follow), such as the hole of an output pin the eccentricity.

@@ -73,7 +73,7 @@ def tolerance(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Draw samples of a design within its tolerances: yield and error budget.
+    """Draw samples within the tolerances: yield and error budget.
 
     Tolerances are read from the table [tolerance] of the design file: "normal 2",
     "uniform 5" or "between -1 4" (in um), a grade "IT6", or for clearances a fit
