@@ -68,7 +68,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
     progress("runs with IMPACT")
-    ours = {design.name: settled(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
+    base = {design.name: settled(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
     soft = {design.name: settled(runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]) for design in designs()}
     progress("output torque with IMPACT")
     torques = {
@@ -80,14 +80,14 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     stresses = {}
     for design in designs():
         progress(f"stress, {design.name}")
-        one, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
+        start, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
         stresses[design.name] = idle_stress(
-            runs(one, plan.solver), rated[design.name], settings(plan), runs(impact, plan.solver)[0]
+            runs(start, plan.solver), rated[design.name], settings(plan), runs(impact, plan.solver)[0]
         )
-    by = SOLVERS[plan.solver]
+    solver_words = SOLVERS[plan.solver]
     features = _features({name: stress.by_force for name, stress in stresses.items()})
     return StageResult(
-        (*_plates(ours, soft, cases), *height_plates(stresses), _torque_plate(torques)),
+        (*_plates(base, soft, cases), *height_plates(stresses), _torque_plate(torques)),
         (*_feature_tables(cases, features), _torque_table(torques)),
         findings={
             "features": [_as_json(cases, feature) for feature in features],
@@ -95,13 +95,13 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
             "output_torque_nm": {name: {"line": line, "impact": impact} for name, (line, impact) in torques.items()},
         },
         notes=(
-            f"With friction, {by}, the cam's force of the pin design has its maxima of the two half turns at "
+            f"With friction, {solver_words}, the cam's force of the pin design has its maxima of the two half turns at "
             f"{angles_in_words(struck)} (75 and 255 deg, within {NEAR:g}).",
             "IMPACT: F = k d^e + c step(d) v with k = 1e5 N/mm^2.2, c = 10 N s/mm, fully active from 0.1 mm on: the "
             "default of motion solvers such as ADAMS and SolidWorks Motion without a material. The paper states no "
             "contact parameters; this is a hypothesis with its evidence.",
-            f'Gear speed, q and pin 1 are runs with contact.law = "impact" {by}, the torque by MuJoCo, all with '
-            "friction. The table of features is from a planar computation without friction over "
+            f'Gear speed, q and pin 1 are runs with contact.law = "impact" {solver_words}, the torque by MuJoCo. All '
+            "have friction. The table of features is from a planar computation without friction over "
             f"{len(PHASES)} starts each, with facets (mean chord error {1e6 * CHORD_ERROR:g} um, seed {SEED}). It "
             "includes only the arcs of the internal gear. A rank test judges which design fluctuates more. The "
             "torque, which depends on friction, has no facets.",
@@ -115,7 +115,7 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
     for design in designs():
         line, stiff = line_contacts(design), GENERIC.stiffness
         floating = design.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-        ways = (
+        cases = (
             (OURS, design, line, 0.0),
             (SOFT, design, GENERIC, 0.0),
             (FACETS, design, line, CHORD_ERROR),
@@ -124,12 +124,12 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
             (STIFFER, design, replace(GENERIC, stiffness=10.0 * stiff), 0.0),
             (SOFTER, design, replace(GENERIC, stiffness=0.1 * stiff), 0.0),
         )
-        wanted += [(*way, phase) for way in ways for phase in PHASES]
-    turned = each_in_threads(lambda one: soft_idle(one[1], one[2], one[3], TURNS, SEED, one[4]), wanted)
-    cases: dict[str, dict[str, list[PeakForces]]] = {}
-    for (name, of, *_), forces in zip(wanted, turned, strict=True):
-        cases.setdefault(name, {}).setdefault(of.name, []).append(forces)
-    return cases
+        wanted += [(*case, phase) for case in cases for phase in PHASES]
+    peaks = each_in_threads(lambda run: soft_idle(run[1], run[2], run[3], TURNS, SEED, run[4]), wanted)
+    by_case: dict[str, dict[str, list[PeakForces]]] = {}
+    for (name, design, *_), forces in zip(wanted, peaks, strict=True):
+        by_case.setdefault(name, {}).setdefault(design.name, []).append(forces)
+    return by_case
 
 
 def brought_by(holds: Mapping[str, bool]) -> str:
@@ -191,11 +191,13 @@ def _flatter(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
     return bool(flatter) and len(maxima(nonpin)) > len(maxima(pin))
 
 
-def _rougher(of: str, scale: float, unit: str) -> tuple[Any, Any]:
+def _rougher(field: str, scale: float, unit: str) -> tuple[Any, Any]:
     """Return functions for the fluctuation of both designs, and for whether pin has more by the rank test."""
 
     def sizes(forces: Mapping[str, Sequence[PeakForces]]) -> tuple[StartSpread, StartSpread]:
-        pin, nonpin = (StartSpread.of(scale * getattr(one, of) for one in forces[name]) for name in ("pin", "nonpin"))
+        pin, nonpin = (
+            StartSpread.of(scale * getattr(peaks, field) for peaks in forces[name]) for name in ("pin", "nonpin")
+        )
         return pin, nonpin
 
     def tell(forces: Mapping[str, Sequence[PeakForces]]) -> str:
@@ -206,20 +208,20 @@ def _rougher(of: str, scale: float, unit: str) -> tuple[Any, Any]:
 
 
 def _reach(forces: Mapping[str, Sequence[PeakForces]]) -> str:
-    reaches = StartSpread.of(1e6 * one.reach for one in forces["pin"])
+    reaches = StartSpread.of(1e6 * peaks.reach for peaks in forces["pin"])
     return f"{reaches.words} um"
 
 
 def _stay(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
     clearance = designs()[0].clearance.pin_socket
-    return all(one.reach <= (1.0 + GIVE) * clearance for one in forces["pin"])
+    return all(peaks.reach <= (1.0 + GIVE) * clearance for peaks in forces["pin"])
 
 
 def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, Any]:
     """Return functions for a part's stress [MPa] in the mean of the starts, and for whether it is the paper's."""
 
     def size(forces: Mapping[str, Sequence[PeakForces]]) -> float:
-        return float(np.mean([stress(acting(one)[part]) for one in forces[name]]))
+        return float(np.mean([stress(acting(peaks)[part]) for peaks in forces[name]]))
 
     wanted = HEIGHTS[part, name]
     return (
@@ -265,13 +267,13 @@ def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
     """Return the table of output torques with both contact laws, the paper's, and which law causes them."""
     rows = [
         (
-            f"{name}, {way}",
+            f"{name}, {kind}",
             *(f"{torque:.2f}, {100 * torque / IDEAL:.1f} %" for torque in both),
             f"{paper:g}, {100 * paper / IDEAL:.1f} %",
             torque_brought_by(*both, paper),
         )
         for name, both in torques.items()
-        for way, paper in TORQUES[name].items()
+        for kind, paper in TORQUES[name].items()
     ]
     head = ("output torque at 1.048 N m on the crank [N m]", "line contacts", "IMPACT", "the paper", "brought by")
     return Table("output torque by both contact laws, friction as designed, exact flanks", head, tuple(rows))
@@ -289,10 +291,10 @@ def _torque_plate(torques: Mapping[str, tuple[float, float]]) -> PaperFigure:
     """Draw the output torque of both designs with both contact laws, and the paper's."""
     from hsieh2014.paper_figures import torques_figure
 
-    ours = {name: dict(zip(("line contacts", "IMPACT"), both, strict=True)) for name, both in torques.items()}
-    stated = {name: {f"the paper, {way}": one for way, one in TORQUES[name].items()} for name in torques}
+    computed = {name: dict(zip(("line contacts", "IMPACT"), both, strict=True)) for name, both in torques.items()}
+    stated = {name: {f"the paper, {kind}": torque for kind, torque in TORQUES[name].items()} for name in torques}
     words = "Output torque at 1.048 N m in by both contact laws, friction as designed; dashed: without losses."
-    return PaperFigure("authors_fig19_torque", "Fig. 19", words, torques_figure(ours, stated, IDEAL))
+    return PaperFigure("authors_fig19_torque", "Fig. 19", words, torques_figure(computed, stated, IDEAL))
 
 
 def _settled_torque(design: Design) -> float:
@@ -309,7 +311,7 @@ def torques_by_turn(design: Design, turns: int = TEST_TURNS) -> Array:
     return np.array([abs(float(np.mean(part))) for part in np.array_split(run["load_torque"], turns)])
 
 
-def _plates(ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases) -> Iterator[PaperFigure]:
+def _plates(base: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases) -> Iterator[PaperFigure]:
     """Draw Figs 6, 8 and 9 by both contact laws, side by side, and the cam's force over a turn."""
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
@@ -321,7 +323,7 @@ def _plates(ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases
 
     laws = {
         law: [at_degrees(motion) for motion in motions.values()]
-        for law, motions in (("line contacts", ours), ("IMPACT", soft))
+        for law, motions in (("line contacts", base), ("IMPACT", soft))
     }
     drawn: tuple[tuple[int, str, Callable[[Sequence[Series]], Any]], ...] = (
         (6, "speed of the gear", speeds_figure),
@@ -333,7 +335,7 @@ def _plates(ours: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases
             name = f"authors_fig{number}_{law.partition(' ')[0].lower()}"
             yield PaperFigure(name, f"Fig. {number}", f"No load, {law}: {words}.", draw(motions))
     curves = {
-        f"{design}, {name}": mean_curve(cases[name][design]) for design in ours for name in (OURS, SOFT, NO_GRAVITY)
+        f"{design}, {name}": mean_curve(cases[name][design]) for design in base for name in (OURS, SOFT, NO_GRAVITY)
     }
     words = "Largest force of the cam over a crank turn, mean of the starts; dotted: the paper's peaks."
     yield PaperFigure("authors_fig12_cam", "Fig. 12", words, cam_figure(curves, SHAFT_PEAKS))

@@ -76,18 +76,18 @@ class Erratum:
         return {**texts, "printed_error": printed, "right_error": right, "harmless": self.harmless}
 
 
-def first(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -> Array:
+def first(function: Callable[[Array], Array], points: npt.ArrayLike, step: float) -> Array:
     """Differentiate a function once, at points of shape (n,)."""
-    x = np.asarray(at, float)
-    one, two = (function(x + k * step) - function(x - k * step) for k in (1, 2))
-    return (8 * one - two) / (12 * step)
+    x = np.asarray(points, float)
+    near, far = (function(x + k * step) - function(x - k * step) for k in (1, 2))
+    return (8 * near - far) / (12 * step)
 
 
-def second(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -> Array:
+def second(function: Callable[[Array], Array], points: npt.ArrayLike, step: float) -> Array:
     """Differentiate a function twice, at points of shape (n,)."""
-    x = np.asarray(at, float)
-    one, two = (function(x + k * step) + function(x - k * step) for k in (1, 2))
-    return (16 * one - two - 30 * function(x)) / (12 * step**2)
+    x = np.asarray(points, float)
+    near, far = (function(x + k * step) + function(x - k * step) for k in (1, 2))
+    return (16 * near - far - 30 * function(x)) / (12 * step**2)
 
 
 def relative_error(computed: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
@@ -132,8 +132,8 @@ def _eq6() -> tuple[float, float]:
 def orbit_speed(rate: float) -> float:
     """Speed [rad/s] at which the gear's centre by Eq. 16 goes round, counter-clockwise, at a rate dzeta/dt."""
     centre = first(lambda time: kinematics.gear_centre(GEAR, GEAR.lobes * rate * time), np.array([0.01]), 1e-5)
-    at = kinematics.gear_centre(GEAR, GEAR.lobes * rate * 0.01)
-    return float((at[0] * centre[0, 1] - at[1] * centre[0, 0]) / GEAR.eccentricity**2)
+    later = kinematics.gear_centre(GEAR, GEAR.lobes * rate * 0.01)
+    return float((later[0] * centre[0, 1] - later[1] * centre[0, 0]) / GEAR.eccentricity**2)
 
 
 def _eq12() -> tuple[float, float]:

@@ -61,9 +61,9 @@ def stress_by_case(
     `stress` maps the largest force on a design's part to its stress.
     """
     stresses: dict[tuple[str, str], dict[str, float]] = {}
-    for (name, contact, error), one in forces.items():
+    for (name, contact, error), peaks in forces.items():
         words = f"{contact.name}, facets of {1e6 * error:g} um" if error else f"{contact.name}, exact flanks"
-        for part, force in acting(one).items():
+        for part, force in acting(peaks).items():
             stresses.setdefault((part, name), {})[words] = float(stress[name][part](force))
     return stresses
 
@@ -80,8 +80,14 @@ def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, f
         for (name, contact, error), force in forces.items()
     ]
     rows += [
-        (f"{name}: forces for the paper's stress", "", f"{one['ring']:.3g}", f"{one['shaft']:.3g}", "")
-        for name, one in wanted.items()
+        (
+            f"{name}: forces for the paper's stress",
+            "",
+            f"{forces_of_parts['ring']:.3g}",
+            f"{forces_of_parts['shaft']:.3g}",
+            "",
+        )
+        for name, forces_of_parts in wanted.items()
     ]
     head = ("design, contact", "chord error [um]", "tooth [N]", "cam [N]", "output pin [N]")
     return Table("hypothesis: largest idle forces with the contact of a commercial motion solver", head, tuple(rows))
@@ -128,5 +134,5 @@ def as_json(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str,
             }
             for (name, contact, error), force in forces.items()
         ],
-        "needed_for_the_papers_heights_n": {name: dict(one) for name, one in wanted.items()},
+        "needed_for_the_papers_heights_n": {name: dict(forces_of_parts) for name, forces_of_parts in wanted.items()},
     }

@@ -38,15 +38,15 @@ def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
     # all at once, so that the runs fill every core
     runs([run for case in cases.values() for starts in case.values() for run in starts], plan.solver)
     return {
-        one: levels_of({name: runs.figures(starts, plan.solver) for name, starts in case.items()})
-        for one, case in cases.items()
+        variation: levels_of({name: runs.figures(starts, plan.solver) for name, starts in case.items()})
+        for variation, case in cases.items()
     }
 
 
 def levels_of(starts: Mapping[str, Sequence[RunFigures]]) -> Levels:
     """Collect the levels of runs: name of a design -> its runs."""
     return {
-        each.key: {name: StartSpread.of(one.levels[each.key] for one in runs) for name, runs in starts.items()}
+        each.key: {name: StartSpread.of(figures.levels[each.key] for figures in runs) for name, runs in starts.items()}
         for each in RANKED
     }
 

@@ -161,7 +161,7 @@ def idle_stress(
     study = stress_study(
         at_peaks(starts[0], window), reducer, (), settings, told=progress, references=stress_references(design)
     )
-    grids = {one.findings.part: one.grid for one in study.parts}
+    grids = {part_study.findings.part: part_study.grid for part_study in study.parts}
     turn = settings.turn
     parts = [*((part, NO_OTHERS) for part in grids), *((OUTPUT, pins) for pins in OTHER_PINS.values())]
     heavy = _heavy(starts, parts, turn, window)
@@ -263,8 +263,8 @@ def join_loads(several: Sequence["PartLoads"]) -> "PartLoads":
 
 def rated_value(idle_stress: IdleStress, part: str) -> Value:
     """Compute a part's largest stress under the rated load."""
-    at = " at the fillet of a pin" if part == OUTPUT else ""
-    return Value(f"{idle_stress.rated[part].high:.3g} MPa{at}", idle_stress.rated[part].high, "MPa")
+    where = " at the fillet of a pin" if part == OUTPUT else ""
+    return Value(f"{idle_stress.rated[part].high:.3g} MPa{where}", idle_stress.rated[part].high, "MPa")
 
 
 def stress_error(idle_stress: IdleStress, parts: Sequence[str]) -> Value:

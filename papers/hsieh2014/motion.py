@@ -26,18 +26,18 @@ SEEN_ERROR = 0.1
 """Smallest transmission error that counts [arcsec]."""
 
 NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
-    ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda one: one.gear_speed.mean_rad_s),
-    ("gear_speed_rms_error_rad_s", "gear speed, rms error [rad/s]", lambda one: one.gear_speed.rms_error_rad_s),
-    ("q_path_rms_error_um", "path of q, rms error [um]", lambda one: one.q_path.rms_error_um),
-    ("q_path_max_error_um", "path of q, largest error [um]", lambda one: one.q_path.max_error_um),
-    ("q_velocity_rms_error_mm_s", "velocity of q, rms error [mm/s]", lambda one: one.q_speed.rms_error_mm_s),
+    ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda each: each.gear_speed.mean_rad_s),
+    ("gear_speed_rms_error_rad_s", "gear speed, rms error [rad/s]", lambda each: each.gear_speed.rms_error_rad_s),
+    ("q_path_rms_error_um", "path of q, rms error [um]", lambda each: each.q_path.rms_error_um),
+    ("q_path_max_error_um", "path of q, largest error [um]", lambda each: each.q_path.max_error_um),
+    ("q_velocity_rms_error_mm_s", "velocity of q, rms error [mm/s]", lambda each: each.q_speed.rms_error_mm_s),
     (
         "transmission_error_arcsec",
         "transmission error, peak to peak [arcsec]",
-        lambda one: one.transmission_error.peak_to_peak_arcsec,
+        lambda each: each.transmission_error.peak_to_peak_arcsec,
     ),
-    ("contacts_mean", "contacts that carry force, mean", lambda one: one.contact_summary.mean_active),
-    ("peak_force_n", "largest force of a contact [N]", lambda one: one.contact_summary.peak_force_n),
+    ("contacts_mean", "contacts that carry force, mean", lambda each: each.contact_summary.mean_active),
+    ("peak_force_n", "largest force of a contact [N]", lambda each: each.contact_summary.peak_force_n),
 )
 """Numbers of Figs 6-8: key, label, and function of a run's results."""
 
@@ -48,7 +48,7 @@ def motions(plan: Plan, runs: Runs) -> list[Series]:
 
 
 def _rated_run(compared: Sequence[Series], design: Design) -> Series:
-    return next(one for one in compared if one.design.name == design.name and one.design.load.torque)
+    return next(each for each in compared if each.design.name == design.name and each.design.load.torque)
 
 
 def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
@@ -60,14 +60,14 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     what = "ramp of 1 s, then constant" if plan.ramp else "quick: from full speed, without the ramp"
     plates = [
         PaperFigure(
-            f"fig5_input_{one.design.name}",
+            f"fig5_input_{each.design.name}",
             "Fig. 5",
-            f"{one.design.name}: speed of the crank, {what}; below: deviation of the servo from the prescribed speed.",
-            input_figure(one),
+            f"{each.design.name}: speed of the crank, {what}; below: deviation of the servo from the prescribed speed.",
+            input_figure(each),
         )
-        for one in compared
+        for each in compared
     ]
-    errors = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in compared}
+    errors = {each.design.name: float(np.abs(each.crank_speed.error).max()) for each in compared}
     note = "The paper's law: 0 to 1640 rpm (9840 deg/s, 171.74 rad/s) in a linear ramp of 1 s, then constant."
     return StageResult(tuple(plates), findings={"largest_error_rad_s": errors, "ramp": plan.ramp}, notes=(note,))
 
@@ -78,8 +78,8 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
     compared = motions(plan, runs)
     words = "angular velocity of the cycloid gear over a crank turn, with -omega_i/35 (Eq. 12)"
-    judged = {_key(one): judge(one) for one in compared}
-    head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in compared))
+    judged = {_key(each): judge(each) for each in compared}
+    head = ("over the settled turns", *(f"{each.design.name}, {_load(each)}" for each in compared))
     rows: list[tuple[str | float, ...]] = [(name, *map(number, judged.values())) for _, name, number in NUMBERS]
     return StageResult(
         _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
@@ -87,7 +87,7 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         tuple(
             _ratio(over_starts(plan, runs, design, _mean_speed), _rated_run(compared, design)) for design in designs()
         ),
-        {name: {key: number(one) for key, _, number in NUMBERS} for name, one in judged.items()},
+        {name: {key: number(each) for key, _, number in NUMBERS} for name, each in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
     )
 
@@ -130,8 +130,8 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
     compared = [motion for motion in motions(plan, runs) if motion.pin_1]
     words = "centre of pin 1 in its socket (dashed: the clearance), its distance from the middle, and its spin"
-    plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda one: pin_figure(one, _pin(one)))
-    shown = pins_figure({_load(one): at_degrees(one) for one in compared})
+    plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda each: pin_figure(each, _pin(each)))
+    shown = pins_figure({_load(each): at_degrees(each) for each in compared})
     words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; displacements are magnified."
     plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
@@ -148,8 +148,8 @@ def _plates(
 ) -> tuple[PaperFigure, ...]:
     """Draw the runs of each load in one figure, at the paper's sampling."""
     loads: dict[str, list[Series]] = {}
-    for one in compared:
-        loads.setdefault(_load(one), []).append(at_degrees(one))
+    for each in compared:
+        loads.setdefault(_load(each), []).append(at_degrees(each))
     return tuple(
         PaperFigure(
             f"{name}_{'loaded' if each[0].design.load.torque else 'unloaded'}", figure, f"{load}: {words}.", draw(each)
@@ -163,8 +163,10 @@ def _each(
 ) -> tuple[PaperFigure, ...]:
     """Draw each run in a separate figure, at the paper's sampling."""
     return tuple(
-        PaperFigure(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
-        for one in compared
+        PaperFigure(
+            f"{name}_{_key(each)}", figure, f"{each.design.name}, {_load(each)}: {words}.", draw(at_degrees(each))
+        )
+        for each in compared
     )
 
 
@@ -185,17 +187,17 @@ def _pin(motion: Series) -> Any:
     return motion.pin_1
 
 
-def _mean_speed(one: RunFigures) -> float:
-    return one.mean_speed
+def _mean_speed(each: RunFigures) -> float:
+    return each.mean_speed
 
 
-def _transmission_error(one: RunFigures) -> float:
-    return one.transmission_error
+def _transmission_error(each: RunFigures) -> float:
+    return each.transmission_error
 
 
-def _pin_moves(one: RunFigures) -> PinMotion:
-    assert one.pin_1 is not None
-    return one.pin_1
+def _pin_moves(each: RunFigures) -> PinMotion:
+    assert each.pin_1 is not None
+    return each.pin_1
 
 
 def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:

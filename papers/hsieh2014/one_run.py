@@ -162,15 +162,15 @@ def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
     for part in ORDER:
         if part not in pin or part not in nonpin:
             continue
-        ours = [findings[part].bulk_peak.stress / MEGAPASCAL for findings in (pin, nonpin)]
+        sizes = [findings[part].bulk_peak.stress / MEGAPASCAL for findings in (pin, nonpin)]
         forces = [findings[part].largest_force for findings in (pin, nonpin)]
         stated = stress_of_designs(part)
         words = f"less stress in {nonpin.design} than in {pin.design} (ranges {stated.stated.text})"
         yield _judge(
             replace(stated, claim=words),
             part,
-            f"{ours[1]:.3g} against {ours[0]:.3g} MPa, {ours[1] / ours[0]:.2g} to 1",
-            ours[1] < ours[0],
+            f"{sizes[1]:.3g} against {sizes[0]:.3g} MPa, {sizes[1] / sizes[0]:.2g} to 1",
+            sizes[1] < sizes[0],
             f"the largest force of one contact, {forces[1]:.3g} N against {forces[0]:.3g} N "
             f"({forces[1] / forces[0]:.2g} to 1) under {nonpin.load:.4g} and {pin.load:.4g} N m{ALSO.get(part, '')}",
         )

@@ -37,7 +37,7 @@ class OverStarts(Generic[T]):
     @property
     def searched(self) -> dict[Variation, Sequence[T]]:
         """Return the changes of parameters that the paper leaves open."""
-        return {one: evidence for one, evidence in self.varied.items() if one.parameter in LEFT_OPEN}
+        return {variation: evidence for variation, evidence in self.varied.items() if variation.parameter in LEFT_OPEN}
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ def over_starts(
         for variation in variations(plan)
         if variation.of(Reducer(design)) != design and has(variation.of(Reducer(design)))
     ]
-    base, varied = idle_runs(plan, design), {one: varied_idle_runs(plan, one, design) for one in changed}
+    base, varied = idle_runs(plan, design), {each: varied_idle_runs(plan, each, design) for each in changed}
     # asked for together, so that the runs fill every core
     runs([*base, *(start for starts in varied.values() for start in starts)], plan.solver)
-    figures = {one: list(map(figure, runs.figures(starts, plan.solver))) for one, starts in varied.items()}
-    return OverStarts([figure(one) for one in runs.figures(base, plan.solver)], figures, ranges(plan))
+    figures = {each: list(map(figure, runs.figures(starts, plan.solver))) for each, starts in varied.items()}
+    return OverStarts([figure(each) for each in runs.figures(base, plan.solver)], figures, ranges(plan))
 
 
 def ruling(
@@ -93,16 +93,16 @@ def ruling(
         Function that judges the starts together.
     """
 
-    def of(starts: Sequence[T]) -> Verdict:
+    def judge_starts(starts: Sequence[T]) -> Verdict:
         return judged([holds(start) for start in starts])
 
-    reference = of(evidence.base)
-    others = {one: of(starts) for one, starts in evidence.varied.items()}
-    agrees = any(others[one] == Verdict.AGREES for one in evidence.searched)
-    turned = ", ".join(f"{one.words} ({verdict})" for one, verdict in others.items() if verdict != reference)
+    reference = judge_starts(evidence.base)
+    others = {each: judge_starts(starts) for each, starts in evidence.varied.items()}
+    agrees = any(others[each] == Verdict.AGREES for each in evidence.searched)
+    turned = ", ".join(f"{each.words} ({verdict})" for each, verdict in others.items() if verdict != reference)
     return Ruling(
         Verdict.DEPENDS if reference == Verdict.DISAGREES and agrees else reference,
-        sign_test_p([holds(one) for one in evidence.base]),
+        sign_test_p([holds(each) for each in evidence.base]),
         "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes the verdict"))),
-        tuple(Removal(one.words, words(starts), others[one]) for one, starts in evidence.varied.items()),
+        tuple(Removal(each.words, words(starts), others[each]) for each, starts in evidence.varied.items()),
     )

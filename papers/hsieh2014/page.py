@@ -46,11 +46,11 @@ def reproduction_page(
     numbers = [f"{sum(claim.verdict == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()]
     rows = [
         (
-            *(one[key] for key in ("equation", "printed", "right", "proof")),
-            f"{one['printed_error']:.2g}",
-            f"{one['right_error']:.1g}",
+            *(each[key] for key in ("equation", "printed", "right", "proof")),
+            f"{each['printed_error']:.2g}",
+            f"{each['right_error']:.1g}",
         )
-        for one in errata
+        for each in errata
     ]
     shared = environment()
     assert shared.loader
@@ -64,7 +64,7 @@ def reproduction_page(
         claim_head=CLAIM_HEAD,
         error_words=error_words,
         source=lambda name: _source(pictures[name]),
-        texts=lambda one: TextTable([one.header], one.cells),
+        texts=lambda each: TextTable([each.header], each.cells),
         errata=TextTable([ERRATUM_HEAD], rows),
     )
 

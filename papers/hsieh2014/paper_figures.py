@@ -52,16 +52,16 @@ def speeds_figure(motions: Sequence[Series]) -> Figure:
 def paths_figure(motions: Sequence[Series]) -> Figure:
     """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
     figure = sheet(3.6)
-    whole, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
+    path, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
     theory = motions[0].q_position.at(motions[0].one_turn).theory
-    whole.plot(*(1e3 * theory.T), **THEORY)
+    path.plot(*(1e3 * theory.T), **THEORY)
     for number, motion in enumerate(motions):
         position = motion.q_position.at(motion.one_turn)
-        whole.plot(*(1e3 * position.simulated.T), **_look(number))
+        path.plot(*(1e3 * position.simulated.T), **_look(number))
         error.plot(turn_degrees(motion), 1e6 * position.error_size, **_look(number))
-    whole.set(aspect="equal", adjustable="datalim", xlabel="x from the initial gear centre [mm]", ylabel="y [mm]")
-    whole.margins(0.1)
-    whole.set_title("Path of q")
+    path.set(aspect="equal", adjustable="datalim", xlabel="x from the initial gear centre [mm]", ylabel="y [mm]")
+    path.margins(0.1)
+    path.set_title("Path of q")
     error.set_ylabel("[\N{MICRO SIGN}m]")
     error.set_title("Distance of q from Eq. 16")
     error.set_ylim(0.0, 1.08 * error.get_ylim()[1])
@@ -107,10 +107,10 @@ def pins_figure(motions: Mapping[str, Series]) -> Figure:
         assert pin is not None
         scale = FARTHEST / max(pin.clearance, float(pin.radial[rows].max()))
         for axes, shown in zip(row, SHOWN, strict=True):
-            place = int(np.argmin(np.abs(degrees - shown)))
-            way = scale * pin.position[rows][place]
-            turned = angle[place] - angle[0]
-            _pin(axes, way, turned, 1.0 + scale * pin.clearance)
+            column = int(np.argmin(np.abs(degrees - shown)))
+            displacement = scale * pin.position[rows][column]
+            turned = angle[column] - angle[0]
+            _pin(axes, displacement, turned, 1.0 + scale * pin.clearance)
             axes.set_title(f"{shown:g} deg: {turned:+.2g} deg", fontsize=7.5)
         row[0].set_ylabel(name)
     figure.suptitle("pin 1 at crank angles: turned by (line: the mark at 0 deg)", x=0.01, ha="left", fontsize=8)
@@ -169,7 +169,7 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
     for panel, name in zip(panels, names, strict=True):
         for number, case in enumerate(cases):
             force = curves[f"{name}, {case}"]
-            panel.plot([middle(place) for place in range(len(force))], force, **_look(number))
+            panel.plot([middle(bin_number) for bin_number in range(len(force))], force, **_look(number))
         for mark in marks:
             panel.axvline(mark, color=GREY, linewidth=0.8, linestyle=":")
         panel.set_title(name)
@@ -196,14 +196,14 @@ def torques_figure(
     panels = figure.subplots(1, len(ours), sharex=True, sharey=True, squeeze=False)[0]
     for number, (panel, (name, torques)) in enumerate(zip(panels, ours.items(), strict=True)):
         bars = {**torques, **stated[name]}
-        places = range(len(bars))
+        rows = range(len(bars))
         panel.barh(
-            places, list(bars.values()), height=0.65, color=[COLORS[number]] * len(torques) + [GREY] * len(stated[name])
+            rows, list(bars.values()), height=0.65, color=[COLORS[number]] * len(torques) + [GREY] * len(stated[name])
         )
-        for place, torque in zip(places, bars.values(), strict=True):
+        for row, torque in zip(rows, bars.values(), strict=True):
             panel.annotate(
                 f"{torque:.2f}",
-                (torque, place),
+                (torque, row),
                 (-4, 0),
                 textcoords="offset points",
                 ha="right",
@@ -211,7 +211,7 @@ def torques_figure(
                 color="w",
             )
         panel.axvline(ideal, color=BLACK, linewidth=0.8, linestyle=(0, (4, 2)))
-        panel.set_yticks(places, list(bars))
+        panel.set_yticks(rows, list(bars))
         panel.set_title(name)
         panel.set_xlabel("output torque [N m]")
         panel.grid(False, axis="y")
@@ -235,13 +235,17 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
     return figure
 
 
-def _pin(axes: Axes, way: Array, turned: float, socket: float) -> None:
+def _pin(axes: Axes, displacement: Array, turned: float, socket: float) -> None:
     """Draw a pin of unit radius in a socket, displaced by `way` and rotated by `turned` [deg]."""
     axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
-    axes.add_patch(Circle((float(way[0]), float(way[1])), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))
+    axes.add_patch(
+        Circle(
+            (float(displacement[0]), float(displacement[1])), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8
+        )
+    )
     angle = np.radians(90.0 + turned)
-    end = way + np.array([np.cos(angle), np.sin(angle)])
-    axes.plot([way[0], end[0]], [way[1], end[1]], color=BLACK, linewidth=1.1)
+    end = displacement + np.array([np.cos(angle), np.sin(angle)])
+    axes.plot([displacement[0], end[0]], [displacement[1], end[1]], color=BLACK, linewidth=1.1)
     axes.set(xlim=(-1.45, 1.45), ylim=(-1.45, 1.45), aspect="equal", xticks=[], yticks=[])
     axes.grid(False)
     for spine in axes.spines.values():

@@ -138,7 +138,7 @@ def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
     # twice round from the least on, so that no maximum lies at an end
     least = int(np.argmin(smooth))
     peaks, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=PROMINENCE * swing)
-    return tuple(sorted(middle((int(place) + least) % BINS) for place in peaks))
+    return tuple(sorted(middle((int(index) + least) % BINS) for index in peaks))
 
 
 def share_near(force: Array, reach: float) -> float:

@@ -187,7 +187,7 @@ def variations(plan: Plan) -> tuple[Variation, ...]:
     """List what the sweep varies, one at a time."""
     if not plan.quick:
         return (*SWEEP, IMPACT, TIGHT, *MORE)
-    return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT, TIGHT)
+    return (*(variation for variation in SWEEP if (variation.parameter, variation.value) in QUICK_SWEEP), IMPACT, TIGHT)
 
 
 def open_parameters(plan: Plan) -> tuple[str, ...]:

@@ -42,10 +42,10 @@ def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
 @styled
 def rolling_figure(gear: CycloidGear) -> Figure:
     """Draw the pitch circles, the path of a pin's centre in the gear, and the gear's outline."""
-    figure, whole, near = _pair()
+    figure, overview, near = _pair()
     N, c, E, _ = gear.symbols
     t = np.linspace(0.0, 2 * np.pi, POINTS)
-    for axes in (whole, near):
+    for axes in (overview, near):
         axes.plot(*_mm(profile.trochoid(gear, t)), **TROCHOID)
         axes.plot(*_mm(profile.outline(gear, t)), **GEAR)
         axes.add_patch(Circle((0.0, 0.0), 1e3 * c * (N - 1), fill=False, color=GREEN, linewidth=0.9))
@@ -59,9 +59,9 @@ def rolling_figure(gear: CycloidGear) -> Figure:
             *_mm(np.stack([centre, centre - gear.pin_radius * profile.normals(gear, step * 2 * np.pi / (N - 1))])),
             **PIN,
         )
-    whole.set(xlim=_span(1.08e3 * E), ylim=_span(1.08e3 * E))
+    overview.set(xlim=_span(1.08e3 * E), ylim=_span(1.08e3 * E))
     near.set(xlim=(-8.5, 8.5), ylim=(33.5, 43.5))
-    whole.set_title("Pitch circles, trochoid and gear")
+    overview.set_title("Pitch circles, trochoid and gear")
     near.set_title("at +y (grey: rho along the normal)")
     entries = (
         ("ring's pitch circle, c N", {"color": VERMILION}),
@@ -102,13 +102,13 @@ def gear_figure(gear: CycloidGear) -> Figure:
 @styled
 def meshing_figure(gear: CycloidGear) -> Figure:
     """Draw the gear among its pins at one crank angle, with every contact and its normal through the pitch point."""
-    figure, whole, near = _pair()
+    figure, overview, near = _pair()
     N, _, E, rho = gear.symbols
     contacts = envelope.arc_contacts(gear, CRANK)
     pitch_point = N * kinematics.gear_centre(gear, CRANK)
     outline = _on_orbit(gear, CRANK)
     lines = np.stack([contacts.points, np.broadcast_to(pitch_point, contacts.points.shape)], axis=1)
-    for axes in (whole, near):
+    for axes in (overview, near):
         axes.add_collection(LineCollection(list(1e3 * lines), colors=GREY, linewidths=0.4))
         for centre in E * profile.unit(profile.pin_angles(gear)):
             axes.add_patch(Circle(tuple(1e3 * centre), 1e3 * rho, fill=False, color=BLACK, linewidth=0.8))
@@ -116,10 +116,10 @@ def meshing_figure(gear: CycloidGear) -> Figure:
         axes.plot(*_mm(contacts.points), color=VERMILION, **DOT)
         axes.plot(*(1e3 * pitch_point), color=GREEN, **DOT)
     reach = 1.08e3 * (E + rho)
-    whole.set(xlim=_span(reach), ylim=_span(reach))
+    overview.set(xlim=_span(reach), ylim=_span(reach))
     middle = 1e3 * pitch_point * 1.06
     near.set(xlim=middle[0] + _span(7.5), ylim=middle[1] + _span(7.5))
-    whole.set_title(f"All {N} pins touch; crank at {np.degrees(CRANK):g} deg")
+    overview.set_title(f"All {N} pins touch; crank at {np.degrees(CRANK):g} deg")
     near.set_title("about the pitch point, magnified")
     entries = (
         ("gear", GEAR),
@@ -135,29 +135,29 @@ def meshing_figure(gear: CycloidGear) -> Figure:
 @styled
 def ring_figure(gear: CycloidGear) -> Figure:
     """Draw the internal gear as the outer envelope of the gear on its orbit, and where both touch."""
-    figure, near, whole = _pair()
+    figure, near, overview = _pair()
     ring = envelope.sample_ring(gear, POINTS)
     closed = np.concatenate([ring.points, ring.points[:1]])
     part = np.concatenate([ring.part, ring.part[:1]])
     swept = [_on_orbit(gear, angle) for angle in 2 * np.pi * np.arange(ORBIT) / ORBIT]
     nearby = [1e3 * outline[np.abs(np.arctan2(outline[:, 0], outline[:, 1])) < 0.2] for outline in swept]
     near.add_collection(LineCollection(nearby, colors="#C8D9E8", linewidths=0.25, rasterized=True))
-    for axes in (near, whole):
+    for axes in (near, overview):
         for names, look in ((("arc",), ARC), (("sigma1", "sigma2"), SIGMA)):
             shown = np.where(np.isin(part, names)[:, np.newaxis], closed, np.nan)
             axes.plot(*_mm(shown), **look)
     near.plot(*_mm(envelope.junction(gear)), color=GREEN, **DOT)
     near.set(xlim=(-5.2, 5.2), ylim=(37.2, 42.0))
     near.set_title("The gear's orbit sweeps the ring out")
-    whole.plot(*_mm(_on_orbit(gear, CRANK)), **GEAR)
+    overview.plot(*_mm(_on_orbit(gear, CRANK)), **GEAR)
     for contacts, color in (
         (envelope.arc_contacts(gear, CRANK), BLACK),
         (envelope.sigma_contacts(gear, CRANK), VERMILION),
     ):
-        whole.plot(*_mm(contacts.points), color=color, **DOT)
+        overview.plot(*_mm(contacts.points), color=color, **DOT)
     middle = 1e3 * (gear.pin_circle_radius - gear.pin_radius) * np.array([-np.sin(CRANK), np.cos(CRANK)])
-    whole.set(xlim=middle[0] + _span(9.0), ylim=middle[1] + _span(9.0))
-    whole.set_title(f"where both touch; crank at {np.degrees(CRANK):g} deg")
+    overview.set(xlim=middle[0] + _span(9.0), ylim=middle[1] + _span(9.0))
+    overview.set_title(f"where both touch; crank at {np.degrees(CRANK):g} deg")
     entries = (
         ("pins' arcs", ARC),
         ("second envelope", SIGMA),

@@ -141,12 +141,12 @@ class Ranking:
     def _numbers(self) -> str:
         if self.load_nm == 0.0:
             spreads = ((self.pin, self.pin_starts), (self.nonpin, self.nonpin_starts))
-            parts = [f"{name} {at.words} {self.unit} (mean {at.mean:.3g})" for name, at in spreads]
+            parts = [f"{name} {level.words} {self.unit} (mean {level.mean:.3g})" for name, level in spreads]
             return f"rms {', '.join(parts)}, ratio of the means {self.ratio:.2f}"
         levels = ((self.pin, self.pin_level), (self.nonpin, self.nonpin_level))
         parts = [
-            f"{name} {at.rms:.3g} {self.unit} (turns {min(at.by_turn):.3g} to {max(at.by_turn):.3g})"
-            for name, at in levels
+            f"{name} {level.rms:.3g} {self.unit} (turns {min(level.by_turn):.3g} to {max(level.by_turn):.3g})"
+            for name, level in levels
         ]
         return f"rms {', '.join(parts)}, ratio {self.ratio:.2f}"
 

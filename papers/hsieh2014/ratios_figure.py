@@ -28,9 +28,9 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
     points += [(f"{point.parameter} {point.value}", point.rankings) for point in sweep]
     names = list(dict.fromkeys(ranking.quantity for ranking in ranked))
     for panel, load in zip(panels, loads, strict=True):
-        for place, (_, rankings) in enumerate(points):
+        for column, (_, rankings) in enumerate(points):
             chosen = [r for r in rankings if (r.pin, r.nonpin, r.load_nm) == (first.pin, first.nonpin, load)]
-            _mark(panel, place, chosen, names)
+            _mark(panel, column, chosen, names)
         panel.axhline(1.0, color=BLACK, linewidth=0.6)
         panel.axvline(0.5, color=GREY, linewidth=0.6, linestyle=":")
         panel.set_yscale("log")
@@ -48,12 +48,12 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
     return figure
 
 
-def _mark(panel: Axes, place: int, rankings: Sequence[Ranking], names: Sequence[str]) -> None:
+def _mark(panel: Axes, column: int, rankings: Sequence[Ranking], names: Sequence[str]) -> None:
     for ranking in rankings:
         color, mark = MARKS[names.index(ranking.quantity)]
         beside = 0.1 * (names.index(ranking.quantity) - 2)
         if math.isfinite(ranking.ratio):
-            panel.plot(place + beside, ranking.ratio, marker=mark, color=color, markersize=4.0)
+            panel.plot(column + beside, ranking.ratio, marker=mark, color=color, markersize=4.0)
 
 
 def _few(value: float, _: object) -> str:

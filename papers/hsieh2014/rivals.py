@@ -16,12 +16,12 @@ SOURCE = "Hsieh 2014, Figs 6-8"
 def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Trial]]) -> RunsJudged:
     """Rank every pin design against every nonpin design by their runs, also with single parameters varied."""
     ranked = rankings(trials)
-    sweep = [Varied(one.parameter, one.value, tuple(rankings(runs))) for one, runs in varied.items()]
+    sweep = [Varied(each.parameter, each.value, tuple(rankings(runs))) for each, runs in varied.items()]
     decided, concluded = decisions(ranked, sweep), summary(ranked)
     content = {
-        "rankings": [_json(one) for one in ranked],
+        "rankings": [_json(each) for each in ranked],
         "summary": concluded,
-        "sweep": [{**vars(point), "rankings": [_json(one) for one in point.rankings]} for point in sweep],
+        "sweep": [{**vars(point), "rankings": [_json(each) for each in point.rankings]} for point in sweep],
         "decisions": decided,
     }
     if not ranked:
@@ -32,7 +32,7 @@ def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Tri
         [
             f"the paper ({SOURCE}) finds that the pin design fluctuates more; these runs are judged "
             f"{' and '.join(_bases(trials))}, path and velocity of q without steady shifts:",
-            *(one.sentence for one in ranked),
+            *(each.sentence for each in ranked),
             *(f"what decides, by the ratio of the rms values: {sentence}" for sentence in decided),
         ],
         dict(plain(content)),

@@ -66,12 +66,12 @@ def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()
     return stages
 
 
-def pace(passed: float, done: float, whole: float) -> float:
+def pace(passed: float, done: float, total: float) -> float:
     """Estimate the run time relative to the shares, which are seconds on two idle cores.
 
     Half of the total counts as already done at that pace, because existing logs make the first stages fast.
     """
-    return (passed + whole / 2) / (done + whole / 2)
+    return (passed + total / 2) / (done + total / 2)
 
 
 def _progress(report: Report, step: Stage, ends: float, later: float, text: str) -> None:
@@ -86,7 +86,7 @@ def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRu
         result, error = step.work(plan, runs, progress), ""
         claims = [as_searched(claim, open_parameters(plan)) for claim in result.claims]
         if step.judged_on_starts:
-            claims = [replace(one, condition=replace(one.condition, solver=plan.solver)) for one in claims]
+            claims = [replace(claim, condition=replace(claim.condition, solver=plan.solver)) for claim in claims]
         result = replace(result, claims=tuple(claims))
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
         result, error = StageResult(), f"{type(problem).__name__}: {problem}"

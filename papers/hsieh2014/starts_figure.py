@@ -39,7 +39,9 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], 
                 x = place + BESIDE * (2 * number - len(names) + 1)
                 look = {"color": COLORS[number], "markersize": 3.0, "alpha": 0.7, "linestyle": ""}
                 panel.plot([x] * len(values), values, marker="o", **look)
-        if any(value > 0.0 for each in cases.values() for one in each[quantity.key].values() for value in one.values):
+        if any(
+            value > 0.0 for each in cases.values() for start in each[quantity.key].values() for value in start.values
+        ):
             panel.set_yscale("log")
             panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=TICKS))
             panel.yaxis.set_minor_locator(NullLocator())

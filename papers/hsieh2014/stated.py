@@ -83,8 +83,8 @@ def torques(design: Design) -> "list[Published]":
     from cycloid_mj.measure.published import Published
 
     preset = PRESETS[design.ring.kind]
-    cut = [(one.ring.teeth, one.gear.eccentricity, one.ring.pin_circle_radius) for one in (design, preset)]
+    cut = [(torque.ring.teeth, torque.gear.eccentricity, torque.ring.pin_circle_radius) for torque in (design, preset)]
     if cut[0] != cut[1] or not math.isclose(design.rated_torque, IDEAL, rel_tol=1e-3):
         return []
-    ways = TORQUES[design.ring.kind]
-    return [Published(way, "Hsieh 2014, Fig. 19", torque, IDEAL) for way, torque in ways.items()]
+    kinds = TORQUES[design.ring.kind]
+    return [Published(kind, "Hsieh 2014, Fig. 19", torque, IDEAL) for kind, torque in kinds.items()]

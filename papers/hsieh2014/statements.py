@@ -180,12 +180,12 @@ PIN_1_CYCLE = _idle(
 )
 
 
-def output_torque(way: str, design: str) -> Statement:
+def output_torque(kind: str, design: str) -> Statement:
     """Section 3.4 and Fig. 19: the output torque, simulated or measured."""
-    torque, figure = TORQUES[design][way], "Fig. 19" if way == "measured" else "section 3.4"
-    claim = f"output torque at 1.048 N m in, {way}"
+    torque, figure = TORQUES[design][kind], "Fig. 19" if kind == "measured" else "section 3.4"
+    claim = f"output torque at 1.048 N m in, {kind}"
     value = Value(f"{torque:g} N m, {100 * torque / IDEAL:.1f} %", torque, "N m")
-    return Statement(f"output_torque_{way}_{design}", figure, "output", design, "value", claim, value, torque_test())
+    return Statement(f"output_torque_{kind}_{design}", figure, "output", design, "value", claim, value, torque_test())
 
 
 TORQUE_ORDER = Statement(

@@ -58,15 +58,15 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     }
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
-    by_force = {name: one.by_force for name, one in studies.items()}
+    by_force = {name: each.by_force for name, each in studies.items()}
     searched = Searched(ranges(plan), varied, hypothesis.stress_by_case(soft, by_force), contact_ranges(plan))
     judged = {design.name: runs.figures(idle_runs(plan, design), plan.solver) for design in designs()}
-    wanted = {name: _needed(name, one, rated[name]) for name, one in studies.items()}
+    wanted = {name: _needed(name, each, rated[name]) for name, each in studies.items()}
     return StageResult(
         tuple(_plates(studies)),
         (_stress_table(studies), _force_table(starts, rated), hypothesis.table(soft, wanted)),
         tuple(stress_claims(studies, judged, rated, searched)),
-        {name: _numbers(one) for name, one in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
+        {name: _numbers(each) for name, each in studies.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
         (*hypothesis.sentences(soft, wanted), *_notes(studies)),
     )
 
@@ -77,8 +77,8 @@ def _needed(name: str, idle_stress: IdleStress, rated: Run) -> dict[str, float]:
     return hypothesis.needed({part: size.high for part, size in idle_stress.rated.items()}, forces, name)
 
 
-def _part_begins(progress: Progress, design: str, part: str, number: int, of: int) -> None:
-    progress(f"{design}, {part}, {number + 1} of {of} parts")
+def _part_begins(progress: Progress, design: str, part: str, number: int, total: int) -> None:
+    progress(f"{design}, {part}, {number + 1} of {total} parts")
 
 
 def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
@@ -91,7 +91,7 @@ def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
         words = f"{name}, no load: von Mises stress on every part at the paper's crank angle, 74 deg."
         yield PaperFigure(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
         yield PaperFigure(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
-    findings = [one.study.findings for one in studies.values()]
+    findings = [each.study.findings for each in studies.values()]
     yield from height_plates(studies)
     words = "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
     yield PaperFigure("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
@@ -174,7 +174,9 @@ def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
         for part in study.study.findings.parts
         if not part.refinement.holds
     ]
-    missed = [f"{name} {part} {one.by_force[part].residual:.2g} MPa" for name, one in studies.items() for part in ORDER]
+    missed = [
+        f"{name} {part} {each.by_force[part].residual:.2g} MPa" for name, each in studies.items() for part in ORDER
+    ]
     return (
         "Section 3.3 of the paper: stress is taken without load. Every figure and claim here is at no load; stress at "
         "the rated load is a result of ours, beside them.",

@@ -63,7 +63,9 @@ def stress_claims(
         Results of the variations.
     """
     searched = searched or Searched()
-    evidence = Evidence(studies, forces_of(starts), {one: forces_of(runs) for one, runs in searched.varied.items()})
+    evidence = Evidence(
+        studies, forces_of(starts), {variation: forces_of(runs) for variation, runs in searched.varied.items()}
+    )
     for name, study in studies.items():
         for part in ORDER:
             yield height(name, part, study, evidence, searched)
@@ -108,12 +110,12 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
 
 
 def smaller(
-    statement: Statement, part: str, of: Callable[[Array], float], evidence: Evidence, ranges: Sequence[Range]
+    statement: Statement, part: str, property_of: Callable[[Array], float], evidence: Evidence, ranges: Sequence[Range]
 ) -> Claim:
     """Judge whether a part's stress is lower without pins, by a property `of` its curve over a turn."""
 
     def sizes(changed: Variation | None) -> tuple[StartSpread, StartSpread]:
-        pin, nonpin = (evidence.sizes(name, part, of, changed) for name in ("pin", "nonpin"))
+        pin, nonpin = (evidence.sizes(name, part, property_of, changed) for name in ("pin", "nonpin"))
         return pin, nonpin
 
     pin, nonpin = sizes(None)
@@ -122,7 +124,7 @@ def smaller(
     compared = f"{ratio.values[0]:.2g} to 1, " if math.isfinite(ratio.high) else ""
     varied = {each: sizes(each) for each in evidence.varied}
     missed = max(evidence.stress[name].by_force[part].residual for name in ("pin", "nonpin"))
-    verdict, by = order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
+    verdict, changes = order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
     return statement.judged(
         ours=Value(
             f"{nonpin.words} against {pin.words} MPa, {compared}p = {chance(pin, nonpin):.2g}",
@@ -132,7 +134,7 @@ def smaller(
         ),
         error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
-        decided_by=order_cause(verdict, by, "nothing varied that the paper leaves open"),
+        decided_by=order_cause(verdict, changes, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied, missed),
         p=chance(pin, nonpin),
@@ -167,7 +169,7 @@ def _of(size: StartSpread) -> str:
 
 def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim:
     """Judge the order of the parts by stress, with our contacts and with every searched treatment of contact."""
-    one = evidence.stress[design]
+    each = evidence.stress[design]
 
     def sizes(changed: Variation | None) -> list[StartSpread]:
         return [evidence.peaks(design, part, changed) for part in ORDER]
@@ -185,10 +187,10 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_parts(design).judged(
         ours=Value(f"{_of_parts(sizes(None))} MPa"),
-        error=stress_error(one, ORDER),
+        error=stress_error(each, ORDER),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
-        rated=Value(", ".join(f"{part} {one.rated[part].high:.3g}" for part in ORDER) + " MPa"),
+        rated=Value(", ".join(f"{part} {each.rated[part].high:.3g}" for part in ORDER) + " MPa"),
         searched=(*searched.ranges, *searched.contact_ranges),
         removals=[*of_runs.values(), *of_contact],
         p=p,
@@ -220,7 +222,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
     varied = {
         each: (evidence.peaks("pin", part, each), evidence.peaks("nonpin", part, each)) for each in evidence.varied
     }
-    verdict, by = order_verdict(rank_order(*ours), _left_open(varied))
+    verdict, changes = order_verdict(rank_order(*ours), _left_open(varied))
     ratio = ours[1].over(ours[0])
     mean = ratio.values[0]
     rated = nonpin.rated[part].high / pin.rated[part].high
@@ -233,7 +235,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
         ),
         error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), BY_DESIGN),
         verdict=verdict,
-        decided_by=order_cause(verdict, by, "nothing varied that the paper leaves open"),
+        decided_by=order_cause(verdict, changes, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied),
         p=chance(*ours),

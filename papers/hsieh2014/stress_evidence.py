@@ -48,14 +48,14 @@ class Evidence:
     def curves(self, design: str, part: str, changed: Variation | None = None) -> list[Array]:
         """Compute the largest force on a design's part in each part of a crank turn, start by start [N]."""
         runs = self.forces if changed is None else self.varied[changed]
-        return [one[part] for one in runs[design]]
+        return [start[part] for start in runs[design]]
 
     def sizes(
-        self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None
+        self, design: str, part: str, property_of: Callable[[Array], float], changed: Variation | None = None
     ) -> StartSpread:
         """Compute the stress [MPa] of a design's part over a turn, a property `of` its curve in each start."""
         stress = self.stress[design].by_force[part]
-        return StartSpread.of(of(stress(curve)) for curve in self.curves(design, part, changed))
+        return StartSpread.of(property_of(stress(curve)) for curve in self.curves(design, part, changed))
 
     def peaks(self, design: str, part: str, changed: Variation | None = None) -> StartSpread:
         """Return the largest stress [MPa] of a design's part in each start, computed or estimated from the forces."""
@@ -66,4 +66,4 @@ class Evidence:
 
 def forces_of(starts: Mapping[str, Sequence[RunFigures]]) -> Forces:
     """Return the force on every part over a crank turn, in every start."""
-    return {name: [one.forces for one in each] for name, each in starts.items()}
+    return {name: [figures.forces for figures in each] for name, each in starts.items()}

@@ -55,21 +55,23 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
     verdict = majority_verdict(_near_the_papers(each))
     # some starts are enough to say that the paper's angles can come out
     near = [changed for changed, angles in others.items() if any(_near_the_papers(angles))]
-    by, given = ([one.words for one in near if (one.parameter in LEFT_OPEN) == is_open] for is_open in (True, False))
-    verdict = Verdict.DEPENDS if by and verdict == Verdict.DISAGREES else verdict
-    deciding = [f"left open by the paper: {', '.join(by)}"] if by else []
-    deciding += [f"given by the paper: {', '.join(given)}"] if given else []
+    changes, stated_changes = (
+        [each.words for each in near if (each.parameter in LEFT_OPEN) == is_open] for is_open in (True, False)
+    )
+    verdict = Verdict.DEPENDS if changes and verdict == Verdict.DISAGREES else verdict
+    deciding = [f"left open by the paper: {', '.join(changes)}"] if changes else []
+    deciding += [f"given by the paper: {', '.join(stated_changes)}"] if stated_changes else []
     mean = largest_of_halves(np.mean(curves, axis=0))
-    at = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
+    angles = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judged(
         ours=Value(
-            f"the cam's force peaks at {at[0].words} and {at[1].words} deg; over all starts at {mean[0]:g} and "
+            f"the cam's force peaks at {angles[0].words} and {angles[1].words} deg; over all starts at {mean[0]:g} and "
             f"{mean[1]:g} deg",
             mean[0],
             "deg",
-            (at[0].low, at[0].high),
+            (angles[0].low, angles[0].high),
         ),
-        error=spread_error(at[0], "deg"),
+        error=spread_error(angles[0], "deg"),
         verdict=verdict,
         decided_by="; ".join(deciding) or "nothing varied gives the paper's angles",
         searched=ranges,
@@ -101,7 +103,7 @@ def angles_in_words(pairs: Sequence[tuple[float, float]]) -> str:
 
 def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     """Judge whether the output's stress is lower than that of the other parts, and similar in every start."""
-    one, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
+    each, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
 
     def regular(changed: Variation | None) -> Part:
         alike = [each >= REGULAR for each in likeness(evidence.curves(design, OUTPUT, changed))]
@@ -125,16 +127,16 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
         return Removal(what, words(sizes, changed), jointly([low(sizes, changed), regular(changed)])[0])
 
     verdict, p = jointly([low(ours, None), regular(None)])
-    of_pins = [removal(what, sizes, None) for what, sizes in one.outputs.items()]
+    of_pins = [removal(what, sizes, None) for what, sizes in each.outputs.items()]
     of_runs = {each: removal(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_output(design).judged(
         ours=spread_value(words(ours, None), ours, "MPa"),
-        error=stress_error(one, [OUTPUT]),
+        error=stress_error(each, [OUTPUT]),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
-        rated=rated_value(one, OUTPUT),
+        rated=rated_value(each, OUTPUT),
         searched=(*ranges, *OUTPUT_RANGES),
         removals=[*of_pins, *of_runs.values()],
         p=p,

@@ -132,12 +132,12 @@ def _retitle(table: Table, name: str) -> Table:
 
 def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
     """Judge each output torque: by its number, otherwise by whether something left open reproduces it."""
-    for name, ways in TORQUES.items():
-        one = measurements[name]
-        ours, error = one["output_torque"], one.quantities["output_torque"].error
-        for way, paper in ways.items():
-            solutions = searches[name].solutions[way]
-            yield output_torque(way, name).judged(
+    for name, kinds in TORQUES.items():
+        claim = measurements[name]
+        ours, error = claim["output_torque"], claim.quantities["output_torque"].error
+        for kind, paper in kinds.items():
+            solutions = searches[name].solutions[kind]
+            yield output_torque(kind, name).judged(
                 ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
@@ -158,11 +158,11 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
             )
 
 
-def _verdict(ours: float, paper: float, given: bool) -> Verdict:
+def _verdict(ours: float, paper: float, reproduced: bool) -> Verdict:
     """Return the verdict on a torque [N m]; `given` states whether something left open reproduces the paper's."""
     if abs(ours - paper) <= NEAR * IDEAL:
         return Verdict.AGREES
-    return Verdict.DEPENDS if given else Verdict.DISAGREES
+    return Verdict.DEPENDS if reproduced else Verdict.DISAGREES
 
 
 def _list_solutions(solutions: Sequence[Solution]) -> str:
@@ -267,7 +267,7 @@ def _ahead(ahead: float, error: float) -> Verdict:
     return Verdict.DISAGREES if ahead < -error else Verdict.NOT_DETERMINED
 
 
-def order_of_torques(ahead: float, error: float, given: bool) -> Verdict:
+def order_of_torques(ahead: float, error: float, reproduced: bool) -> Verdict:
     """Return the verdict on the order from the nonpin design's excess torque [N m], its error, and the search."""
     verdict = _ahead(ahead, error)
-    return Verdict.DEPENDS if verdict != Verdict.AGREES and given else verdict
+    return Verdict.DEPENDS if verdict != Verdict.AGREES and reproduced else verdict

@@ -105,7 +105,7 @@ class TorqueSearch:
 def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
     """Search one design for the target rates, by name."""
     grid = rates(design, [(bearings, friction) for bearings in SEARCHED for friction in GRID])
-    solutions = {way: _solutions(design, grid, target) for way, target in targets.items()}
+    solutions = {kind: _solutions(design, grid, target) for kind, target in targets.items()}
     return TorqueSearch(grid, solutions, _rates_without(design))
 
 

@@ -63,11 +63,11 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     mains = main_runs(plan)[:2]
     pairs = [(design, nudge_gravity(design)) for design in mains]
     starts = [run for design in designs() for run in idle_runs(plan, design)]
-    runs([*starts, *rated_runs(plan), *(one for pair in pairs for one in pair)], plan.solver)
+    runs([*starts, *rated_runs(plan), *(each for pair in pairs for each in pair)], plan.solver)
     base, sweep = idle(plan, runs), swept(plan, runs)
-    chaos = {one.name: divergence(*runs([one, other], plan.solver)) for one, other in pairs}
+    chaos = {each.name: divergence(*runs([each, other], plan.solver)) for each, other in pairs}
     rated = {"as it is": _rated_levels(runs.figures(rated_runs(plan), plan.solver))} | _varied_rated_levels(plan, runs)
-    cases = {"as it is": base} | {one.words: levels for one, levels in sweep.items()}
+    cases = {"as it is": base} | {each.words: levels for each, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs.figures(begun, plan.solver) for name, begun in finer.items()})}
     return StageResult(
@@ -81,7 +81,10 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         tuple(_claim(plan, each, base, sweep, rated["as it is"]) for each in RANKED),
         {
             "idle": {
-                name: {key: {design: list(one.values) for design, one in each.items()} for key, each in levels.items()}
+                name: {
+                    key: {design: list(spread.values) for design, spread in starts.items()}
+                    for key, starts in levels.items()
+                }
                 for name, levels in cases.items()
             },
             "chaos": {
@@ -112,7 +115,9 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
 def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
     """Judge which design fluctuates more without load, by its starts and by what the paper leaves open."""
     key = quantity.key
-    turned_by = {one.words: pin_over_nonpin(levels, key) for one, levels in sweep.items() if one.parameter in LEFT_OPEN}
+    turned_by = {
+        each.words: pin_over_nonpin(levels, key) for each, levels in sweep.items() if each.parameter in LEFT_OPEN
+    }
     verdict, deciding = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
@@ -129,7 +134,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         decided_by=_cause(key, base, sweep, verdict, deciding),
         rated=_beside(quantity, rated[key]),
         searched=ranges(plan),
-        removals=[_removal(one, levels[key], quantity.unit) for one, levels in sweep.items()],
+        removals=[_removal(each, levels[key], quantity.unit) for each, levels in sweep.items()],
         p=chance(pin, nonpin),
     )
 
@@ -144,16 +149,16 @@ def _removal(variation: Variation, spreads: Mapping[str, StartSpread], unit: str
 def _cause(key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]) -> str:
     """Return in words which variations reverse the order, and which of them the paper leaves open."""
     agreeing = [
-        one.words
-        for one, levels in sweep.items()
-        if one.parameter not in LEFT_OPEN and pin_over_nonpin(levels, key) not in (0, pin_over_nonpin(base, key))
+        each.words
+        for each, levels in sweep.items()
+        if each.parameter not in LEFT_OPEN and pin_over_nonpin(levels, key) not in (0, pin_over_nonpin(base, key))
     ]
     words = order_cause(verdict, deciding, "nothing varied that the paper leaves open")
     return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
 
 
 def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
-    pin, nonpin, *others = (one.mean for one in rated.values())
+    pin, nonpin, *others = (each.mean for each in rated.values())
     ratio = rated["pin"].over(rated["nonpin"]).values[0]
     third = "".join(f"; {equal_play_design().name} {level:.3g}" for level in others)
     return Value(
@@ -163,7 +168,7 @@ def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
 
 def _rated_levels(runs: Sequence[RunFigures]) -> Levels:
     """Return the levels of the rated runs of pin, nonpin and, if it ran, the third design."""
-    return levels_of({one.design: [one] for one in runs})
+    return levels_of({each.design: [each] for each in runs})
 
 
 def _varied_rated_levels(plan: Plan, runs: Runs) -> dict[str, Levels]:
@@ -198,7 +203,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
 
 
 def _spins(runs: Sequence[RunFigures]) -> str:
-    means = StartSpread.of(one.pin_1.mean_spin for one in runs if one.pin_1)
+    means = StartSpread.of(each.pin_1.mean_spin for each in runs if each.pin_1)
     if not means.values:
         return ""
     return means.words if len(means.values) > 1 else f"{means.mean:.3g}"
@@ -210,7 +215,7 @@ def _idle_table(cases: Mapping[str, Levels]) -> Table:
     rows = [
         (
             f"{each.name} [{each.unit}]",
-            *(" | ".join(one.words for one in levels[each.key].values()) for levels in cases.values()),
+            *(" | ".join(spread.words for spread in levels[each.key].values()) for levels in cases.values()),
         )
         for each in RANKED
     ]
@@ -227,7 +232,7 @@ def _rated_table(cases: Mapping[str, Levels]) -> Table:
 
 
 def _cell(rated: Mapping[str, StartSpread]) -> str:
-    pin, nonpin, *others = (f"{one.mean:.3g}" for one in rated.values())
+    pin, nonpin, *others = (f"{each.mean:.3g}" for each in rated.values())
     return " | ".join([pin, nonpin, f"{rated['pin'].over(rated['nonpin']).values[0]:.2f}", *others])
 
 
