@@ -169,7 +169,8 @@ class Protocol:
         """Convert all of it to JSON values."""
         return {
             "design": self.design,
-            "rated_torque_nm": self.rated,
+            "nominal_torque_nm": self.rated,
+            "rated_torque_nm": self.rated,  # the former key, for one release
             "lines": {
                 key: {
                     **line._asdict(),

@@ -1,4 +1,4 @@
-"""What the contacts of a sound design carry at its rated torque: computed once, for all checks and the summary."""
+"""What the contacts of a sound design carry at its nominal torque: computed once, for all checks and the summary."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ CARRIES = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Rated:
-    """A design under its rated torque.
+    """A design under its nominal torque.
 
     Attributes
     ----------
@@ -73,17 +73,17 @@ class Rated:
 
 @once
 def rated(reducer: Reducer) -> Rated:
-    """Return a sound design under its rated torque."""
+    """Return a sound design under its nominal torque."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
     return Rated(reducer, torque, springs, loads(reducer, springs, torque, follow=True))
 
 
 def loaded_teeth(reducer: Reducer) -> float:
-    """Compute how many teeth of a disc carry at the rated torque, on average [1]."""
+    """Compute how many teeth of a disc carry at the nominal torque, on average [1]."""
     return rated(reducer).loaded_teeth
 
 
 def pressure_angle(reducer: Reducer) -> float:
-    """Compute the pressure angle at the rated torque, averaged by force [deg]."""
+    """Compute the pressure angle at the nominal torque, averaged by force [deg]."""
     return math.degrees(rated(reducer).pressure_angle)

@@ -1,4 +1,4 @@
-"""Checks of a sound design under its rated torque: pressures, sharing, walls. All are warnings: it runs all the same.
+"""Checks of a sound design under its nominal torque: pressures, sharing, walls. All are warnings: it runs all the same.
 
 Forces are those of `loaded`, with the real clearances, errors and friction, and the stiffness of contacts and cam.
 """
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.checks.cam_rollers import has_bare_rollers, roller_contacts
 from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
@@ -46,14 +47,15 @@ class _Numbers(TypedDict):
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check what a sound design carries at its rated torque."""
+    """Check what a sound design carries at its nominal torque."""
     try:
         state = rated(reducer)
     except CycloidError as error:
         yield _unknown(error)
         return
     for part in PARTS:
-        yield from _pressures(state, part)
+        if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
+            yield from _pressures(state, part)
     yield _concentration(state)
     yield _pressure_angle(state)
     for wall in walls(reducer):
@@ -69,7 +71,7 @@ def _unknown(error: CycloidError) -> Check:
         why=str(error),
         remedy="",
         severity="warning",
-        key="the design at its rated torque",
+        key="the design at its nominal torque",
     )
 
 
@@ -81,7 +83,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
     pressure = state.peak_pressure(kind)
     yields = _weaker(reducer, kind, "yield_strength", "surface_strength")
     breaks = _weaker(reducer, kind, "tensile_strength", "surface_tensile_strength")
-    for name, (key, strength), factor, where, what in (
+    for name, (key, strength, ratio), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
         (
@@ -101,7 +103,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             beyond = f"{what} from {_newton_metres(torque)} on" if math.isfinite(torque) else what
             remedies = [
                 _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
-                Limit(key, "at least", pressure / factor),
+                Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.reduction),
             ]
         got, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
@@ -119,15 +121,20 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
         )
 
 
-def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tuple[str, float]:
-    """Return key and value [Pa] of a strength of the weaker of the two surfaces that meet in a kind of pair."""
+def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tuple[str, float, float]:
+    """Return key, value [Pa] and ratio of a strength of the weaker of the two surfaces that meet in a kind of pair.
+
+    The value is that of the material over the ratio, which is 1 except for bare rollers, see `roller_contacts`.
+    """
     design = reducer.design
-    strengths = {}
-    for part in PARTNERS[kind]:
+    bare = kind == "cam" and has_bare_rollers(reducer)
+    sides = roller_contacts(reducer) if bare else ((part, 1.0) for part in PARTNERS[kind])
+    strengths = []
+    for part, ratio in sides:
         material = design.material_of(part)
         key = "surface_yield" if material.surface_yield else strength
-        strengths[f"{design.material_table(part)}.{key}"] = float(getattr(material, of_surface))
-    return min(strengths.items(), key=lambda item: item[1])
+        strengths.append((f"{design.material_table(part)}.{key}", float(getattr(material, of_surface)) / ratio, ratio))
+    return min(strengths, key=lambda item: item[1])
 
 
 def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
@@ -214,7 +221,7 @@ def _pressure_angle(state: Rated) -> Check:
         if share
         else "no larger eccentricity is enough: lower the clearances",
         severity="warning",
-        key="the mean pressure angle at the rated torque",
+        key="the mean pressure angle at the nominal torque",
         changes=() if passed or not share else joint_change(Reducer(design), limits),
         **_numbers(angle, PRESSURE_ANGLE, DEGREE),
     )

@@ -33,7 +33,7 @@ class Summary:
     rated_torque
         On the output, that of the drive times the ratio [N m].
     loaded_teeth
-        Contact lines with the ring that carry at the rated torque, on average.
+        Contact lines with the ring that carry at the nominal torque, on average.
     pressure_angle
         Mean angle of their forces to the way that they turn the gear, weighted by force [rad].
     backlash

@@ -47,6 +47,7 @@ def datasheet(
     dimensioned drawing. Every number is this model's, by statics, and has its
     condition beside it.
     """
+    from cycloid_mj.cli.progress import counted
     from cycloid_mj.life.datasheet import datasheet as computed
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
@@ -54,7 +55,8 @@ def datasheet(
     design = chosen.sound()
     stem = f"{design.name}-datasheet"
     place = claimed(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
-    return deliver(_outcome(computed(Reducer(design), life_h or 0.0), place), place, delivery)
+    progress = counted("data sheet", delivery.quiet)
+    return deliver(_outcome(computed(Reducer(design), life_h or 0.0, progress), place), place, delivery)
 
 
 def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:

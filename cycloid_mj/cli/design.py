@@ -136,7 +136,8 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
         "ratio": summed.ratio,
         "outer_diameter_mm": 1e3 * summed.outer_diameter,
         "mass_kg": summed.mass,
-        "rated_torque_nm": summed.rated_torque,
+        "nominal_torque_nm": summed.rated_torque,
+        "rated_torque_nm": summed.rated_torque,  # the former key of the nominal torque, for one release
         "loaded_teeth": summed.loaded_teeth,
         "loaded_teeth_per_disc": summed.loaded_teeth,
         "pressure_angle_deg": degrees(summed.pressure_angle),
@@ -155,7 +156,7 @@ def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
     return [
         *([f"{summed.discs} discs, {part}"] if summed.discs > 1 else []),
         f"ratio {summed.ratio}:1, outer diameter {1e3 * summed.outer_diameter:.4g} mm, mass {summed.mass:.3g} kg",
-        f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} carry on average,"
+        f"at the nominal {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} carry on average,"
         f" mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),

@@ -3,7 +3,7 @@
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
 
-_RATED = "at the rated torque and speed"
+_RATED = "at the nominal torque and speed"
 
 PARTS = {
     "shaft": "the shaft",
@@ -33,7 +33,7 @@ OF_ROOMS_ABOVE = (
     ),
     Figure(
         key="loaded_teeth_per_disc",
-        name="teeth of a disc that carry at the rated torque, on average",
+        name="teeth of a disc that carry at the nominal torque, on average",
         unit="1",
         definition="Contacts of one disc with the ring that carry 1 % of the largest force or more under the rated "
         "torque, with friction: their mean.",
@@ -103,8 +103,8 @@ OF_ROOMS_ABOVE = (
         key="largest_speed_rpm",
         name="largest speed of the crank",
         unit="rpm",
-        definition="Speed of the crank that the bearings of cams and shaft bear with grease: 300 000 over their mean "
-        "diameter in mm.",
+        definition="Speed of the crank that the bearings of cams and shaft allow with grease: 300 000 over their mean "
+        "diameter in mm, half of it for rollers without a cage.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:largest_speed",
     ),
@@ -113,8 +113,8 @@ OF_ROOMS_ABOVE = (
             key=f"{key}_speed_rpm",
             name=f"largest speed of the crank, {words}",
             unit="rpm",
-            definition=f"Speed of the crank at which the housing is as hot as may be under the rated torque, {words}; "
-            "at most the largest that its bearings bear.",
+            definition=f"Speed of the crank at which the housing reaches its limit under the nominal torque, {words}; "
+            "at most the largest that its bearings allow.",
             need=Need.LIFE,
             function=f"cycloid_mj.life.figures:{key}_speed",
         )
@@ -124,8 +124,8 @@ OF_ROOMS_ABOVE = (
         key="output_tilting_capacity_nm",
         name="tilting moment on the output",
         unit="N m",
-        definition="Moment across the axis that the two bearings of the output's hub bear beside the rated torque, for "
-        "the life of the design (ISO 281) and standing (ISO 76).",
+        definition="Moment across the axis that the two bearings of the output's hub support next to the nominal "
+        "torque, for the life of the design with its service factor (ISO 281) and standing (ISO 76).",
         need=Need.STATICS,
         function="cycloid_mj.life.hub:tilting_moment",
         exists=_cased,
@@ -144,7 +144,8 @@ OF_ROOMS_ABOVE = (
         key="output_radial_load_n",
         name="radial load on the output",
         unit="N",
-        definition="Force across the axis on the flange's face that the hub's bearings bear beside the rated torque.",
+        definition="Force across the axis on the flange's face that the hub's bearings support next to the nominal "
+        "torque, as the tilting moment.",
         need=Need.STATICS,
         function="cycloid_mj.life.hub:radial_load",
         exists=_cased,
@@ -183,6 +184,14 @@ OF_ROOMS_ABOVE = (
         function="cycloid_mj.life.figures:least_safety",
     ),
     Figure(
+        key="drive_efficiency_percent",
+        name="efficiency with all bearings",
+        unit="%",
+        definition=f"Power of the output over that of the crank, bearings of shaft and output included, {_RATED}.",
+        need=Need.LIFE,
+        function="cycloid_mj.life.figures:drive_efficiency",
+    ),
+    Figure(
         key="temperature_rise_k",
         name="temperature rise",
         unit="K",
@@ -214,7 +223,7 @@ OF_ROOMS_ABOVE = (
             name=f"largest stress of {words}",
             unit="MPa",
             definition=f"Largest von Mises stress of {words} away from contacts, or at a fillet by its notch factor, "
-            "over a turn of the crank under the load, else the rated torque, by `cycloid-mj stress --quick`.",
+            "over a turn of the crank under the load, else the nominal torque, by `cycloid-mj stress --quick`.",
             need=Need.STRESS,
             function=f"cycloid_mj.stress.figures:{kind}_stress",
         )

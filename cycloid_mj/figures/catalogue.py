@@ -1,12 +1,13 @@
 """All figures by key, and what is asked of them by key: one, those that a reducer has, their values."""
 
 import math
+import warnings
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
@@ -29,7 +30,7 @@ SAMPLED = tuple(row.key for row in FIGURES.values() if row.sampled)
 """Keys of the figures that many samples of a reducer are balanced for at a time."""
 
 _BY_ANY_NAME: Mapping[str, Figure] = {
-    **{alias: figure for figure in FIGURES.values() for alias in figure.aliases},
+    **{alias: figure for figure in FIGURES.values() for alias in (*figure.aliases, *figure.deprecated)},
     **FIGURES,
 }
 
@@ -68,6 +69,8 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     row = known(key)
     if row is None:
         raise UsageError(f"there is no figure {key!r:.60}{_near(key, needs, reducer)}")
+    if key in row.deprecated:
+        warnings.warn(f"the figure {key} is now {row.key}; the old key will be removed", CycloidWarning, stacklevel=2)
     if row.need not in needs:
         can = " or ".join(need for need in Need if need in needs)
         raise UsageError(f"the figure {key} needs a {row.need}; here are figures of {can}{_near(key, needs, reducer)}")
@@ -81,7 +84,7 @@ def _near(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
     there = [
         name
         for name, row in _BY_ANY_NAME.items()
-        if row.need in needs and (reducer is None or row.exists(reducer)) and name != key
+        if row.need in needs and (reducer is None or row.exists(reducer)) and name != key and name not in row.deprecated
     ]
     near = [name for name in there if key and key in name] or get_close_matches(key, there, n=NEAR, cutoff=0.5)
     meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:NEAR]

@@ -52,6 +52,8 @@ class Figure:
         How many samples of the reducer are balanced for it at a time; None where each is a design of its own.
     aliases
         Other keys by which flags, JSON and CSV call it.
+    deprecated
+        Former keys, which are accepted with a warning.
     exists
         Whether a reducer has it, as pins have sockets.
     """
@@ -64,6 +66,7 @@ class Figure:
     function: Compute | str
     sampled: "Sampled | None" = None
     aliases: tuple[str, ...] = ()
+    deprecated: tuple[str, ...] = ()
     exists: Callable[[Reducer], bool] = lambda _: True
 
     def value(self, reducer: Reducer) -> float:

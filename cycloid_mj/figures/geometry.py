@@ -29,7 +29,7 @@ def mass(reducer: Reducer) -> float:
 
 
 def specific_torque(reducer: Reducer) -> float:
-    """Compute the rated torque over the mass of all parts [N m/kg]."""
+    """Compute the nominal torque over the mass of all parts [N m/kg]."""
     return reducer.design.rated_torque / mass(reducer)
 
 
@@ -44,7 +44,15 @@ def short_width(reducer: Reducer) -> float:
     return ring.teeth * reducer.design.gear.eccentricity / ring.pin_circle_radius
 
 
-def _figure(key: str, name: str, unit: str, definition: str, function: Compute | str, *aliases: str) -> Figure:
+def _figure(
+    key: str,
+    name: str,
+    unit: str,
+    definition: str,
+    function: Compute | str,
+    *aliases: str,
+    deprecated: tuple[str, ...] = (),
+) -> Figure:
     return Figure(
         key=key,
         name=name,
@@ -53,6 +61,7 @@ def _figure(key: str, name: str, unit: str, definition: str, function: Compute |
         need=Need.GEOMETRY,
         function=function,
         aliases=aliases,
+        deprecated=deprecated,
     )
 
 
@@ -65,12 +74,13 @@ OF_GEOMETRY = (
         lambda reducer: float(abs(reducer.design.ratio)),
     ),
     _figure(
-        "rated_torque_nm",
-        "rated torque",
+        "nominal_torque_nm",
+        "nominal torque",
         "N m",
-        "Torque of the drive times the ratio: what the design is loaded with where nothing else is said.",
+        "Torque of the motor times the ratio: what the design is loaded with where nothing else is said.",
         lambda reducer: reducer.design.rated_torque,
         "nominal_torque",
+        deprecated=("rated_torque_nm",),
     ),
     _figure(
         "outer_diameter_mm",
@@ -90,9 +100,9 @@ OF_GEOMETRY = (
     ),
     _figure(
         "specific_torque_nm_per_kg",
-        "rated torque over mass",
+        "nominal torque over mass",
         "N m/kg",
-        "Rated torque over the mass of all parts as drawn.",
+        "Nominal torque over the mass of all parts as drawn.",
         specific_torque,
     ),
     _figure(

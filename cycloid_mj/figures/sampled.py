@@ -77,8 +77,8 @@ def _figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -
     )
 
 
-_RATED = "under the rated torque, without friction, over a turn of the crank"
-_UNLOADED = f"under {TOUCH:g} of the rated torque, without friction, over a turn of the crank"
+_RATED = "under the nominal torque, without friction, over a turn of the crank"
+_UNLOADED = f"under {TOUCH:g} of the nominal torque, without friction, over a turn of the crank"
 
 OF_SAMPLES = (
     _figure(
@@ -99,7 +99,7 @@ OF_SAMPLES = (
         "wind_up_arcmin",
         "turn of the output, loaded less unloaded, mean",
         "arcmin",
-        "How far the rated torque turns the output at a locked crank, from contact without load: mean of a turn, "
+        "How far the nominal torque turns the output at a locked crank, from contact without load: mean of a turn, "
         "without friction.",
         Sampled(("ahead", "loaded"), lambda ahead, loaded: (loaded.output_mean - ahead.output_mean) / ARCMINUTE),
     ),

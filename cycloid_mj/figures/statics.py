@@ -1,4 +1,4 @@
-"""Figures of the data sheet by statics, with friction: the load is the design's, else its rated torque."""
+"""Figures of the data sheet by statics, with friction: the load is the design's, else its nominal torque."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -249,7 +249,8 @@ def _losses() -> Iterator[Figure]:
         "efficiency",
         "%",
         "efficiency",
-        "Power of the output over that of the crank under the load, at the design's speed.",
+        "Power of the output over that of the crank under the load, at the design's speed, without the bearings of "
+        "shaft and output.",
     )
     for kind in ("pin_gear", "tooth", "cam", "output"):
         yield _figure(
@@ -289,7 +290,7 @@ OF_STATICS = (*_motions(), *_errors(), *_loads(), *_losses())
 def no_load_torque(reducer: Reducer) -> float:
     """Compute the mean torque on the crank [N m] that turns a reducer without a load at its speed; errors as `powers`.
 
-    The load is `TOUCH` of the rated torque: without any, nothing says on which side of the play the parts are.
+    The load is `TOUCH` of the nominal torque: without any, nothing says on which side of the play the parts are.
     """
     design = reducer.design
     return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
-from cycloid_mj.life.hub import held_by_hub
+from cycloid_mj.life.hub import balls_of, held_by_hub
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.loading import FAR, NEAR, Loading, relative_speed
+from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
@@ -23,6 +24,9 @@ NEEDLE_FILL = 0.35
 
 SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
 """Rollers of a shaft bearing, and their diameter over the shaft's radius, where its rating is not given (assumed)."""
+
+NEEDLE_FRICTION = 0.002
+"""Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018)."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class RollerRow:
 
 @dataclass(frozen=True)
 class Ratings:
-    """What a bearing bears: dynamic and static load rating [N], where each is from, and the exponent of its life."""
+    """What a bearing supports: dynamic and static load rating [N], where each is from, and the exponent of its life."""
 
     dynamic: float
     static: float
@@ -61,41 +65,107 @@ class Ratings:
 
 
 @dataclass(frozen=True)
-class Seat:
-    """A bearing, or several alike that share a key: its name and its ratings."""
+class Bearing:
+    """A bearing, or several alike that share a key.
+
+    Attributes
+    ----------
+    key, name
+        For programs, and in words.
+    ratings
+        Its load ratings.
+    joins
+        The two bodies that it joins: its speed is their relative speed, times `spin`.
+    spin
+        Turns of its rings against each other in a turn of these bodies [1].
+    bore
+        Diameter of the bore, for its friction [m]; 0 where the statics count its friction already.
+    """
 
     key: str
     name: str
     ratings: Ratings
+    joins: tuple[Body, Body]
+    spin: float = 1.0
+    bore: float = 0.0
+
+    def speed(self, reducer: Reducer, crank: float) -> float:
+        """Compute the speed of its rings against each other [rad/s] at a speed of the crank [rad/s]."""
+        return self.spin * relative_speed(reducer, crank, self.joins)
 
 
-def bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
-    """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
+def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
+    """List the rolling bearings of a drive: cams, shaft, the output's hub, rollers of the output pins.
+
+    The shaft's far bearing stands in the hub of the output where it straddles the discs, else in the housing with the
+    near one. A roller of the radius r in a hole of the radius R spins by R/r - 1 for each turn of the crank against the
+    disc: the hole's middle moves by (R - r) times that speed, and the roller rolls in it.
+    """
+    return tuple(_bearings(reducer))
+
+
+def _bearings(reducer: Reducer) -> Iterator[Bearing]:
     design = reducer.design
-    crank = np.array([abs(loading.point.speed) * loading.point.share for loading in loadings])
-    relative = np.array([relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
+    output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
-        yield from _rated(reducer, cam_seat(reducer), [loading.cam for loading in loadings], relative, loadings, peak)
-    for place, name in ((FAR, "far"), (NEAR, "near")):
-        force = [rolling.magnitudes(loading.shaft[:, place]) for loading in loadings]
-        yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, loadings, peak)
+        yield Bearing("cam_bearing", "cam bearing", cam_ratings(reducer), CAM)
+    on_shaft, straddles = _shaft_ratings(reducer), shaft.mounting == "straddle"
+    for end, name in (("far", "shaft bearing far from the gear"), ("near", "shaft bearing next to the gear")):
+        joins: tuple[Body, Body] = ("shaft", "output") if straddles and end == "far" else ("shaft", "housing")
+        yield Bearing(f"shaft_bearing_{end}", name, on_shaft, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
-        held = [held_by_hub(reducer, loading) for loading in loadings]
-        turns = crank / design.reduction
-        for which, forces in zip(("inner", "outer"), zip(*held, strict=True), strict=True):
-            on_balls = [rolling.magnitudes(force) for force in forces]
-            yield from _rated(reducer, _hub_seat(reducer, which), on_balls, turns, loadings, peak)
-    if design.output.has_needles:
-        # a roller turns on its pin as often as it rolls round its hole
-        rolls = (
-            reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
-        )
-        loads = [loading.output.reshape(len(loading.crank), -1) for loading in loadings]
-        yield from _rated(reducer, _output_seat(reducer), loads, rolls, loadings, peak)
+        ratings, bore = _hub_ratings(reducer), casing(reducer).hub.bore
+        for which in ("inner", "outer"):
+            name = f"{which} bearing of the output"
+            yield Bearing(f"output_bearing_{which}", name, ratings, ("output", "housing"), bore=bore)
+    if output.has_needles:
+        spin = output.hole_radius / output.pin_radius - 1.0
+        yield Bearing("output_rollers", "rollers of the output pins", _roller_ratings(reducer), CAM, spin)
 
 
-def cam_seat(reducer: Reducer) -> Seat:
-    """Return the bearing of each cam: of stock, or rollers whose outer ring is the gear's bore."""
+def bearing_forces(reducer: Reducer, key: str, loading: Loading) -> Array:
+    """Compute the forces on a bearing of `bearings_of` [N], shape (m, bearings): of several alike on each."""
+    if key == "cam_bearing":
+        return loading.cam
+    if key == "output_rollers":
+        return loading.output.reshape(len(loading.crank), -1)
+    if key.startswith("shaft"):
+        force = loading.shaft[:, FAR if key.endswith("far") else NEAR]
+    else:
+        inner, outer = held_by_hub(reducer, loading)
+        force = inner if key.endswith("inner") else outer
+    return rolling.magnitudes(force)[:, np.newaxis]
+
+
+def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
+    """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
+    for bearing in bearings_of(reducer):
+        forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
+        turns = np.array([bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
+        yield from _rated(reducer, bearing, forces, turns, loadings, peak)
+
+
+def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
+    """Compute the friction of the bearings of shaft and output under a load [W], by key: mu F d/2 at their speeds.
+
+    As makers estimate it, with the bore d (SKF, Rolling bearings, 2018, "Friction"), and the mu of a rolling cam, or
+    `NEEDLE_FRICTION`. Cam and output pins are among the losses of the statics.
+    """
+    design = reducer.design
+    mu = design.friction_of("cam") if design.gear.bearing == "rolling" else NEEDLE_FRICTION
+    return {
+        bearing.key: 0.5
+        * mu
+        * bearing.bore
+        * float(bearing_forces(reducer, bearing.key, loading).mean())
+        * bearing.speed(reducer, loading.point.speed)
+        for bearing in bearings_of(reducer)
+        if bearing.bore
+    }
+
+
+def cam_ratings(reducer: Reducer) -> Ratings:
+    """Return the load ratings of each cam's bearing: of stock, or of rollers whose outer ring is the gear's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(
@@ -103,37 +173,39 @@ def cam_seat(reducer: Reducer) -> Seat:
     )
     where = "side by side on the cam's circle, the gear's bore as outer ring"
     given = bearing.dynamic_capacity, bearing.static_capacity
-    return Seat("cam_bearing", "cam bearing", _ratings(given, cam_bearing(reducer), row, where))
+    return _ratings(given, cam_bearing(reducer), row, where)
 
 
-def _shaft_seat(reducer: Reducer, name: str) -> Seat:
+def _shaft_ratings(reducer: Reducer) -> Ratings:
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     size = SHAFT_ROLLER_SHARE * radius
     low, high = shaft_measures(reducer).bearings[0]
     row = RollerRow(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
     given, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
-    return Seat(
-        f"shaft_bearing_{name}",
-        {"near": "shaft bearing next to the gear", "far": "shaft bearing far from the gear"}[name],
-        _ratings(given, (bought, 1) if bought else None, row, "on the shaft"),
-    )
+    return _ratings(given, (bought, 1) if bought else None, row, "on the shaft")
 
 
-def _hub_seat(reducer: Reducer, which: str) -> Seat:
+def _hub_ratings(reducer: Reducer) -> Ratings:
+    """Return the ratings of each bearing of the output's hub, with what its balls would have by ISO 281."""
     bearing = casing(reducer).hub
-    source = f"of its maker's catalogue: {bearing.designation}"
-    ratings = Ratings(bearing.dynamic, bearing.static, f"C {source}", f"C0 {source}", rolling.BALL_EXPONENT)
-    return Seat(f"output_bearing_{which}", f"{which} bearing of the output", ratings)
+    row, source = balls_of(bearing), f"of its maker's catalogue: {bearing.designation}"
+    by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
+    spread = (by_balls / bearing.dynamic) ** rolling.BALL_EXPONENT
+    other = (
+        f"; ISO 281 gives {by_balls:.4g} N for {row.balls} balls of {1e3 * row.diameter:.3g} mm (estimated), "
+        f"{spread:.3g} times the life; makers differ as much"
+    )
+    return Ratings(bearing.dynamic, bearing.static, f"C {source}{other}", f"C0 {source}", rolling.BALL_EXPONENT)
 
 
-def _output_seat(reducer: Reducer) -> Seat:
+def _roller_ratings(reducer: Reducer) -> Ratings:
     design = reducer.design
     output, bearing = design.output, design.bearing
     needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
     given = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return Seat("output_rollers", "rollers of the output pins", _ratings(given, None, row, "round the core of a pin"))
+    return _ratings(given, None, row, "round the core of a pin")
 
 
 def _ratings(
@@ -164,24 +236,27 @@ def _ratings(
 
 
 def _rated(
-    reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
+    reducer: Reducer, rated: Bearing, forces: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
 ) -> Iterator[RatedItem]:
     """Rate one bearing, the most loaded of those alike.
 
-    `force` (m,) or (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
+    `forces` (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
     """
-    bearing, ratings = reducer.design.bearing, seat.ratings
-    each = [one.reshape(len(one), -1) for one in force]
-    load = bearing_load(reducer, each, turns)
+    bearing, ratings = reducer.design.bearing, rated.ratings
+    load = bearing_load(reducer, forces, turns, ratings.exponent)
     life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), bearing.reliability, ratings.exponent)
     power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
     formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
-    note = f"{ratings.dynamic_source}, service factor {bearing.service_factor:g}"
-    yield RatedItem(seat.key, f"{seat.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(loadings), strict=True))
+    first, second = rated.joins
+    note = (
+        f"{ratings.dynamic_source}, service factor {bearing.service_factor:g}; between {first} and {second}, "
+        f"{float(turns.sum()) / RPM:.4g} rpm on average"
+    )
+    yield RatedItem(rated.key, f"{rated.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
+    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(forces, _torques(loadings), strict=True))
     yield RatedItem(
-        f"{seat.key}_static",
-        f"{seat.name}, static factor",
+        f"{rated.key}_static",
+        f"{rated.name}, static factor",
         worst,
         ratings.static,
         "N",
@@ -192,13 +267,14 @@ def _rated(
     )
 
 
-def bearing_load(reducer: Reducer, force: Sequence[Array], turns: Array) -> float:
-    """Average the forces on bearings alike [N], (m, bearings) for each point of a duty, for the most loaded of them.
+def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, exponent: float) -> float:
+    """Compute the equivalent load on the most loaded of bearings alike [N], with the exponent p of their life.
 
-    `turns` are the relative speeds at the points times the share of time [rad/s].
+    `forces` are those on each of them [N], (m, bearings), at each point of a duty, `turns` the relative speeds at the
+    points times the share of time [rad/s]. So a life over a duty is Miner's sum of those at its points.
     """
-    means = np.array([max(rolling.mean_load(column) for column in one.T) for one in force])
-    return reducer.design.bearing.service_factor * rolling.mean_load(means, turns)
+    means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
+    return reducer.design.bearing.service_factor * rolling.mean_load(means, turns, exponent)
 
 
 def _torques(loadings: Sequence[Loading]) -> list[float]:

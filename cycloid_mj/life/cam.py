@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.life.bearings import bearing_load, cam_seat
+from cycloid_mj.life.bearings import bearing_load, cam_ratings
 from cycloid_mj.life.duty import Duty
 from cycloid_mj.life.give import IDEAL, CamGive, Give
 from cycloid_mj.life.loading import POSES, loading, relative_speed
@@ -26,8 +26,8 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
     turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
     def row(name: str, stiffness: float | None, cams: list[Array]) -> Give:
-        load = bearing_load(reducer, cams, turns)
-        ratings, reliability = cam_seat(reducer).ratings, design.bearing.reliability
+        ratings, reliability = cam_ratings(reducer), design.bearing.reliability
+        load = bearing_load(reducer, cams, turns, ratings.exponent)
         rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
         life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if rolls else None
         return Give(name, stiffness, load, life)

@@ -1,4 +1,4 @@
-"""Checks of life, fatigue, heat and emergency stops at the rated torque, and all checks of a design together."""
+"""Checks of life, fatigue, heat and emergency stops at the nominal torque, and all checks of a design together."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -27,7 +27,7 @@ WIDEST, SHORTEST = 2.0, 1.0
 KINDS = {
     "momentary_torque": (
         "the safety of what is held once",
-        "twice the rated torque is to be held once, as in an emergency stop",
+        "twice the nominal torque is to be held once, as in an emergency stop",
     ),
     "heat": ("the safety against heat", "grease, seals, materials and clearances end where the housing gets hotter"),
     "life": ("the life", "the first part that wears out ends the drive (service.life_h)"),
@@ -52,7 +52,7 @@ def check_design(design: Named) -> Checks:
 
 
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
-    """Check whether a sound design withstands its rated torque and speed for its required life; all are warnings.
+    """Check whether a sound design withstands its nominal torque and speed for its required life; all are warnings.
 
     Empty where the crank stands still, or where there is no static balance, which `rated_load` reports.
     """
@@ -83,7 +83,9 @@ def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tup
     design = reducer.design
     keys = {item.key for item in rating.items.values() if item.decisive and _kind(item) == failed.name}
     with suppress(DesignError):  # no torque is borne at all
-        torque, _ = rated_torque(reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW, exact=NEAR)
+        torque, _ = rated_torque(
+            reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW, exact=NEAR, stops=True
+        )
         yield "drive.torque_nm", _safely(torque, BELOW) / design.reduction
         if failed.name in ("life", "strength") and (share := design.rated_torque / torque) < WIDEST:
             yield "gear.face_width_mm", _safely(MILLIMETRES * design.gear.face_width * share, ABOVE)

@@ -1,13 +1,15 @@
 """What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import PIN, SHAFT
@@ -16,10 +18,12 @@ from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import figure, quantities, quantity, values_json
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.bearings import bearing_losses
+from cycloid_mj.life.duty import DutyPoint, steady
 from cycloid_mj.life.hub import USUAL, hub
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.items import rate
+from cycloid_mj.life.items import rate_at_rated_load
+from cycloid_mj.life.loading import loading
 from cycloid_mj.life.rated import is_bearing_life, is_held_once, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
@@ -28,6 +32,9 @@ from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
+
+FEW, NEAR = 61, 2e-3
+"""Crank angles, and relative accuracy, of the points of a curve."""
 
 SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
@@ -111,13 +118,24 @@ class Datasheet(Presented):
         }
 
 
-def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
-    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h] (0: its own)."""
+def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) -> Datasheet:
+    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h] (0: its own).
+
+    `progress` is called with how many parts of the work are done, and of how many.
+    """
     design = reducer.design
     life = life or design.service.life
+    whole, done = len(SPEEDS) + 4, count(1)
+
+    def advance() -> None:
+        progress(next(done), whole)
+
     static = sheet(reducer, design.rated_torque)
+    advance()
     momentary, stop = momentary_torque(reducer)
-    rated, weakest = min(rated_torque(reducer, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
+    lasting = rated_torque(reducer, design.drive.speed, life)
+    rated, weakest = min(lasting, (momentary, stop), key=lambda one: one[0])
+    advance()
     groups = {
         "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
         "Accuracy and stiffness": _accuracy(reducer, static),
@@ -127,14 +145,21 @@ def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
     }
     if has_casing(reducer):
         groups |= {"Output bearing": _bearing(reducer), "Interfaces": _interfaces(reducer)}
-    curves = (life_curve(reducer, life, momentary), _efficiency_curve(reducer), _wind_up_curve(reducer))
+    advance()
+    curves = (
+        life_curve(reducer, life, momentary, lasting[0], advance),
+        _efficiency_curve(reducer),
+        _wind_up_curve(reducer),
+    )
+    figures = quantities(reducer.but(load={"torque": design.rated_torque}))
+    advance()
     return Datasheet(
         design=design,
         life=life,
         groups=groups,
         curves=curves,
         notes=_notes(reducer, life, static),
-        figures=quantities(reducer.but(load={"torque": design.rated_torque})),
+        figures=figures,
         weakest=weakest,
     )
 
@@ -142,11 +167,11 @@ def datasheet(reducer: Reducer, life: float = 0.0) -> Datasheet:
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
     """Compute the torque [N m] that is held once with a safety of 1, and the item that ends it.
 
-    Forces go with the torque from those at the rated torque of the drive.
+    Forces go with the torque from those at the nominal torque.
     """
     design = reducer.design
     duty = steady(design.rated_torque, design.drive.speed)
-    stops = [item for item in rate(design, duty).items.values() if is_held_once(item.key)]
+    stops = [item for item in rate_at_rated_load(reducer).items.values() if is_held_once(item.key)]
     first = min(stops, key=lambda item: item.safety or 0.0)
     return duty.peak * (first.safety or 0.0), first
 
@@ -178,10 +203,10 @@ def _ratings(
         ),
         Quantity(
             "nominal_torque",
-            "Torque of the drive",
+            "Nominal torque",
             design.rated_torque,
             "N m",
-            note="rated input torque times the ratio",
+            note="motor torque times the ratio (drive.torque_nm); figures below are at this torque",
         ),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
     )
@@ -202,11 +227,12 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     design = reducer.design
     quantities = static.quantities
     at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
-    hot = rate(design).items["temperature"]
+    hot = rate_at_rated_load(reducer).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
-        _renamed(quantities["efficiency"], "Efficiency", at),
-        _renamed(quantities["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        _figure(reducer, "drive_efficiency_percent", "Efficiency", f"{at}, all bearings included"),
+        _renamed(quantities["efficiency"], "Efficiency of the contacts", f"{at}, without bearings of shaft and output"),
+        _renamed(quantities["back_driving_torque_rated"], "Back-driving torque", "against drive.torque_nm"),
         _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", "without a motor, slowly"),
         _figure(reducer, "no_load_torque_nm", "No-load running torque", f"on the crank, {_speed(reducer)}"),
         _figure(reducer, "starting_torque_nm", "Starting torque", "on the crank, without a load"),
@@ -216,8 +242,10 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
     return (
-        _figure(reducer, "continuous_speed_rpm", "Input speed, all of the time", "rated torque, S1, by heat, bearings"),
-        _figure(reducer, "intermittent_speed_rpm", "Input speed, a quarter of it", "rated torque, S3 25 %"),
+        _figure(
+            reducer, "continuous_speed_rpm", "Input speed, all of the time", "nominal torque, S1, by heat, bearings"
+        ),
+        _figure(reducer, "intermittent_speed_rpm", "Input speed, a quarter of it", "nominal torque, S3 25 %"),
         _figure(reducer, "largest_speed_rpm", "Largest input speed", "bearings, n d_m 300 000, grease"),
     )
 
@@ -334,23 +362,57 @@ def axial_extent(reducer: Reducer) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def life_curve(reducer: Reducer, life: float, momentary: float = np.inf) -> Curve:
-    """Compute the rated torque over the speed, up to what is held once [N m]; where none is borne there is no point."""
+def life_curve(
+    reducer: Reducer,
+    life: float,
+    momentary: float = np.inf,
+    rated: float = 0.0,
+    advance: Callable[[], None] = lambda: None,
+) -> Curve:
+    """Compute the rated torque over the speed.
+
+    Parameters
+    ----------
+    reducer, life
+        Whose, and for how many hours.
+    momentary
+        Momentary torque, which ends the curve above [N m].
+    rated
+        Rated torque at the design's own speed, where it is known [N m].
+    advance
+        Called after each speed.
+
+    Speeds at which no torque lasts so long have no point.
+    """
     points: list[tuple[float, float]] = []
     for share in SPEEDS:
         speed = share * abs(reducer.design.drive.speed)
         with suppress(DesignError):
-            torque, _ = rated_torque(reducer, speed, life, guess=points[-1][1] if points else 0.0)
+            torque = rated if share == 1.0 else 0.0
+            if not torque:
+                guess = points[-1][1] if points else rated
+                torque, _ = rated_torque(reducer, speed, life, guess=guess, poses=FEW, exact=NEAR)
             points.append((speed / RPM, min(torque, momentary)))
+        advance()
     x, y = np.array(points).T
     return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
 
 
 def _efficiency_curve(reducer: Reducer) -> Curve:
-    torques = np.array(TORQUES) * reducer.design.rated_torque
-    values = np.array([100.0 * powers(reducer, float(torque)).efficiency for torque in torques])
-    panel = f"Efficiency at {abs(reducer.design.drive.speed) / RPM:.0f} rpm"
-    return Curve(panel, "efficiency", torques, values, "output torque [N m]", "efficiency [%]")
+    """Compute the efficiency over the torque, all bearings included: their losses are a straight line of the torque."""
+    design = reducer.design
+    torques, speed = np.array(TORQUES) * design.rated_torque, abs(design.drive.speed)
+    ends = torques[[0, -1]]
+    points = (DutyPoint(float(torque), speed, 1.0) for torque in ends)
+    lost = [sum(bearing_losses(reducer, loading(reducer, point, FEW, stops=False)).values()) for point in points]
+    shares = []
+    for torque, in_bearings in zip(torques, np.interp(torques, ends, lost), strict=True):
+        contacts = powers(reducer, float(torque))
+        shares.append(contacts.delivered / (contacts.supplied + in_bearings))
+    panel = f"Efficiency at {speed / RPM:.0f} rpm"
+    return Curve(
+        panel, "all bearings included", torques, 100.0 * np.array(shares), "output torque [N m]", "efficiency [%]"
+    )
 
 
 def _wind_up_curve(reducer: Reducer) -> Curve:

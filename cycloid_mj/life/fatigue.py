@@ -6,6 +6,7 @@ Factors as in Budynas and Nisbett, Shigley's Mechanical Engineering Design (10th
 import math
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Literal
 
 ENDURANCE_SHARE, ENDURANCE_MOST = 0.5, 700e6
 """Endurance limit of a polished bar in bending, over the tensile strength, and its most [Pa]."""
@@ -15,6 +16,14 @@ SURFACES = {"ground": (1.58, -0.085), "machined": (4.51, -0.265), "forged": (272
 
 STANDING = 0.37
 """A round bar that does not turn counts as one of this share of its diameter."""
+
+Stress = Literal["bending", "torsion"]
+
+NEUBER: dict[Stress, tuple[float, ...]] = {
+    "bending": (0.246, -3.08e-3, 1.51e-5, -2.67e-8),
+    "torsion": (0.190, -2.51e-3, 1.35e-5, -2.67e-8),
+}
+"""Factors of sqrt(a) in powers of the tensile strength (Shigley, Eqs 6-35a and 6-35b)."""
 
 SCATTER = 0.08
 """Standard deviation of endurance limits, over their mean."""
@@ -62,18 +71,20 @@ def endurance_limit(
 
 
 def size_factor(diameter: float) -> float:
-    """Compute the size factor of a round bar in bending: 1 up to 2.79 mm, 1.24 d^-0.107, from 51 mm 1.51 d^-0.157."""
-    millimetres = 1e3 * diameter
-    if millimetres <= 2.79:
-        return 1.0
-    return float(1.24 * millimetres**-0.107 if millimetres <= 51.0 else 1.51 * millimetres**-0.157)
+    """Compute the size factor of a round bar in bending: 1.24 d^-0.107 in mm, from 51 mm 1.51 d^-0.157, at most 1.
+
+    It is (d/7.62)^-0.107 of a specimen of 7.62 mm (Shigley, Eq. 6-20): a thinner bar is credited with no more than
+    that specimen.
+    """
+    millimetres = max(1e3 * diameter, 1.0)
+    return float(min(1.24 * millimetres**-0.107 if millimetres <= 51.0 else 1.51 * millimetres**-0.157, 1.0))
 
 
-def notch_factor(shape_factor: float, fillet: float, tensile: float) -> float:
+def notch_factor(shape_factor: float, fillet: float, tensile: float, stress: Stress = "bending") -> float:
     """Compute K_f = 1 + q (K_t - 1), with Neuber's sensitivity q = 1/(1 + sqrt(a/r)) at a fillet r [m].
 
-    sqrt(a) in sqrt(inch) is 0.246 - 3.08e-3 S + 1.51e-5 S^2 - 2.67e-8 S^3, S the tensile strength in ksi (bending).
+    sqrt(a) in sqrt(inch) is a polynomial of the tensile strength in ksi, at most 250: `NEUBER`.
     """
     ksi = min(tensile / 6.894757e6, 250.0)
-    root = 0.246 - 3.08e-3 * ksi + 1.51e-5 * ksi**2 - 2.67e-8 * ksi**3
+    root = sum(factor * ksi**power for power, factor in enumerate(NEUBER[stress]))
     return 1.0 + (shape_factor - 1.0) / (1.0 + root / math.sqrt(fillet / 0.0254))

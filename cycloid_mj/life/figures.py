@@ -18,6 +18,9 @@ KG_CM2 = 1e4
 SPEED_FACTOR = 300.0
 """Speed [rpm] times mean diameter [m] of needle bearings with a cage, in grease, at C/P of about 8 (SKF, 2018)."""
 
+FULL_COMPLEMENT = 0.5
+"""Share of that speed for rollers without a cage, which rub on each other (assumed; makers state a third to 0.6)."""
+
 INTERMITTENT = 0.25
 """Share of the time of an intermittent duty (S3 25 %)."""
 
@@ -61,13 +64,14 @@ def largest_speed(reducer: Reducer) -> float:
     if gear.bearing == "rolling":
         in_stock = cam_bearing(reducer)
         bore = 0.5 * in_stock[0].bore if in_stock else gear.bore_radius
+        factor = SPEED_FACTOR if in_stock else FULL_COMPLEMENT * SPEED_FACTOR
         slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
-        speeds.append(SPEED_FACTOR / (bore + gear.bore_radius) * slower)
+        speeds.append(factor / (bore + gear.bore_radius) * slower)
     return min(speeds)
 
 
 def continuous_speed(reducer: Reducer) -> float:
-    """Compute the speed of the crank [rpm] that the housing bears by its heat at the rated torque, all of the time.
+    """Compute the speed of the crank [rpm] that the housing bears by its heat at the nominal torque, all of the time.
 
     Losses go with the speed; bearings may bear less.
     """
@@ -75,7 +79,7 @@ def continuous_speed(reducer: Reducer) -> float:
 
 
 def intermittent_speed(reducer: Reducer) -> float:
-    """Compute the highest speed at the rated torque during `INTERMITTENT` of the time (S3)."""
+    """Compute the highest speed at the nominal torque during `INTERMITTENT` of the time (S3)."""
     return _speed_by_heat(reducer, INTERMITTENT)
 
 
@@ -99,6 +103,13 @@ def bearing_life(reducer: Reducer) -> float:
 def least_safety(reducer: Reducer) -> float:
     """Compute the least of all safeties [1]."""
     return min(item.safety for item in rate_at_rated_load(reducer).items.values() if item.safety is not None)
+
+
+def drive_efficiency(reducer: Reducer) -> float:
+    """Compute the efficiency at the nominal torque and speed with the bearings of shaft and output [%]."""
+    design = reducer.design
+    useful = design.rated_torque * abs(design.drive.speed) / design.reduction
+    return 100.0 * useful / (useful + rate_at_rated_load(reducer).items["power_lost"].value)
 
 
 def temperature_rise(reducer: Reducer) -> float:

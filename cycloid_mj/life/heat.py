@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.design import PARTNERS, PARTS
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
+from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.export.casing import casing
@@ -35,7 +36,8 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
     design = reducer.design
     service = design.service
-    lost = sum(sum(loading.losses.values()) * loading.point.share for loading in loadings)
+    losses = mean_losses(reducer, loadings)
+    lost = sum(losses.values())
     area = outside(reducer)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     limits = sorted(hottest(reducer), key=lambda one: one.hottest)
@@ -48,11 +50,9 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         "W",
         None,
         None,
-        "friction of teeth, cam, output pins and seals, mean of the duty",
-        ", ".join(
-            f"{part} {sum(loading.losses[part] * loading.point.share for loading in loadings):.3g} W"
-            for part in loadings[0].losses
-        ),
+        "friction of teeth, cam, output pins and seals, mu F d/2 of the bearings of shaft and output; mean of the duty",
+        ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
+        + ("" if has_casing(reducer) else "; the output's bearing is left out: the drive has no covers to hold it"),
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
     rise, room = hot - service.ambient_temperature, first.hottest - service.ambient_temperature
@@ -85,6 +85,15 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
             "both parts' thermal expansion from 20 °C; safety of the clearance",
             f"all parts at the housing's {hot:.3g} °C (assumed); {materials}; less than nothing: it grows",
         )
+
+
+def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
+    """Compute the mean power lost over a duty by part [W]: the contacts, the seals, and each bearing."""
+    total: dict[str, float] = {}
+    for loading in loadings:
+        for part, power in {**loading.losses, **bearing_losses(reducer, loading)}.items():
+            total[part] = total.get(part, 0.0) + power * loading.point.share
+    return total
 
 
 def outside(reducer: Reducer) -> float:

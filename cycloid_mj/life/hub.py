@@ -59,9 +59,10 @@ class Hub:
     dynamic, static
         Load ratings of one [N].
     bears
-        Radial load that one bears [N]: for the life of the design at the speed of its output, and standing.
+        Radial load that one supports [N]: standing, and for the life of the design at the speed of its output, where
+        it is multiplied by the service factor, as in a rating.
     own
-        Largest force on each that discs and shaft put there at the rated torque [N], the inner one first.
+        Largest force on each that discs and shaft put there at the nominal torque [N], the inner one first.
     """
 
     bearing: StockBearing
@@ -75,12 +76,12 @@ class Hub:
 
     @property
     def moment(self) -> float:
-        """Tilting moment that both bear beside the rated torque [N m]: force times spacing."""
+        """Tilting moment that both bear beside the nominal torque [N m]: force times spacing."""
         return self.spacing * max(self.bears - max(self.own), 0.0)
 
     @property
     def radial(self) -> float:
-        """Radial load on the flange's face that both bear beside the rated torque [N]."""
+        """Radial load on the flange's face that both bear beside the nominal torque [N]."""
         inner, outer = (max(self.bears - own, 0.0) for own in self.own)
         return min(inner * self.spacing / self.lever, outer * self.spacing / (self.spacing + self.lever))
 
@@ -105,7 +106,7 @@ def balls_of(bearing: StockBearing) -> BallRow:
 
 @once
 def hub(reducer: Reducer) -> Hub:
-    """Rate the bearings of the output's hub, beside the rated torque.
+    """Rate the bearings of the output's hub, beside the nominal torque.
 
     Raises
     ------
@@ -120,6 +121,7 @@ def hub(reducer: Reducer) -> Hub:
     inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
     speed = abs(design.drive.speed) / design.reduction
     lasts = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
+    lasts /= design.bearing.service_factor
     return Hub(
         bearing=sizes.hub,
         row=row,
@@ -152,7 +154,7 @@ def held_by_hub(reducer: Reducer, one: Loading) -> tuple[Array, Array]:
 
 
 def _own(reducer: Reducer) -> tuple[float, float]:
-    """Compute the largest forces on both bearings by what discs and shaft put there at the rated torque [N]."""
+    """Compute the largest forces on both bearings by what discs and shaft put there at the nominal torque [N]."""
     design = reducer.design
     at_rated = loading(reducer, steady(design.rated_torque, design.drive.speed).points[0])
     inner, outer = (float(magnitudes(force).max()) for force in held_by_hub(reducer, at_rated))

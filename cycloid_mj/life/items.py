@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Named, material_limits, resolve
-from cycloid_mj.life.bearings import bearings
+from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import cam_give
 from cycloid_mj.life.duty import Duty, steady
 from cycloid_mj.life.heat import heat
@@ -25,6 +25,7 @@ def rate(
     ranges: dict[str, StressRange] | None = None,
     give: bool = False,
     poses: int = POSES,
+    stops: bool = True,
 ) -> Rating:
     """Rate a sound design under a duty for a life.
 
@@ -33,7 +34,7 @@ def rate(
     design
         A design, or the name of a preset or a file: what is rated.
     duty
-        Torques and speeds with their shares of the time; by default the rated torque at the design's speed.
+        Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
     life
         Hours that are asked for; by default the design's own.
     ranges
@@ -42,6 +43,8 @@ def rate(
         Whether the cam is solved over the stiffness that is assumed for it as well, see ``life.cam``.
     poses
         Crank angles; fewer are quicker and less exact: a tenth of them, 0.5 % of the margins.
+    stops
+        Whether emergency stops are rated, which takes half of the time.
 
     Raises
     ------
@@ -57,15 +60,15 @@ def rate(
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
-    loadings = [loading(reducer, point, poses) for point in turning]
+    loadings = [loading(reducer, point, poses, stops) for point in turning]
     worst = max(loadings, key=lambda one: abs(one.point.torque))
     items = [
-        *bearings(reducer, loadings, duty.peak),
+        *rate_bearings(reducer, loadings, duty.peak),
         *surfaces(reducer, loadings),
         *strength(reducer, worst, ranges),
         *wear(reducer, loadings),
         *heat(reducer, loadings),
-        *peaks(reducer, duty.peak, worst),
+        *(peaks(reducer, duty.peak, worst) if stops else ()),
     ]
     ordered = sorted(items, key=lambda item: item.margin(life))
     spread = cam_give(reducer, duty) if give else None
@@ -76,7 +79,7 @@ def rate(
 
 @once
 def rate_at_rated_load(reducer: Reducer) -> Rating:
-    """Rate a design at its rated torque and speed for its own life, once for all who ask; errors as `rate`."""
+    """Rate a design at its nominal torque and speed for its own life, once for all who ask; errors as `rate`."""
     return rate(reducer.design)
 
 

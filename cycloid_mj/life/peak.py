@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from cycloid_mj.base.errors import RunError
+from cycloid_mj.checks.cam_rollers import cam_pressure_limit, has_bare_rollers
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
@@ -34,10 +35,12 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     torque = abs(worst.point.torque)
     for key, (what, factor, kind_of_strength, source) in KINDS.items():
         borne = {}
-        for kind, pressure in worst.pressures.items():
-            if pressure > 0.0:
-                most = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
+        for kind in worst.pressures:
+            most = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
+            if kind != "cam" or design.gear.bearing == "plain":
                 borne[kind] = most * min(getattr(part, kind_of_strength) for part in design.partners(kind))
+            elif has_bare_rollers(reducer):  # a bought bearing has its static factor
+                borne[kind] = cam_pressure_limit(reducer, most, kind_of_strength)
         if borne:
             held, note = _held(worst, borne)
             yield _torque_item(key, what, peak, held, source, note)

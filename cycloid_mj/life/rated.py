@@ -35,12 +35,14 @@ def rated_torque(
     guess: float = 0.0,
     poses: int = POSES,
     exact: float = EXACT,
+    stops: bool = False,
 ) -> tuple[float, RatedItem]:
     """Compute the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
     `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
     a `guess` [N m], by default the drive's torque, goes on where the weakest item's law leads, and ends a hundred times
     above and a thousand times below that. Fewer `poses` are quicker and less exact, as of `rate`; `exact` is relative.
+    With `stops` emergency stops are rated, which `counts` may ask for.
 
     Raises
     ------
@@ -52,7 +54,7 @@ def rated_torque(
     decides = counts or _counts
     weakest: RatedItem | None = None
     while high > LOWEST * design.rated_torque:
-        bears, item = _torque_borne(reducer, at, speed, life, decides, poses)
+        bears, item = _torque_borne(reducer, at, speed, life, decides, poses, stops)
         if abs(bears / at - 1.0) <= exact and item:
             return bears, item
         if bears >= at and item:
@@ -69,11 +71,17 @@ def rated_torque(
 
 
 def _torque_borne(
-    reducer: Reducer, torque: float, speed: float, life: float, decides: Callable[[str], bool], poses: int
+    reducer: Reducer,
+    torque: float,
+    speed: float,
+    life: float,
+    decides: Callable[[str], bool],
+    poses: int,
+    stops: bool,
 ) -> tuple[float, RatedItem | None]:
     """Compute what is borne by the law of the item that is weakest at a torque [N m]; 0 where none is held at all."""
     try:
-        items = rate(reducer.design, steady(torque, speed), life, poses=poses).items.values()
+        items = rate(reducer.design, steady(torque, speed), life, poses=poses, stops=stops).items.values()
     except CycloidError:
         return 0.0, None
     return weakest_torque((item for item in items if decides(item.key)), torque, life)

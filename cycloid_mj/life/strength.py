@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import family
 from cycloid_mj.checks.strength import Wall, walls
-from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor
+from cycloid_mj.life.fatigue import Fatigue, Stress, endurance_limit, notch_factor
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending
 from cycloid_mj.life.ranges import StressRange
@@ -19,6 +20,9 @@ from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_fa
 
 ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
 """Directions around the shaft in which fibres are looked at [rad]."""
+
+SHOULDER_STRESSES: tuple[tuple[Any, Stress], ...] = ((BENDING, "bending"), (TORSION, "torsion"))
+"""Terms of the shape factor of a shoulder, and the stress that they are for."""
 
 STUDIED = {"gear": "gear web", "ring": "ring and its ligaments"}
 """Parts whose stress range comes from a study by finite elements where there is one: its name there -> in words."""
@@ -90,13 +94,13 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
     for shoulder in shaft.shoulders:
         factors = [
             notch_factor(
-                shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, material.tensile_strength
+                shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, material.tensile_strength, stress
             )
-            for terms in (BENDING, TORSION)
+            for terms, stress in SHOULDER_STRESSES
         ]
-        stress = factors[0] * section * bending(worst, shoulder.z) @ around.T
+        bent = factors[0] * section * bending(worst, shoulder.z) @ around.T
         shear = factors[1] * 0.5 * section * worst.crank_torque
-        high, low = stress.max(axis=0), stress.min(axis=0)
+        high, low = bent.max(axis=0), bent.min(axis=0)
         amplitude = 0.5 * (high - low)
         mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
         used = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from cycloid_mj.design import Material
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.life.hours import written
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
@@ -19,7 +20,16 @@ HARDEST = 1240e6
 """The same of carburised steel, grade 1 [Pa], at 55 to 64 HRC: harder steel is not credited more."""
 
 PITTING_LIFE = 2.466, 0.056
-"""Stress-cycle factor Z_N = 2.466 n^-0.056 (AGMA 2001-D04, Fig. 17), for every number of loads."""
+"""Stress-cycle factor Z_N = 2.466 n^-0.056 (AGMA 2001-D04, Fig. 17), for every number of loads.
+
+Beyond 10^7 loads this is the lower branch of the figure: for drives that must run smoothly, with little pitting.
+"""
+
+UPPER_BRANCH = 1.4488, 0.023
+"""Z_N = 1.4488 n^-0.023, the upper branch of that figure beyond 10^7 loads: for general use, as a spread."""
+
+UPPER_FROM = 1e7
+"""Loads from which on the branches part."""
 
 BRINELL = 3.45
 """Tensile strength of steel per Brinell hardness [MPa] (ISO 18265)."""
@@ -50,9 +60,9 @@ def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIte
     ends nothing there.
     """
     for kind, name in NAMES.items():
-        pressure = max((loading.pressures.get(kind, 0.0) for loading in loadings), default=0.0)
-        if not pressure > 0.0:
+        if any(kind not in loading.pressures for loading in loadings):
             continue
+        pressure = max(loading.pressures[kind] for loading in loadings)
         strength = reducer.contacts[kind].strength
         if reducer.contacts[kind].weaker_is_plastic:
             yield _set(reducer, loadings, kind, strength)
@@ -80,11 +90,7 @@ def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIte
 def _set(reducer: Reducer, loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
     """Rate a plastic by the hours that its pressures may stand until they leave a set; Miner's sum over the duty."""
     limit = SHAKEDOWN_PRESSURE * strength
-    damage = sum(
-        loading.point.share / set_hours(loading.pressures[kind], limit)
-        for loading in loadings
-        if loading.pressures[kind] > 0.0
-    )
+    damage = sum(loading.point.share / set_hours(loading.pressures[kind], limit) for loading in loadings)
     return RatedItem(
         f"{kind}_set",
         f"{NAMES[kind]}, lasting set of the plastic",
@@ -105,17 +111,20 @@ def set_hours(pressure: float, limit: float) -> float:
 
 def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda one: one[0])
-    damage, hourly, on_pins = 0.0, 0.0, 0.0
+    damage, least_damage, hourly, on_pins = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
         loads = _turns_an_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
         hourly += loads
         on_pins += _turns_an_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
-        damage += loads / pitting_cycles(loading.pressures[kind], allowed) if loading.pressures[kind] > 0.0 else 0.0
-    life = 1.0 / damage if damage else math.inf
+        damage += loads / pitting_cycles(loading.pressures[kind], allowed)
+        least_damage += loads / most_pitting_cycles(loading.pressures[kind], allowed)
+    life = 1.0 / damage
     note = (
         f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
         f"on each place of the ring; {source}"
     )
+    if damage > least_damage:
+        note += f"; {written(1.0 / least_damage)} h by the upper branch of Z_N beyond 10^7 loads (general use)"
     if life * hourly < FEWEST:
         note += "; below 10^4 loads the curve is drawn on"
     return RatedItem(
@@ -153,3 +162,10 @@ def pitting_cycles(pressure: float, allowed: float) -> float:
     """Compute the number of load cycles until pitting at a pressure [Pa], by what is allowed for 10^7 [Pa]."""
     factor, power = PITTING_LIFE
     return float((factor * allowed / pressure) ** (1.0 / power))
+
+
+def most_pitting_cycles(pressure: float, allowed: float) -> float:
+    """Compute the same by the upper branch of the figure beyond 10^7 cycles."""
+    factor, power = UPPER_BRANCH
+    cycles = pitting_cycles(pressure, allowed)
+    return max(cycles, float((factor * allowed / pressure) ** (1.0 / power))) if cycles > UPPER_FROM else cycles

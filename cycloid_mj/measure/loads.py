@@ -140,7 +140,8 @@ def loads(
         runs={"loaded": run},
         details={
             "load_torque_nm": torque,
-            "rated_torque_nm": reducer.design.rated_torque,
+            "nominal_torque_nm": reducer.design.rated_torque,
+            "rated_torque_nm": reducer.design.rated_torque,  # the former key, for one release
             "weakest": weakest,
             "capacity_by_kind_nm": _scaled(limits, torque),
             "shakedown_by_kind_nm": _scaled(lasting, torque),

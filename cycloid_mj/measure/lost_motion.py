@@ -78,7 +78,12 @@ def lost_motion(
         curves=curves(measured),
         assumptions=_assumptions(measured, period, solver),
         runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
-        details={"rated_torque_nm": rated, "period_s": period, "angles": by_angle(measured)},
+        details={
+            "nominal_torque_nm": rated,
+            "rated_torque_nm": rated,
+            "period_s": period,
+            "angles": by_angle(measured),
+        },
     )
 
 

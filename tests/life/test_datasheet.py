@@ -13,10 +13,11 @@ from designs import UNLIKE, unlike
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
+from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
 from cycloid_mj.life.duty import steady
@@ -57,6 +58,26 @@ def test_the_rated_torque_is_just_borne(sheet) -> None:
 
 
 @pytest.mark.slow
+def test_each_key_has_one_value(sheet) -> None:
+    """`rated_torque_nm` was 42.32 N m at the top and 40.0 N m, motor torque times ratio, among the figures."""
+    content = sheet.as_json()
+    assert content["rated_torque_nm"] == told(sheet)["rated_torque"].value
+    assert "rated_torque_nm" not in content["figures"]
+    assert content["figures"]["nominal_torque_nm"]["value"] == pytest.approx(36.68)
+    assert content["quantities"]["nominal_torque"]["value"] == pytest.approx(36.68)
+
+
+def test_former_key_of_the_nominal_torque_is_accepted_with_a_warning() -> None:
+    with pytest.warns(CycloidWarning, match="rated_torque_nm is now nominal_torque_nm"):
+        assert figure("rated_torque_nm").key == "nominal_torque_nm"
+
+
+def test_progress_is_counted_to_the_end() -> None:
+    counted: list[tuple[int, int]] = []
+    datasheet(Reducer(PIN), progress=lambda done, whole: counted.append((done, whole)))
+    assert [done for done, _ in counted] == list(range(1, counted[0][1] + 1))
+
+
 def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
     near = rate(PIN).items["shaft_bearing_near"]
     by_law = PIN.rated_torque * (near.life / 6000.0) ** 0.3
@@ -225,7 +246,7 @@ def test_what_cannot_be_written_or_asked_is_told(tmp_path: Path, capsys) -> None
 
 
 def test_a_curve_leaves_out_speeds_at_which_nothing_is_borne(monkeypatch) -> None:
-    def borne(reducer, speed, life, guess=0.0):
+    def borne(reducer, speed, life, guess=0.0, **accuracy):
         if speed > reducer.design.drive.speed:
             raise DesignError("too fast")
         return 100.0 / speed, None

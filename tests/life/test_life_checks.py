@@ -64,7 +64,8 @@ def test_an_emergency_stop_is_the_same_whatever_the_load(name: str) -> None:
 def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
     found = {item.name: item for item in life_checks(Reducer(PIN))}
     assert list(found) == ["momentary_torque", "heat", "life", "strength"]
-    assert {item.name for item in found.values() if not item.passed} == {"momentary_torque", "life", "strength"}
+    # with the bearings of shaft and output, 34.8 W heat the housing to 106 deg C; 24.4 W left them out
+    assert {item.name for item in found.values() if not item.passed} == set(found)
     assert all(item.severity == "warning" and item.passed != bool(item.remedy) for item in found.values())
     rating = rate(PIN)
     assert found["life"].value == pytest.approx(rating.items["pin_gear_pitting"].life)

@@ -28,11 +28,12 @@ from cycloid_mj.life.hours import hours
 from cycloid_mj.life.loading import Rub, bending, loading
 from cycloid_mj.life.ranges import read_ranges
 from cycloid_mj.life.strength import output_pin, pin_moment
-from cycloid_mj.life.surfaces import HARDEST, pitting_cycles, pitting_pressure
+from cycloid_mj.life.surfaces import HARDEST, most_pitting_cycles, pitting_cycles, pitting_pressure
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
+from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.validate import shakedown
 
 PIN = PRESETS["pin"]
@@ -185,6 +186,41 @@ def test_goodman_and_its_factors() -> None:
     assert weaker == sorted(weaker, reverse=True)
 
 
+@pytest.mark.parametrize(
+    ("diameter", "factor"), [(0.0, 1.0), (2.8e-3, 1.0), (5e-3, 1.0), (10e-3, 0.969), (60e-3, 0.794)]
+)
+def test_size_factor_credits_no_bar_above_the_specimen(diameter: float, factor: float) -> None:
+    """1.24 x 2.8^-0.107 = 1.111 just above the former limit; 1.24 x 10^-0.107 = 0.969, 1.51 x 60^-0.157 = 0.794."""
+    assert size_factor(diameter) == pytest.approx(factor, abs=5e-4)
+
+
+def test_torsion_has_its_own_notch_constant() -> None:
+    """S = 100 ksi, r = 0.01 in: sqrt(a) = 0.246 - 0.308 + 0.151 - 0.0267 = 0.0623 in bending, 0.0473 in torsion.
+
+    q = 1/(1 + sqrt(a)/0.1) = 0.616 and 0.679 (Shigley, Eqs 6-34 and 6-35): K_f of K_t = 2.
+    """
+    tensile, fillet = 100.0 * 6.894757e6, 0.01 * 0.0254
+    assert notch_factor(2.0, fillet, tensile) == pytest.approx(1.0 + 1.0 / 1.623)
+    assert notch_factor(2.0, fillet, tensile, "torsion") == pytest.approx(1.0 + 1.0 / 1.473)
+
+
+def test_pitting_states_the_upper_branch_beyond_ten_million_loads() -> None:
+    """772.9 of 843.5 MPa: (2.466 x 1.0914)^(1/0.056) = 4.8e7 loads, (1.4488 x 1.0914)^(1/0.023) = 4.5e8."""
+    item = rate(PRESETS["twodisc"], stops=False).items["pin_gear_pitting"]
+    assert item.life == pytest.approx(1279.0, rel=1e-3)
+    assert "12020 h by the upper branch" in item.note
+    assert most_pitting_cycles(1.0, 1.0914) == pytest.approx(4.48e8, rel=0.01)
+    assert most_pitting_cycles(2.0, 1.0) == pitting_cycles(2.0, 1.0), "below 10^7 loads they are one"
+    assert "branch" not in rate(PIN, stops=False).items["pin_gear_pitting"].note
+
+
+def test_seats_that_fit_too_closely_for_hertz_have_no_pressure() -> None:
+    """Statics print no pressure of a pin of 2.25 mm in a socket 1 um wider: the strip is as wide as the pin."""
+    assert "pin_socket" in PIN.pair_kinds
+    assert math.isnan(sheet(Reducer(PIN)).quantities["pin_socket_pressure"].value)
+    assert not [key for key in rate(PIN).items if key.startswith("pin_socket_") and "clearance" not in key]
+
+
 def test_output_pins_held_at_both_ends() -> None:
     """A beam clamped at both ends under a force in its middle: F l/8 at each."""
     held = PIN.but(output={"support": "both_ends"})
@@ -285,7 +321,10 @@ def test_every_law_has_its_exponent(monkeypatch) -> None:
         point=replace(one.point, torque=2.0 * one.point.torque),
         cam=2.0 * one.cam,
         shaft=2.0 * one.shaft,
-        rubs={kind: Rub(2.0 * rub.power, 2.0 * rub.pressure_speed, rub.speed) for kind, rub in one.rubs.items()},
+        rubs={
+            kind: Rub(2.0 * rub.power, 2.0 * rub.pressure_speed, rub.speed, 2.0 * rub.density)
+            for kind, rub in one.rubs.items()
+        },
         wind_up=2.0 * one.wind_up,
         output=2.0 * one.output,
         on_output=2.0 * one.on_output,
@@ -296,7 +335,7 @@ def test_every_law_has_its_exponent(monkeypatch) -> None:
     )
     rated = []
     for each in (one, double):
-        monkeypatch.setattr(module, "loading", lambda reducer, point, poses, each=each: each)
+        monkeypatch.setattr(module, "loading", lambda reducer, point, poses, stops, each=each: each)
         rated.append(module.rate(PIN, Duty((each.point,), 2.0 * each.point.torque)).items)
     single_, doubled = rated
     assert set(single_) == set(doubled)

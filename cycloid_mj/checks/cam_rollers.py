@@ -1,0 +1,37 @@
+"""Pressure limits of bare rollers between cam and disc, and which cams have a bought bearing instead."""
+
+import math
+from collections.abc import Iterator
+
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.parts.export.bill import cam_bearing
+from cycloid_mj.reducer import Reducer
+
+
+def has_bare_rollers(reducer: Reducer) -> bool:
+    """Return whether rollers run on the cam and in the disc's bore, without the rings of a bought bearing."""
+    return reducer.design.gear.bearing == "rolling" and cam_bearing(reducer) is None
+
+
+def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
+    """Yield the part that each side of a roller presses on, and its pressure over that of the contact ``cam`` [1].
+
+    The contact has the curvature of a roller on the cam and the modulus of shaft on disc. Hertz's pressure is as
+    sqrt(curvature x modulus): on the cam a roller meets its own material, in the bore the curvature is smaller.
+    """
+    design, contact = reducer.design, reducer.contacts["cam"]
+    shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius
+    on_cam = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson, shaft.youngs_modulus, shaft.poisson)
+    yield "shaft", math.sqrt(on_cam / contact.modulus)
+    yield "gear", math.sqrt((1.0 / roller - 1.0 / bore) / contact.curvature)
+
+
+def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:
+    """Compute the pressure of the contact ``cam`` at which a bare roller reaches its limit on cam or bore [Pa].
+
+    The limit of each part is `factor` times its `strength`, an attribute of its material.
+    """
+    limits = (
+        factor * getattr(reducer.design.material_of(part), strength) / ratio for part, ratio in roller_contacts(reducer)
+    )
+    return min(limits)
