@@ -21,7 +21,7 @@ def random_drives(count: int, seed: int) -> Iterator[Design]:
 
 def _drive(draw: np.random.Generator, kind: str, number: int) -> Design:
     while True:
-        design = _drawn(draw, kind, number)
+        design = drawn(draw, kind, number)
         try:
             if design and all(item.passed or item.severity == "warning" for item in soundness(Reducer(design))):
                 return design
@@ -29,7 +29,7 @@ def _drive(draw: np.random.Generator, kind: str, number: int) -> Design:
             pass
 
 
-def _drawn(draw: np.random.Generator, kind: str, number: int) -> Design | None:
+def drawn(draw: np.random.Generator, kind: str, number: int) -> Design | None:
     """Draw a design, which may well not be one that can be built; None where its values are not even allowed."""
     base = PRESETS["nonpin" if kind == "nonpin" else "pin"]
     teeth, discs, pins = int(draw.integers(6, 81)), int(draw.integers(1, 4)), int(draw.integers(5, 13))

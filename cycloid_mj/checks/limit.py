@@ -25,6 +25,9 @@ SYMBOLS = {"mpa": "MPa", "nm": "N m", "kw": "kW", "kg_m3": "kg/m3"}
 STRICT_MARGIN = 1e-9
 """Relative; a remedy stays that far inside a strict limit, so that rounding cannot undo it."""
 
+FULL_DIGITS = 13
+"""Digits that write a value of the file in full: two of float64's fewer, which rounding takes."""
+
 SMALLEST = 1e-30
 """SI; smaller bounds, and 0, are no remedy."""
 
@@ -291,10 +294,13 @@ def _remedy(reducer: Reducer, limits: list[Limit]) -> str:
 
 
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
-    """Format a value and its limit [SI] in a unit, with as many digits as tell them apart, and at least four."""
+    """Format a value and its limit [SI] in a unit, with as many digits as distinguish them, and at least four.
+
+    Where they are the same they are written in full: an advice then has another number.
+    """
     symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     a, b = unit.from_si(value), unit.from_si(bound)
-    digits = next((n for n in range(4, 17) if _shortened(a, n) != _shortened(b, n)), 4)
+    digits = next((n for n in range(4, FULL_DIGITS) if _shortened(a, n) != _shortened(b, n)), FULL_DIGITS)
     return f"{_shortened(a, digits)} {symbol}".rstrip(), f"{side} {_shortened(b, digits)} {symbol}".rstrip()
 
 

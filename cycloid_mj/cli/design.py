@@ -1,7 +1,7 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import degrees
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +16,7 @@ from cycloid_mj.cli.kinematics import kinematics
 from cycloid_mj.cli.new import new
 from cycloid_mj.cli.profile import EXAMPLES as PROFILE_EXAMPLES
 from cycloid_mj.cli.profile import profile
-from cycloid_mj.design import Design, dump, reasons
+from cycloid_mj.design import Design, dump, inherited_keys, reasons, value_of
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -83,16 +83,20 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
 
     design = chosen.resolved()
     place = claimed(delivery, f"{design.name}-check")
+    inherited = inherited_keys(chosen.design, chosen.set_, ("drive.torque_nm", "drive.speed_rpm"))
     checks = check_design(design)
     summed = None if checks.failures else _summed(design)
     rating = _rated(design) if summed else None
-    return deliver(_outcome(design.name, checks, summed, rating), place, delivery)
+    return deliver(_outcome(design, checks, summed, rating, inherited), place, delivery)
 
 
-def _outcome(design: str, checks: "Checks", summed: "Summary | None", rating: "Rating | None") -> Outcome:
+def _outcome(
+    design: Design, checks: "Checks", summed: "Summary | None", rating: "Rating | None", inherited: Sequence[str]
+) -> Outcome:
     numbers = _in_file_units(summed, rating) if summed else None
     return Outcome(
-        title=f"checks: {design}",
+        title=f"checks: {design.name}",
+        condition=_defaults(design, inherited),
         failures=list(map(str, checks.failures)),
         warnings=list(map(str, checks.warnings)),
         passes=list(map(str, checks.passes)),
@@ -102,12 +106,25 @@ def _outcome(design: str, checks: "Checks", summed: "Summary | None", rating: "R
         ],
         frame=checks.frame,
         result={
-            "design": design,
+            "design": design.name,
+            "inherited": list(inherited),
             "sound": not checks.failures,
             "checks": [check.as_json() for check in checks],
             "summary": numbers,
         },
         code=1 if checks.failures else 0,
+    )
+
+
+def _defaults(design: Design, inherited: Sequence[str]) -> str:
+    """State the torque and speed that a design file leaves to the defaults; empty if it states both."""
+    if not inherited:
+        return ""
+    values = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in inherited)
+    return (
+        f"at a nominal torque of {design.rated_torque:.4g} N m by the default{'s' * (len(inherited) > 1)} {values}, "
+        "which the design file does not set: set what your motor has, or see `cycloid-mj datasheet` for the torque "
+        "that this drive is rated for"
     )
 
 

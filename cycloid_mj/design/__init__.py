@@ -3,7 +3,7 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import Named, declared, dump, load, loads, override, resolve, value_of
+from cycloid_mj.design.file import Named, declared, dump, inherited_keys, load, loads, override, resolve, value_of
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -64,6 +64,7 @@ __all__ = [
     "WorkingForce",
     "declared",
     "dump",
+    "inherited_keys",
     "load",
     "loads",
     "material_limits",

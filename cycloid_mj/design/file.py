@@ -67,6 +67,32 @@ def preset(name: str) -> Design | None:
     return PRESETS.get(name.casefold())
 
 
+def inherited_keys(named: Named, changes: Sequence[str], keys: Sequence[str]) -> tuple[str, ...]:
+    """Return those of some keys that neither a design file nor changes on the command line state.
+
+    They keep the values of the preset ``pin``. A preset states all of its keys.
+
+    Parameters
+    ----------
+    named
+        As of `resolve`; it can be read.
+    changes
+        ``table.key=value`` each.
+    keys
+        ``table.key`` each, as ``drive.torque_nm``.
+    """
+    if isinstance(named, Design) or preset(str(named)):
+        return ()
+    tables = tomllib.loads(as_input(Path(named)).read_text(encoding="utf-8-sig"))
+    changed = {_pair(change)[0] for change in changes}
+
+    def stated(key: str) -> bool:
+        table, _, name = key.partition(".")
+        return key in changed or table in changed or name in tables.get(table, {})
+
+    return tuple(key for key in keys if not stated(key))
+
+
 def load(path: Path) -> Design:
     """Read a design file."""
     try:

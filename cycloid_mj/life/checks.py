@@ -6,6 +6,7 @@ from contextlib import suppress
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.checks import Check, Checks, check
+from cycloid_mj.checks.advice import with_tried_advice
 from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate, rate_at_rated_load
@@ -46,9 +47,9 @@ def check_design(design: Named) -> Checks:
     design
         A design, or the name of a preset or a file.
     """
-    design = resolve(design)
-    checks = check(design)
-    return checks if checks.failures else Checks((*checks, *life_checks(Reducer(design))))
+    reducer = Reducer(resolve(design))
+    checks = with_tried_advice(reducer, check(reducer.design))
+    return checks if checks.failures else Checks((*checks, *life_checks(reducer)))
 
 
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:

@@ -219,7 +219,7 @@ def test_values_are_written_without_powers_of_ten() -> None:
 
 @pytest.mark.slow
 def test_the_command_writes_both_files(sheet, tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("cycloid_mj.life.datasheet.datasheet", lambda design, life: replace(sheet, life=life))
+    monkeypatch.setattr("cycloid_mj.life.datasheet.datasheet", lambda design, life, progress: replace(sheet, life=life))
     assert main(["datasheet", "--design", "pin", "--out", str(tmp_path / "new"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert {Path(file).name for file in found["files"]} == {"pin-datasheet.pdf", "pin-datasheet.html"}
