@@ -1,6 +1,6 @@
 """Logs: a `Run` as an MCAP file that Foxglove, Rerun and every MCAP tool can open.
 
-The room owns the file format; this text is its one definition.
+This text is the definition of the file format.
 
 Format, version "1"
 -------------------
@@ -9,9 +9,9 @@ A log is an MCAP file (https://mcap.dev/spec). Its records come in this order:
 1. Metadata ``cycloid_mj``: ``{"format": "1"}``. An MCAP file without it was not written by this package.
 2. Metadata ``provenance``: flat text -> text.
 3. One attachment for each file kept with the run (``design.toml``, ``model.xml``, ...).
-4. Chunks, zstd-compressed, each with whole samples of every group, pushed to the operating system one by one: a
-   killed process loses only the chunk it was filling. The first chunk opens with the schemas and channels.
-5. One attachment for each file that is known only at the end (``findings.json``).
+4. Chunks, zstd-compressed, each with complete samples of every group, written one by one: a killed process loses only
+   the chunk that it was filling. The first chunk begins with the schemas and channels.
+5. One attachment for each file that exists only after the run (``findings.json``).
 6. Metadata ``cycloid_mj.end``: ``{"complete": "true" or "false", "note": text, "samples": count}``.
 7. End of data with its CRC, summary and index, as MCAP has them.
 
@@ -25,11 +25,11 @@ packed numpy record of key bytes and ``<f8`` values *is* the encoder and the dec
 FileDescriptorSet (proto3); the unit of each column is its comment there, and again in the channel's metadata under
 ``units``, as JSON name -> unit.
 
-Channels without ``units`` in their metadata belong to viewers: the reader passes over them, as it does over records of
-other kinds. A log from ``cycloid-mj simulate`` has ``/tf`` (``foxglove.FrameTransforms``), ``/scene/parts`` and
-``/scene/forces`` (``foxglove.SceneUpdate``), described in ``cycloid_mj.scene.messages``. Their frames are those of the
-first sample at or after each multiple of 1/rate; the rate [Hz] is in the channel's metadata under ``rate_hz``. They
-follow from the columns, so that a log loses nothing without them: `write` makes them anew.
+Channels without ``units`` in their metadata are for viewers: the reader ignores them, as it does records of other
+kinds. A log from ``cycloid-mj simulate`` has ``/tf`` (``foxglove.FrameTransforms``), ``/scene/parts`` and
+``/scene/forces`` (``foxglove.SceneUpdate``), described in ``cycloid_mj.scene.messages``. Their frames are those of
+the first sample at or after each multiple of 1/rate; the rate [Hz] is in the channel's metadata under ``rate_hz``.
+They follow from the columns, so a log loses nothing without them: `write` computes them anew.
 """
 
 from cycloid_mj.log.encoding import FORMAT, ColumnGroup

@@ -1,7 +1,7 @@
-"""The writer of an MCAP file, many messages at once: mcap's own takes 30 us for each.
+"""Writer of MCAP files that encodes many messages at once: that of mcap takes 30 us per message.
 
-What it writes is, byte for byte, what ``mcap.writer.Writer`` writes of the same messages, with zstandard and all CRCs
-and indexes (MCAP specification, mcap.dev/spec).
+The file is byte for byte that of ``mcap.writer.Writer``, with zstandard compression, all CRCs and indexes (MCAP
+specification, mcap.dev/spec).
 """
 
 import struct
@@ -56,7 +56,7 @@ NOTHING: Mapping[int, Sequence[ChannelMessage]] = MappingProxyType({})
 
 
 class BlockWriter:
-    """An MCAP file on a stream: schemas, channels and messages fill a chunk until `flush` ends it."""
+    """Writer of an MCAP file to a stream: schemas, channels and messages fill a chunk until `flush` ends it."""
 
     def __init__(self, stream: BinaryIO, library: str) -> None:
         self._stream = stream
@@ -75,13 +75,13 @@ class BlockWriter:
         self._put(_written(Header("", library)))
 
     def add_schema(self, name: str, data: bytes) -> int:
-        """Add the schema of a protobuf message; return its number."""
+        """Add the schema of a protobuf message and return its number."""
         self._schemas.append(Schema(id=len(self._schemas) + 1, data=data, encoding="protobuf", name=name))
         self._fill(_written(self._schemas[-1]))
         return self._schemas[-1].id
 
     def add_channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
-        """Add a channel of protobuf messages with a schema; return its number."""
+        """Add a channel of protobuf messages with a schema and return its number."""
         number = len(self._channels) + 1
         channel = Channel(
             id=number, topic=topic, message_encoding="protobuf", schema_id=schema, metadata=dict(metadata)
@@ -91,7 +91,7 @@ class BlockWriter:
         return number
 
     def add_attachment(self, name: str, media_type: str, data: bytes) -> None:
-        """Add a file of no time."""
+        """Add a file without a time stamp."""
         record = _written(Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data))
         index = AttachmentIndex(
             offset=self._stream.tell(),
@@ -106,7 +106,7 @@ class BlockWriter:
         self._put(record)
 
     def add_metadata(self, name: str, entries: Mapping[str, str]) -> None:
-        """Add flat text."""
+        """Add a metadata record."""
         record = _written(Metadata(name=name, metadata=dict(entries)))
         self._indexes[Opcode.METADATA_INDEX].append(
             MetadataIndex(offset=self._stream.tell(), length=len(record), name=name)
@@ -136,10 +136,10 @@ class BlockWriter:
         contents: list[Bytes],
         between: Mapping[int, Sequence[ChannelMessage]] = NOTHING,
     ) -> None:
-        """Add a message for each of some channels at each of some times (k,) [ns], and then for the next time.
+        """Add a message of each channel at each of k times [ns], time by time.
 
-        Contents have shape (k, size) for each channel; `sequence` is the number of the first time. Messages `between`
-        come before the row that is their key.
+        Contents have shape (k, size) for each channel; `sequence` is the sequence number at the first time. Messages in
+        `between` are added before the row that is their key.
         """
         heads = len(times), MESSAGE_HEAD.itemsize
         blocks, offsets, width = [], [], 0
@@ -170,12 +170,12 @@ class BlockWriter:
             self._counts[channel] += len(times)
 
     def flush(self) -> None:
-        """End the chunk, if it has a message, and push all to the operating system."""
+        """End the chunk, if it has a message, and flush the stream."""
         self._end_chunk()
         self._stream.flush()
 
     def finish(self) -> None:
-        """End the file; the stream stays open."""
+        """Write the end of the file; the stream stays open."""
         self._end_chunk()
         self._put(_written(DataEnd(self._crc)))
         start = self._stream.tell()
@@ -266,7 +266,7 @@ class BlockWriter:
 
 
 def _written(record: Any) -> bytes:
-    """Encode a record of mcap's."""
+    """Encode a record of the package mcap."""
     builder = RecordBuilder()
     record.write(builder)
     return builder.end()

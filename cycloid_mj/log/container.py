@@ -1,7 +1,7 @@
-"""The records of an MCAP file, each checked before it is believed.
+"""Reader of the records of an MCAP file that checks each of them.
 
-mcap's own readers trust lengths, skip the CRC of attachments and lose what precedes a cut; here every length is held
-against the bytes there are, and every CRC is verified.
+The readers of the package mcap trust lengths, skip the CRC of attachments and lose the data before a truncation. Here
+every length is checked against the size of the file, and every CRC is verified.
 """
 
 import struct
@@ -39,11 +39,11 @@ MESSAGE_HEAD = np.dtype(
     ]
 )
 LARGEST_CHUNK = 1 << 30
-"""Bytes of a chunk once it is inflated. Chunks are inflated in memory; those written here have half a megabyte."""
+"""Largest size of a decompressed chunk [bytes]. Chunks of `LogWriter` have half a megabyte."""
 
 LEAST_MESSAGE = MESSAGE_HEAD.itemsize - HEAD.size
 MOST_DESCRIBED = 1 << 17
-"""Schemas and channels in a chunk: their ids have 16 bits each."""
+"""Largest number of schemas and channels in a chunk: their ids have 16 bits each."""
 
 MAX_MESSAGES_PER_BYTE = 4
 """Messages in a chunk per byte of its compressed data, at most.
@@ -58,7 +58,7 @@ _START_OF_MESSAGE = struct.Struct("<BQH")  # opcode, length, channel
 
 @dataclass(frozen=True)
 class Record:
-    """A record of the file: what it is, what it holds, and the byte where it starts."""
+    """A record of the file: its kind, its content, and its offset in the file [bytes]."""
 
     opcode: int
     content: bytes
@@ -67,10 +67,10 @@ class Record:
 
 @dataclass(frozen=True)
 class Messages:
-    """What one chunk holds: schemas and channels by id, and the messages of each channel.
+    """Content of a chunk: schemas and channels by id, and the messages of each channel.
 
-    `of` maps a channel's id to its whole message records, shape (k, length), in the order of the file; messages of one
-    channel that differ in length are left out and named in `ragged`. `counts` has the number of messages of each.
+    `of` maps the id of a channel to its message records, shape (k, length), in the order of the file; channels whose
+    messages differ in length are in `ragged` instead. `counts` has the number of messages of each channel.
     """
 
     schemas: dict[int, Any]
@@ -81,13 +81,13 @@ class Messages:
 
 
 def corrupt(path: Path, what: str) -> LogError:
-    """Return the error for a log whose bytes contradict themselves."""
-    return LogError(f"log {path} is corrupt: {what}; take an undamaged copy, or run the simulation again")
+    """Return the error for a damaged log."""
+    return LogError(f"log {path} is corrupt: {what}; use an undamaged copy, or run the simulation again")
 
 
 @contextmanager
 def reading(path: Path, what: str) -> Iterator[None]:
-    """Turn whatever a parser of others says about malformed bytes into one LogError."""
+    """Convert any error of a parser about malformed bytes to a LogError."""
     try:
         yield
     except Exception as problem:
@@ -96,26 +96,26 @@ def reading(path: Path, what: str) -> Iterator[None]:
 
 
 def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
-    """Yield the records of the data section that are wholly there, in order.
+    """Yield the complete records of the data section, in order.
 
-    The last one is DATA_END if and only if the file is whole; otherwise it was cut, and the walk ends before the cut.
+    The last record is DATA_END if and only if the file is complete; of a truncated file, the complete records remain.
 
     Raises
     ------
     LogError
-        The file is no MCAP file, or its data do not have the CRC they should have.
+        The file is not an MCAP file, or the CRC of its data is wrong.
     """
     size = stream.seek(0, 2)
     sealed = _has_seal(stream, size)
     stream.seek(0)
     if stream.read(len(MAGIC)) != MAGIC:
-        raise LogError(f"{path} is not an MCAP file: give a log of `cycloid-mj`, whose name ends in .mcap")
+        raise LogError(f"{path} is not an MCAP file: choose a log of `cycloid-mj`, whose name ends in .mcap")
     crc = zlib.crc32(MAGIC)
     while True:
         offset = stream.tell()
         head = stream.read(HEAD.size)
         opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
-        # No record has opcode 0: these are bytes that were reserved but never written.
+        # no record has opcode 0: these bytes were reserved but never written
         if opcode == 0 or length > size - stream.tell():
             break
         content = stream.read(length)
@@ -127,7 +127,7 @@ def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
         crc = zlib.crc32(content, zlib.crc32(head, crc))
         yield Record(opcode, content, offset)
     if sealed:
-        raise corrupt(path, f"no record can be read at byte {offset} of {size}")
+        raise corrupt(path, f"there is no valid record at byte {offset} of {size}")
 
 
 def metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
@@ -138,7 +138,7 @@ def metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
 
 
 def attachment(record: Record, path: Path) -> tuple[str, bytes]:
-    """Read name and content of an attachment whose CRC is right."""
+    """Read name and content of an attachment and verify its CRC."""
     with reading(path, f"malformed attachment at byte {record.offset}"):
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:
@@ -148,7 +148,7 @@ def attachment(record: Record, path: Path) -> tuple[str, bytes]:
 
 
 def messages(record: Record, path: Path) -> Messages:
-    """Read a chunk; its CRC must be right."""
+    """Read a chunk and verify its CRC."""
     with reading(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
         _check_message_count(chunk)
@@ -200,17 +200,17 @@ def _pieces(chunk: Chunk) -> Iterator[bytes]:
 
 
 def inflated(data: bytes, compression: str, size: int) -> bytes:
-    """Decompress a chunk, which is to have `size` bytes; never take the room for more.
+    """Decompress a chunk of `size` bytes, without allocating more.
 
     Raises
     ------
     ValueError
-        It has more or fewer bytes, or more than `LARGEST_CHUNK`.
+        The chunk has more or fewer bytes, or more than `LARGEST_CHUNK`.
     Exception
-        Whatever zstandard or lz4 have to say about malformed data.
+        An error of zstandard or lz4 about malformed data.
     """
     if size > LARGEST_CHUNK:
-        raise ValueError(f"it says it has {size:,} bytes; {LARGEST_CHUNK:,} at most are read")
+        raise ValueError(f"its stated size is {size:,} bytes; the limit is {LARGEST_CHUNK:,}")
     if compression == "zstd":
         with zstandard.ZstdDecompressor().stream_reader(data) as stream:
             content = stream.read(size + 1)
@@ -219,9 +219,9 @@ def inflated(data: bytes, compression: str, size: int) -> bytes:
     elif not compression:
         content = data
     else:
-        raise ValueError(f"its compression {compression!r} is not known: zstd and lz4 are")
+        raise ValueError(f"its compression {compression!r} is not supported; zstd and lz4 are")
     if len(content) != size:
-        raise ValueError(f"it does not have the {size:,} bytes that it says it has")
+        raise ValueError(f"its size is not the stated {size:,} bytes")
     return content
 
 
@@ -242,7 +242,7 @@ def _messages(data: bytes) -> Messages:
             into[message.id] = message
             described += 1
         else:
-            raise ValueError(f"no schema, channel or message can be read {position} bytes into it")
+            raise ValueError(f"there is no valid schema, channel or message at its byte {position}")
         position = content + length
     of = {channel: rows for channel, where in starts.items() if (rows := _rows(data, where)) is not None}
     counts = {channel: len(where) for channel, where in starts.items()}
@@ -268,9 +268,9 @@ def _has_seal(stream: BinaryIO, size: int) -> bool:
 def _check_data_crc(content: bytes, crc: int, path: Path) -> None:
     with reading(path, "malformed end of data"):
         (expected,) = struct.unpack("<I", content)
-    # By MCAP's rules 0 means that the writer took no CRC, as tools that repack a log do.
+    # by the specification of MCAP, 0 means that there is no CRC, as in logs that other tools repacked
     if expected not in (0, crc):
-        raise corrupt(path, "its data do not have the CRC they were written with")
+        raise corrupt(path, "the CRC of its data is wrong")
 
 
 def _stream(content: bytes) -> ReadDataStream:

@@ -1,4 +1,4 @@
-"""The wire format of one group of columns: flat protobuf messages of doubles, all of one length."""
+"""Encoding of a group of columns: flat protobuf messages of doubles, all of the same length."""
 
 import json
 import re
@@ -26,7 +26,7 @@ _SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 @dataclass(frozen=True)
 class ColumnGroup:
-    """Columns that are logged together, one message per sample.
+    """Columns that share a topic, with one message per sample.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ class ColumnGroup:
     def __post_init__(self) -> None:
         if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
             raise LogError(
-                f"topic {self.topic!r} of a log is not a slash and a snake_case name, such as '/output_pins'"
+                f"topic {self.topic!r} of a log is invalid: it must be a slash and a snake_case name, as '/output_pins'"
             )
         for name in self.units:
             if not _SNAKE.fullmatch(name) or name == TIME:
-                raise LogError(f"column {name!r} of {self.topic} is not a snake_case name other than 'time'")
+                raise LogError(f"column {name!r} of {self.topic} is invalid: it must be in snake_case and not 'time'")
 
     @property
     def message(self) -> str:
@@ -60,29 +60,29 @@ class ColumnGroup:
 
     @property
     def fields(self) -> list[tuple[str, int, int]]:
-        """Name, number and type of each field of the message."""
+        """Name, number and type of the fields of the message."""
         return [(name, number, FieldDescriptorProto.TYPE_DOUBLE) for number, name in enumerate((TIME, *self.units), 1)]
 
     @cached_property
     def offsets(self) -> npt.NDArray[np.intp]:
-        """Where the values of a message start."""
+        """Offsets of the values in a message [bytes]."""
         return np.cumsum([len(_key(number)) + 8 for _, number, _ in self.fields]) - 8
 
     @cached_property
     def record(self) -> np.dtype[np.void]:
-        """Packed record of one message, with the values as fields and gaps for the key bytes."""
+        """Packed record of a message, with the values as fields and gaps for the key bytes."""
         names, formats = [TIME, *self.units], ["<f8"] * self.offsets.size
         layout = {"names": names, "formats": formats, "offsets": self.offsets.tolist(), "itemsize": self.zeros.size}
         return np.dtype(layout)  # type: ignore[call-overload]
 
     @cached_property
     def zeros(self) -> Bytes:
-        """The message of zeros, shape (size,): all key bytes, all values 0."""
+        """Message whose values are 0, shape (size,)."""
         return np.frombuffer(b"".join(_key(number) + bytes(8) for _, number, _ in self.fields), dtype=np.uint8)
 
     @cached_property
     def key_bytes(self) -> npt.NDArray[np.intp]:
-        """Where a message has key bytes: everywhere but in the values."""
+        """Offsets of the key bytes in a message: all bytes except those of the values."""
         return np.setdiff1d(np.arange(self.zeros.size), self.offsets[:, np.newaxis] + np.arange(8))
 
     def encode(self, time: Array, values: Array) -> Bytes:
@@ -95,7 +95,7 @@ class ColumnGroup:
         return messages
 
     def decode(self, messages: Bytes) -> npt.NDArray[np.void]:
-        """View the records of k messages of shape (k, size), without a copy.
+        """Return the records of k messages of shape (k, size), without a copy.
 
         Raises
         ------
@@ -103,13 +103,13 @@ class ColumnGroup:
             A message has another length or other key bytes than this group.
         """
         if messages.shape[1] != self.zeros.size:
-            raise LogError(f"messages of {self.topic} have {messages.shape[1]} bytes, its schema {self.zeros.size}")
+            raise LogError(f"messages of {self.topic} have {messages.shape[1]} bytes, their schema {self.zeros.size}")
         if (messages[:, self.key_bytes] != self.zeros[self.key_bytes]).any():
-            raise LogError(f"messages of {self.topic} have other fields than its schema")
+            raise LogError(f"messages of {self.topic} have other fields than their schema")
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
-        """Encode the serialized FileDescriptorSet of the message, with the units as comments."""
+        """Return the serialized FileDescriptorSet of the message, with the units as comments."""
         files = FileDescriptorSet()
         package, name = self.message.split(".")
         file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
@@ -124,7 +124,7 @@ class ColumnGroup:
         return files.SerializeToString(deterministic=True)
 
     def metadata(self) -> dict[str, str]:
-        """Collect the metadata of the channel: the units."""
+        """Return the metadata of the channel: the units."""
         return {"units": json.dumps(dict(self.units))}
 
 
@@ -134,9 +134,9 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
     Raises
     ------
     LogError
-        The schema is not one flat message of doubles that starts with the time.
+        The schema is not a flat message of doubles that starts with the time.
     Exception
-        Whatever protobuf or json have to say about malformed text.
+        An error of protobuf or json about malformed text.
     """
     units = json.loads(channel.metadata["units"])
     (file,) = FileDescriptorSet.FromString(schema.data).file
@@ -149,7 +149,7 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
 
 
 def _key(number: int) -> bytes:
-    """Encode the varint that announces field `number` as a double (protobuf encoding, "Message Structure")."""
+    """Encode the key of field `number` as a double (protobuf encoding, "Message Structure")."""
     value = number << 3 | FIXED64
     groups = [value >> shift & 0x7F for shift in range(0, max(value.bit_length(), 1), 7)]
     return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])

@@ -11,14 +11,14 @@ from cycloid_mj.log.encoding import TIME
 
 
 def write_parquet(run: Run, path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> None:
-    """Write the time [s] and the columns of a run, all of them or some; units and provenance are its metadata.
+    """Write the time [s] and columns of a run, by default all; units and provenance are metadata of the file.
 
-    The file takes its name only once it is whole.
+    The file appears under its name only when it is complete.
 
     Raises
     ------
     LogError
-        There is no such column, or DuckDB is not installed.
+        A column does not exist, or DuckDB is not installed.
     CycloidError
         The file cannot be written.
     """

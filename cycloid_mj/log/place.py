@@ -1,7 +1,7 @@
-"""Where a log is written, and the name that it gets: an old log of that name stays until the new one is whole.
+"""File and name of a log while it is written: an old log of the same name stays until the new one is complete.
 
-Writers of one log keep each other out by a lock on the file that bears its name (``flock``). The system lets go of the
-lock when a process ends, however it ends.
+A lock on the file of that name (``flock``) excludes other writers. The operating system releases the lock when the
+process ends, even if it is killed.
 """
 
 import errno
@@ -18,7 +18,7 @@ from cycloid_mj.base.overwrite_guard import LOG, claim, require_ending
 
 
 class LogTakenError(LogError):
-    """There is a log of this name already."""
+    """A log of this name exists already."""
 
 
 class LogFile:
@@ -27,24 +27,24 @@ class LogFile:
     Attributes
     ----------
     path
-        The name that the log has once it is complete.
+        Path of the complete log.
     at
-        Where it is now: at `path` from the start if no log was there; else at a name of its own.
+        Its path now: `path` from the beginning if there was no log, otherwise another one.
     stream
-        Takes the log's bytes.
+        Stream of the file.
     hidden
-        Whether nobody is to see the log before it is whole, as one that is written anew from memory.
+        Whether the log appears only when it is complete, as one that is written from memory.
 
     Raises
     ------
     LogTakenError
-        There is a log at `path`, and it is not to be replaced.
+        A log exists at `path`, without `force`.
     LogError
         Another run is writing the log at `path`, or it cannot be written.
     TakenError
-        The running command reads the file at `path`, or that is no log.
+        The file at `path` is an input of the running command, or not a log.
     UsageError
-        The name has the ending of another kind of file.
+        The name has the extension of another kind of file.
     """
 
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
@@ -61,7 +61,7 @@ class LogFile:
             self.at, self.stream = self._opened()
         except BlockingIOError:
             raise LogError(
-                f"another run is writing log {path}: wait until it has ended, or give another folder"
+                f"another run is writing log {path}: wait until it ends, or choose another folder (--out)"
             ) from None
         except FileExistsError:
             raise _taken(path) from None
@@ -70,14 +70,14 @@ class LogFile:
             raise unwritable(path, problem) from problem
 
     def finish(self, complete: bool) -> None:
-        """Close the file; give it the log's name if it is `complete` and does not have it yet.
+        """Close the file and, if it is `complete`, rename it to the name of the log.
 
         Raises
         ------
         LogTakenError
-            Meanwhile a log of that name has come that was not to be replaced.
+            Another process has written a log of that name in the meantime, and it is not to be replaced.
         OSError
-            The disk takes no more, or the file cannot be renamed.
+            The disk is full, or the file cannot be renamed.
         """
         self.stream.close()
         if complete and self.at != self.path:
@@ -94,7 +94,7 @@ class LogFile:
             self.at.unlink()
 
     def leave(self) -> None:
-        """Close the file as it is, whatever becomes of what was not written yet."""
+        """Close the file as it is, even if some of it cannot be written."""
         with suppress(OSError):
             self.stream.close()
         self._let_go()
@@ -126,19 +126,19 @@ class LogFile:
 
 
 def _partial_names(path: Path) -> Iterator[Path]:
-    """Yield names for the samples of a log that is not complete: those of an earlier one are kept."""
+    """Yield names for an incomplete log: files of earlier runs are kept."""
     yield path.with_name(f"{path.stem}.partial{path.suffix}")
     for number in count(2):
         yield path.with_name(f"{path.stem}.partial-{number}{path.suffix}")
 
 
 def _locked(path: Path) -> BinaryIO:
-    """Open the log that is to be replaced, and lock it; raise BlockingIOError if another run writes or replaces it."""
+    """Open and lock the log to be replaced; raise BlockingIOError if another run writes or replaces it."""
     while True:
         stream = path.open("rb")
         try:
             _lock(stream)
-            # another run may have replaced it between the two calls before
+            # another run may have replaced it between opening and locking
             if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
                 return stream
         except OSError:
@@ -148,7 +148,7 @@ def _locked(path: Path) -> BinaryIO:
 
 
 def _lock(stream: BinaryIO) -> None:
-    """Lock a file, as long as it is open; where the file system has no locks, do without."""
+    """Lock an open file; do nothing if the file system has no locks."""
     try:
         from fcntl import LOCK_EX, LOCK_NB, flock
     except ImportError:  # Windows: there a file that is open cannot be replaced by another process
@@ -164,12 +164,10 @@ def _lock(stream: BinaryIO) -> None:
 
 def _taken(path: Path) -> LogError:
     if path.is_file():
-        return LogTakenError(f"log {path} exists already: choose another name, or replace it with --force")
-    return LogError(f"cannot write log {path}: it is no regular file; give the name of a file, such as run.mcap")
+        return LogTakenError(f"log {path} already exists: choose another name, or overwrite it with --force")
+    return LogError(f"cannot write log {path}: it is not a regular file; choose the name of a file, such as run.mcap")
 
 
 def unwritable(path: Path, problem: OSError) -> LogError:
     """Return the error for a log that cannot be written."""
-    return LogError(
-        f"cannot write log {path}: {reason(problem)}; choose a folder that exists, can be written and has room"
-    )
+    return LogError(f"cannot write log {path}: {reason(problem)}; choose a writable folder with free space")

@@ -1,6 +1,6 @@
-"""What a log holds besides samples, as its first record tells: so a cut log knows what it has lost.
+"""Metadata at the beginning of a log: they list its contents, so that a truncated log shows what it lacks.
 
-MCAP has no checksum for a metadata record, only one for the whole data section, which a cut log does not have.
+MCAP has no checksum for a metadata record, only one for the data section, which a truncated log lacks.
 """
 
 import json
@@ -17,7 +17,7 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return the metadata that a log begins with: name of the record -> entries, of text that UTF-8 can hold."""
+    """Return the metadata at the beginning of a log: entries by the name of their record, as valid UTF-8 text."""
     stored = {storable(key): storable(value) for key, value in provenance.items()}
     names = [storable(name) for name in attachments]
     entries = {"format": FORMAT, CHECKSUM: _checksum(stored), FILES: json.dumps(names)}
@@ -25,7 +25,7 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
 
 
 def lost(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
-    """Name what a cut log should hold and does not; a log of an earlier version can lack its provenance alone."""
+    """Return what a truncated log lacks; logs of earlier versions can show only that their provenance is missing."""
     package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []
     if stored is None:
@@ -35,7 +35,7 @@ def lost(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     try:
         names = set(json.loads(package.get(FILES, "[]")))
     except (ValueError, TypeError):
-        return [*missing, "which files it should hold is damaged"]
+        return [*missing, "its list of attachments is damaged"]
     return [*missing, *(f"its {name} is missing" for name in sorted(map(str, names - set(attachments))))]
 
 

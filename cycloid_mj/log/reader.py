@@ -1,4 +1,4 @@
-"""The reader of logs: from an MCAP file, whole or cut, to a `Run`."""
+"""Reader of logs: from an MCAP file, complete or truncated, to a `Run`."""
 
 import os
 from collections import Counter
@@ -26,12 +26,12 @@ Bytes = npt.NDArray[np.uint8]
 END = f"{PACKAGE}.end"
 
 GROWTH = 1.1
-"""By how much more than it holds a column is made longer."""
+"""Growth factor of a column buffer."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """A viewer's topic: name of its schema, messages in the file, and frames per second if the log has them."""
+    """A topic for viewers: name of its schema, number of messages, and frames per second if the log states them."""
 
     schema: str
     messages: int
@@ -45,13 +45,13 @@ class Log:
     Attributes
     ----------
     run
-        What it holds.
+        The run.
     viewers
-        Topic -> what it holds for viewers.
+        Topics for viewers, by name.
     whole
-        Whether the file has its end: it was not cut.
+        Whether the file is complete, that is, not truncated.
     size
-        Bytes.
+        Size of the file [bytes].
     """
 
     run: Run
@@ -61,9 +61,9 @@ class Log:
 
 
 class _Samples:
-    """The samples of a group as they are read: the times, and each column, in an array that grows where it stands.
+    """The samples of a group while they are read: times and columns in arrays that grow in place.
 
-    So no more than the numbers are in memory at any time, and these once; of those at `rows` alone, if these are given.
+    No number is in memory twice; if `rows` are given, only their samples are kept.
     """
 
     def __init__(self, rows: Integers | None = None) -> None:
@@ -71,7 +71,7 @@ class _Samples:
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
-        """Add a block of messages, none of which is missing after those before."""
+        """Append a block of messages and check that none is missing since the previous block."""
         split = container.MESSAGE_HEAD.itemsize
         with container.reading(path, f"malformed messages of {group.topic}"):
             records = group.decode(block[:, split:])
@@ -90,7 +90,7 @@ class _Samples:
         self.count, self._kept = end, kept
 
     def locked(self, samples: int) -> list[Array]:
-        """Return the times and columns, cut to so many samples and locked, so that a `Run` need not copy them."""
+        """Return times and columns, cut to so many samples and read-only, so that a `Run` need not copy them."""
         left = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
             column.resize(left, refcheck=False)
@@ -100,9 +100,9 @@ class _Samples:
 
 @dataclass(frozen=True)
 class _Contents:
-    """What a file holds: metadata and attachments by name; the rest by its id in the file.
+    """Contents of a file: metadata and attachments by name, the others by their ids in the file.
 
-    Groups of the topics `without` are passed over, and of the others samples at all but the `rows`, if there are any.
+    Groups of the topics in `without` are skipped, and so are samples that are not in `rows`, if these are given.
     """
 
     without: Collection[str]
@@ -117,31 +117,31 @@ class _Contents:
 
 
 def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Run:
-    """Read the run that a log holds.
+    """Read the run of a log.
 
-    A log that was cut, by a killed process or a full disk, gives the samples of all its whole chunks, as a run that is
-    not complete and whose note says how far it goes.
+    Of a log that was truncated, by a killed process or a full disk, the samples of all complete chunks are read; the
+    run is incomplete, and its note states its last time.
 
     Parameters
     ----------
     path
         The log, an MCAP file of `write` or of ``cycloid-mj simulate``.
     without
-        Topics whose columns are not wanted, such as ``/forces``, which are most of a long run.
+        Topics to skip, such as ``/forces``, which are most of a long run.
     rows
-        Samples that are wanted, by their numbers from 0, increasing; by default all.
+        Numbers of the samples to read, from 0, increasing; by default all.
 
     Raises
     ------
     LogError
-        There is no such file, it is no log of this package or of another format version, it is corrupt, or it holds
+        The file does not exist, is not a log of this package or has another format version, is corrupt, or contains
         no samples.
     """
     return load(path, without, rows).run
 
 
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
-    """Read the run that a log holds and how the file holds it; see `read`."""
+    """Read the run of a log together with facts about the file; see `read`."""
     path, contents = Path(path), _Contents(without, rows)
     try:
         with _opened(path) as stream:
@@ -155,7 +155,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
         _check_count(contents, sizes, path)
     if samples == 0:
         raise LogError(
-            f"log {path} holds no samples: the run was stopped before the first chunk was written; run it again"
+            f"log {path} contains no samples: the run was stopped before the first chunk was written; run it again"
         )
     run = _joined(contents, samples, whole, path)
     return Log(run, _viewers(contents), whole, size)
@@ -165,10 +165,10 @@ def _opened(path: Path) -> BinaryIO:
     if not path.exists():
         raise NoLogError(f"no log {path}: {_alternatives(path)}")
     if not path.is_file():
-        what = "a folder" if path.is_dir() else "no regular file"
-        raise NoLogError(f"{path} is {what}: give a log, such as run.mcap")
+        what = "a folder" if path.is_dir() else "not a regular file"
+        raise NoLogError(f"{path} is {what}: choose a log, such as run.mcap")
     if path.stat().st_size == 0:
-        raise LogError(f"log {path} is empty: the run was stopped before it wrote anything; run it again")
+        raise LogError(f"log {path} is empty: the run was stopped before anything was written; run it again")
     return as_input(path).open("rb")
 
 
@@ -181,7 +181,7 @@ def _alternatives(path: Path) -> str:
 
 
 def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
-    """Scan what the file holds, and tell whether it is whole."""
+    """Read the contents of the file and return whether it is complete."""
     whole = False
     for record in container.walk(stream, path):
         if record.opcode == Opcode.METADATA:
@@ -199,13 +199,13 @@ def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
 
 
 def _identify(contents: _Contents, path: Path) -> None:
-    """Refuse an MCAP file of others, or of a format this reader does not know."""
+    """Raise LogError for an MCAP file of another program, or of an unknown format version."""
     if PACKAGE not in contents.metadata:
-        raise LogError(f"{path} is an MCAP file, but not a log of cycloid_mj: it lacks the metadata {PACKAGE!r}")
+        raise LogError(f"{path} is an MCAP file, but not a log of cycloid_mj: the metadata {PACKAGE!r} is missing")
     version = contents.metadata[PACKAGE].get("format")
     if version != FORMAT:
         raise LogError(
-            f"log {path} has format {version!r}, this program reads {FORMAT!r}: use the version that wrote it"
+            f"log {path} has format {version!r}, this version reads {FORMAT!r}: use the version that wrote it"
         )
 
 
@@ -245,29 +245,29 @@ def _number(text: str) -> float | None:
 
 
 def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
-    """Hold the messages of a whole file against the count it ends with."""
+    """Compare the messages of a complete file with the number at its end."""
     written = contents.metadata.get(END, {}).get("samples")
     if any(str(size) != written for size in sizes):
-        raise container.corrupt(path, f"it says it has {written} samples, but has {min(sizes)}")
+        raise container.corrupt(path, f"it should have {written} samples and has {min(sizes)}")
 
 
 def _joined(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
-    """Join so many samples of all groups, which must share their times and have columns of their own."""
+    """Join the first samples of all groups, which must share their times and have distinct columns."""
     groups = contents.groups
     tables = {id: contents.samples[id].locked(samples) for id in groups}
     time, *others = (table[0] for table in tables.values())
     if any((other != time).any() for other in others):
-        raise container.corrupt(path, "its groups of columns were not sampled at the same times")
+        raise container.corrupt(path, "the sampling times of its topics differ")
     units = {name: unit for group in groups.values() for name, unit in group.units.items()}
     if len(units) != sum(len(group.units) for group in groups.values()):
-        raise container.corrupt(path, "a column is in two groups")
+        raise container.corrupt(path, "a column occurs in two topics")
     columns = {
         name: values for id, table in tables.items() for name, values in zip(groups[id].units, table[1:], strict=True)
     }
     end = contents.metadata.get(END, {})
     note, complete = end.get("note", ""), end.get("complete") == "true"
     if not whole:
-        cut = f"the log was cut: {samples} samples, up to {time[-1]:.9g} s, could be read"
+        cut = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
         gone = lost(contents.metadata, contents.attachments)
         note, complete = "; ".join(filter(None, (note, cut, *gone))), False
     try:

@@ -1,4 +1,4 @@
-"""Interface for viewer message writers, and when a message is due."""
+"""Interface of what writes messages for viewers, and the selection of their samples."""
 
 from collections.abc import Iterable, Mapping
 from typing import Protocol
@@ -12,11 +12,11 @@ Message = tuple[str, int, bytes]
 """Topic, time [ns] and content of a message."""
 
 RATE = "rate_hz"
-"""Key of a viewer channel's metadata: its frames per second."""
+"""Key of the frames per second in the metadata of a viewer channel."""
 
 
 class Viewer(Protocol):
-    """Makes the viewers' messages of a log from its samples."""
+    """Computes the messages for viewers from the samples of a log."""
 
     @property
     def rate(self) -> float:
@@ -27,14 +27,14 @@ class Viewer(Protocol):
         """Topic -> name and serialized FileDescriptorSet of its protobuf message."""
 
     def opening(self, time: float) -> Iterable[Message]:
-        """Yield the messages that come once, at the `time` [s] of the first sample."""
+        """Yield the messages that occur once, at the `time` [s] of the first sample."""
 
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterable[Message]:
         """Yield the messages of k samples: `time` [s] and each column have shape (k,)."""
 
 
 def due(time: Array, last: float, rate: float) -> npt.NDArray[np.intp]:
-    """Find the samples that are the first at or after a multiple of 1/`rate` [s].
+    """Return the numbers of the samples that are the first at or after a multiple of 1/`rate` [s].
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def due(time: Array, last: float, rate: float) -> npt.NDArray[np.intp]:
     rate
         Frames per second.
     """
-    # a sample that rounding puts just before its frame still belongs to it
+    # a sample that is before its frame by rounding belongs to it
     frame = np.floor(rate * time + 1e-6)
     before = np.floor(rate * last + 1e-6) if np.isfinite(last) else -1.0
     return np.flatnonzero(np.diff(frame, prepend=before) > 0.0)

@@ -1,4 +1,4 @@
-"""The writer of logs: samples go to disk as the run goes, chunk by chunk; or a whole run at once."""
+"""Writer of logs: chunk by chunk during a run, or an entire run at once."""
 
 import os
 from collections import Counter, defaultdict
@@ -31,36 +31,36 @@ Groups = Mapping[str, Mapping[str, str] | Sequence[tuple[str, str]]]
 class LogWriter:
     """A log that is being written; a context manager.
 
-    An exception that leaves the ``with`` block closes the log as incomplete and goes on.
-    With `force`, the new log is written beside the old one, to ``<name>.partial.mcap`` or the next free number of it,
-    and takes its place when it is closed as complete. A log that is not stays there, and the old one as it was.
+    An exception that leaves the ``with`` block closes the log as incomplete and propagates. With `force`, the new log
+    is written next to the old one, to ``<name>.partial.mcap`` (or ``<name>.partial-2.mcap``, ...), and replaces it when
+    it is closed as complete. An incomplete log stays there, and the old one remains unchanged.
 
     Parameters
     ----------
     path
-        File to write. Refused if it exists, unless `force`.
+        File to write. It must not exist, unless `force`.
     groups
-        Topic -> columns with their units; a column name occurs once in all groups.
+        Columns with their units, by topic; a column name occurs once in all groups.
     provenance
         Flat text about the run.
     attachments
-        File name -> content.
+        Contents of files, by name.
     chunk_size
-        Uncompressed bytes after which samples are compressed and pushed to the operating system.
+        Uncompressed size [bytes] at which samples are compressed and written.
     force
         Whether to replace an existing log.
     viewer
-        What makes the messages for viewers of the samples, such as ``scene.Scene``.
+        Source of the messages for viewers, such as ``scene.Scene``.
     hidden
-        Whether the log appears when it is closed and not before, complete or not: for a log that is written anew from
-        memory. Nothing is left of one that was not closed.
+        Whether the log appears only when it is closed, complete or not: for a log that is written from memory. A log
+        that is not closed leaves no file.
 
     Raises
     ------
     LogTakenError
         The file exists, without `force`.
     LogError
-        Another run is writing it, or it cannot be written, or names of columns are wrong or occur twice.
+        Another run is writing the file, it cannot be written, or column names are invalid or occur twice.
     """
 
     def __init__(
@@ -94,12 +94,12 @@ class LogWriter:
 
     @property
     def path(self) -> Path:
-        """Where the log is: at the name asked for, or beside an old log of that name until it is complete."""
+        """Path of the log: the requested one, or another one next to an old log until the log is complete."""
         return self._place.at
 
     @property
     def name(self) -> Path:
-        """The name that was asked for."""
+        """The requested path."""
         return self._place.path
 
     def write(self, time: Array, values: Mapping[str, Array]) -> None:
@@ -108,17 +108,17 @@ class LogWriter:
         Parameters
         ----------
         time
-            Shape (k,), [s], not negative, increasing on from the last sample written.
+            Shape (k,) [s], not negative and increasing, after the last sample written.
         values
-            Topic -> shape (k, columns), for every group.
+            Values of every group, by topic, shape (k, columns).
 
         Raises
         ------
         LogError
-            Shapes, topics or times are wrong, or the disk takes no more: the log keeps every chunk before.
+            Shapes, topics or times are wrong, or the disk is full: the log keeps all chunks written before.
         """
         if not self._open:
-            raise LogError(f"log {self.path} is closed: open another to write more samples")
+            raise LogError(f"log {self.path} is closed: open another log to write more samples")
         self._check(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
@@ -131,7 +131,7 @@ class LogWriter:
             start = stop
 
     def flush(self) -> None:
-        """Push every sample so far to the operating system, so that the log can be read up to here."""
+        """Write all samples to the file, so that the log can be read up to here."""
         if not self._open:
             return
         try:
@@ -141,21 +141,21 @@ class LogWriter:
         self._on_disk = self.samples
 
     def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
-        """Finish the log. A second call does nothing. One that is neither complete nor has samples is removed.
+        """Finish the log. A second call does nothing. An incomplete log without samples is removed.
 
         Parameters
         ----------
         note
-            Why the run ended early if it is not `complete`.
+            Why the run ended early, if it is not `complete`.
         complete
             Whether the run reached its end.
         attachments
-            File name -> content, for what is known only now, such as ``findings.json``.
+            Contents of files that exist only after the run, by name, such as ``findings.json``.
 
         Raises
         ------
         LogError
-            The disk takes no more: the log keeps every chunk before. Or it cannot take the name asked for.
+            The disk is full: the log keeps all chunks written before. Or the log cannot be renamed.
         """
         if not self._open:
             return
@@ -180,7 +180,7 @@ class LogWriter:
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _shown(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Collect the viewers' messages of some samples, by their time [ns]."""
+        """Return the messages for viewers of k samples, by their time [ns]."""
         rows = due(time, self._last, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
             return {}
@@ -196,7 +196,7 @@ class LogWriter:
     def _append(
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], shown: Mapping[int, list[Message]]
     ) -> None:
-        """Append samples that fit into the chunk being filled, each after the viewers' messages of its time."""
+        """Append samples that fit into the current chunk, each after the messages for viewers of its time."""
         between = {
             row: [self._numbered(message) for message in shown[time]]
             for row, time in enumerate(nanoseconds.tolist())
@@ -219,20 +219,20 @@ class LogWriter:
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
-            raise LogError(f"samples for topics {sorted(values)}: log {self.path} takes {sorted(topics)}, all of them")
+            raise LogError(f"samples have the topics {sorted(values)}; log {self.path} requires {sorted(topics)}")
         if time.ndim != 1:
-            raise LogError(f"time of samples has shape {time.shape}: give shape (k,)")
+            raise LogError(f"the times of samples have shape {time.shape}; it must be (k,)")
         for group in self._groups:
             if values[group.topic].shape != (time.size, len(group.units)):
                 raise LogError(
-                    f"samples of {group.topic} have shape {values[group.topic].shape}: "
-                    f"give ({time.size}, {len(group.units)}), one row for each time"
+                    f"samples of {group.topic} have shape {values[group.topic].shape}; it must be "
+                    f"({time.size}, {len(group.units)}), a row for each time"
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
-            raise LogError(f"times of samples after {self._last} s are not finite, not negative and increasing")
+            raise LogError(f"times of samples must be finite, not negative and increasing, after {self._last} s")
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
-        """Write what comes after the samples, and let the log take its name."""
+        """Write the end of the log and rename it."""
         end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
         try:
             _attach(self._mcap, attachments)
@@ -254,27 +254,29 @@ class LogWriter:
         if self._place.hidden:
             self._abandon()
             return LogError(
-                f"cannot write log {self._place.path}: {reason(problem)}; make room or choose another folder"
+                f"cannot write log {self._place.path}: {reason(problem)}; free space or choose another folder"
             )
         self._open = False
         self._place.leave()
         return LogError(
-            f"cannot write log {self.path}: {reason(problem)}; its first {self._on_disk} samples are on disk and can "
-            "be read; make room or choose another folder, then run again"
+            f"cannot write log {self.path}: {reason(problem)}; its first {self._on_disk} samples are on disk and "
+            "readable; free space or choose another folder, then run again"
         )
 
 
 def write(run: Run, path: str | os.PathLike[str], viewer: Viewer | None = None, *, force: bool = False) -> None:
-    """Write a run as a log, whole: every topic, the provenance and every attachment. The file appears once it is whole.
+    """Write an entire run as a log: all topics, the provenance and all attachments.
+
+    The file appears when it is complete.
 
     Parameters
     ----------
     run
-        From memory, or from a log, cut or not: one that is not complete stays so, and its note says how far it goes.
+        Run from memory or from a log; an incomplete run stays incomplete, with its note.
     path
-        File to write. Refused if it exists, unless `force`.
+        File to write. It must not exist, unless `force`.
     viewer
-        What makes the viewers' messages from the columns; without it the log has none.
+        Source of the messages for viewers; without it the log has none.
     force
         Whether to replace an existing log.
 
@@ -295,7 +297,7 @@ def _started(
     first: Metadata,
     attachments: Mapping[str, bytes],
 ) -> tuple[LogFile, BlockWriter]:
-    """Open the log and write what comes before the samples; leave no trace if that fails."""
+    """Open the log and write everything before the samples; leave no file if that fails."""
     place = LogFile(path, force, hidden)
     try:
         return place, _begun(place.stream, first, attachments)
@@ -307,7 +309,7 @@ def _started(
 
 
 def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> BlockWriter:
-    """Write metadata and attachments, and see them leave for the disk."""
+    """Write metadata and attachments to the disk."""
     mcap = BlockWriter(stream, PACKAGE)
     for name, entries in first.items():
         mcap.add_metadata(name, dict(entries))
@@ -317,7 +319,7 @@ def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) 
 
 
 def _attach(mcap: BlockWriter, attachments: Mapping[str, bytes]) -> None:
-    """Write files that are kept with the run: name -> content."""
+    """Write attachments, contents by name."""
     for name, content in attachments.items():
         mcap.add_attachment(storable(name), _media_type(name), content)
 
@@ -327,20 +329,20 @@ def _media_type(name: str) -> str:
 
 
 def _viewer_channels(mcap: BlockWriter, viewer: Viewer) -> dict[str, int]:
-    """Add the viewer's topics; give the channel of each."""
+    """Add the topics of a viewer and return their channels."""
     schemas = {name: mcap.add_schema(name, schema) for name, schema in viewer.schemas.values()}
     metadata = {RATE: repr(viewer.rate)}
     return {topic: mcap.add_channel(topic, schemas[name], metadata) for topic, (name, _) in viewer.schemas.items()}
 
 
 def _checked(groups: Groups) -> list[ColumnGroup]:
-    """List the groups in order; raise LogError if there is none or a column occurs twice."""
+    """Return the groups in order; raise LogError if there is none or a column occurs twice."""
     if not groups:
-        raise LogError("a log needs at least one group of columns: give {'/topic': [(column, unit), ...]}")
+        raise LogError("a log needs at least one group of columns: {'/topic': [(column, unit), ...]}")
     seen: dict[str, str] = {}
     for topic, columns in groups.items():
         for name in columns if isinstance(columns, Mapping) else [name for name, _ in columns]:
             if name in seen:
-                raise LogError(f"column {name!r} of {topic} is in {seen[name]} too: give each column its own name")
+                raise LogError(f"column {name!r} occurs in {topic} and in {seen[name]}: column names must be unique")
             seen[name] = topic
     return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]

@@ -48,14 +48,14 @@ def test_files_that_belong_together_are_replaced_together(tmp_path):
     with disk_of(1000), pytest.raises(CycloidError, match="cannot write"):
         write_whole({tmp_path / "a": b"new", tmp_path / "b": bytes(5000), tmp_path / "c": b"new"})
     (tmp_path / "folder").mkdir()
-    with pytest.raises(CycloidError, match="folder: it is no regular file"):
+    with pytest.raises(CycloidError, match="folder: it is not a regular file"):
         write_whole({tmp_path / "a": b"new", tmp_path / "folder": b"new"})
     assert contents(tmp_path) == {"a": b"old", "b": b"old", "c": b"old"}
 
 
 def test_messages_name_files_as_they_were_given(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(CycloidError, match=r"^cannot write \.: it is no regular file"):
+    with pytest.raises(CycloidError, match=r"^cannot write \.: it is not a regular file"):
         write_whole({Path("."): b"new"})
     with pytest.raises(CycloidError, match=r"^cannot write none/a: No such file"):
         write_whole({Path("none/a"): b"new"})

@@ -75,7 +75,7 @@ def test_info_tells_what_a_log_holds(path, cut):
     code, out, _ = told("log", "info", cut, "--json")
     assert (code, json.loads(out)["whole"]) == (0, False)
     assert json.loads(out)["note"] == read(cut).note
-    assert "not complete: the log was cut" in told("log", "info", cut)[1]
+    assert "not complete: the log is truncated" in told("log", "info", cut)[1]
 
 
 def test_columns_lists_names_and_units(path):
@@ -101,7 +101,7 @@ def test_csv_has_every_digit(path, cut, tmp_path):
     assert (header, len(others)) == ("time,gear_speed,gear_x", 799)
     assert [float(word) for word in first.split(",")] == [run.time[0], run["gear_speed"][0], run["gear_x"][0]]
     code, out, err = told("log", "csv", cut, "--columns", "gear_x")
-    assert err.startswith("note: the run did not reach its end: the log was cut")
+    assert err.startswith("note: the run did not reach its end: the log is truncated")
     assert len(out.splitlines()) == len(read(cut)) + 1
     assert told("log", "csv", cut, "--out", target, "--force", "--quiet") == (0, "", "")
     assert len(target.read_text().splitlines()) == len(read(cut)) + 1
@@ -200,7 +200,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert "(10, 3) mm" in page
     code, out, err = told("report", cut, path)
     assert (code, out) == (0, f"{cut.with_suffix('.html')}\n")
-    assert f"warning: {cut.stem}: the run is incomplete: the log was cut" in err
+    assert f"warning: {cut.stem}: the run is incomplete: the log is truncated" in err
     assert "stopped early" in cut.with_suffix(".html").read_text(encoding="utf-8")
     assert rejected("report") == (2, "no log is given: cycloid-mj report RUN.mcap...")
     assert rejected("report", path, path) == (2, "a log is given twice: give each once")

@@ -349,7 +349,7 @@ def test_one_wrong_bit_in_each_chunk_is_found(log, tmp_path):
 
 @pytest.mark.parametrize(
     ("where", "end", "message"),
-    [(b"Hsieh", None, "data do not have the CRC"), (b"lobes = 35", None, "CRC"), (b"lobes = 35", -1, "CRC is wrong")],
+    [(b"Hsieh", None, "CRC of its data is wrong"), (b"lobes = 35", None, "CRC"), (b"lobes = 35", -1, "CRC is wrong")],
 )
 def test_one_wrong_bit_in_provenance_and_attachments_is_found(where, end, message, log, tmp_path):
     damaged = bytearray(log.read_bytes())
@@ -364,7 +364,7 @@ def test_wrong_length_in_a_file_that_has_its_end_is_no_cut(log, tmp_path):
     place = chunks_of(log)[5].chunk_start_offset
     damaged[place + 8] = 1
     (tmp_path / "damaged.mcap").write_bytes(damaged)
-    with pytest.raises(LogError, match=f"corrupt: no record can be read at byte {place} of {len(damaged)}"):
+    with pytest.raises(LogError, match=f"corrupt: there is no valid record at byte {place} of {len(damaged)}"):
         read(tmp_path / "damaged.mcap")
     (tmp_path / "damaged.mcap").write_bytes(damaged[:-1])
     assert len(read(tmp_path / "damaged.mcap")) == 50
@@ -460,19 +460,19 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
         "foreign": (on("metadata", lambda _: None), "not a log of cycloid_mj"),
         "version": (
             on("metadata", lambda f: f | {"data": {"format": "2"}} if f["name"] == "cycloid_mj" else f),
-            "has format '2', this program reads '1'",
+            "has format '2', this version reads '1'",
         ),
-        "keys": (sample(40, lambda f: f | {"data": b"\x11" + f["data"][1:]}), "other fields than its schema"),
+        "keys": (sample(40, lambda f: f | {"data": b"\x11" + f["data"][1:]}), "other fields than their schema"),
         "length": (sample(40, lambda f: f | {"data": f["data"] + b"\0"}), "/reducer differ in length"),
-        "lengths": (on("message", lambda f: f | {"data": f["data"] + b"\0"}), "37 bytes, its schema 36"),
+        "lengths": (on("message", lambda f: f | {"data": f["data"] + b"\0"}), "37 bytes, their schema 36"),
         "missing": (sample(40, lambda _: None), "missing or out of order"),
         "order": (sample(40, lambda f: f | {"sequence": 41}), "missing or out of order"),
-        "last": (on("message", lambda f: f if f["sequence"] < 94 else None), "says it has 95 samples, but has 94"),
+        "last": (on("message", lambda f: f if f["sequence"] < 94 else None), "should have 95 samples and has 94"),
         "count": (
             on("metadata", lambda f: None if f["name"] == "cycloid_mj.end" else f),
-            "says it has None samples, but has 95",
+            "should have None samples and has 95",
         ),
-        "times": (sample(40, retimed), "not sampled at the same times"),
+        "times": (sample(40, retimed), "the sampling times of its topics differ"),
         "backward": (
             on("message", lambda f: retimed(f) if f["sequence"] == 40 else f),
             "time of a run goes from 7.5 s",
@@ -493,9 +493,9 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
                 if kind == "message"
                 else f
             ),
-            "a column is in two groups",
+            "a column occurs in two topics",
         ),
-        "no channel": (on("channel", lambda f: f | {"metadata": {}}), "holds no samples"),
+        "no channel": (on("channel", lambda f: f | {"metadata": {}}), "contains no samples"),
     }
 
 
@@ -519,8 +519,8 @@ def test_files_that_are_no_logs(log, truth, tmp_path):
         "no/run.mcap": "there is no folder .*no either",
         "empty.mcap": "is empty",
         "text.mcap": "is not an MCAP file",
-        "pipe.mcap": "is no regular file",
-        "nothing.mcap": "holds no samples",
+        "pipe.mcap": "is not a regular file",
+        "nothing.mcap": "contains no samples",
         "x" * 300: "cannot read log|no log",
         ".": "is a folder",
     }
@@ -536,7 +536,7 @@ def test_existing_log_is_kept_unless_forced(truth, tmp_path):
     path = tmp_path / "run.mcap"
     write(path, truth.select(slice(0, 20)))
     before = path.read_bytes()
-    with pytest.raises(LogError, match=r"run\.mcap exists already: .*--force"):
+    with pytest.raises(LogError, match=r"run\.mcap already exists: .*--force"):
         LogWriter(path, GROUPS)
     assert path.read_bytes() == before
     write(path, truth, force=True)
@@ -571,8 +571,8 @@ def test_log_can_be_read_while_it_is_written(truth, tmp_path):
 def test_places_where_no_log_can_be_written(tmp_path):
     (tmp_path / "file").write_text("x")
     os.mkfifo(tmp_path / "pipe")
-    places = {"file/run.mcap": "Not a directory", "no/run.mcap": "No such file", ".": "no regular file"}
-    for name, message in (places | {"pipe": "no regular file"}).items():
+    places = {"file/run.mcap": "Not a directory", "no/run.mcap": "No such file", ".": "not a regular file"}
+    for name, message in (places | {"pipe": "not a regular file"}).items():
         for force in (False, True):
             with pytest.raises(LogError, match=message):
                 LogWriter(tmp_path / name, GROUPS, force=force)
@@ -632,15 +632,15 @@ def test_close_says_why_a_run_ended(truth, tmp_path):
     assert (run.note, run.complete) == ("jumped tooth of pin \\udc80", False)
     assert run.provenance["command"] == "x \\udcff"
     path.write_bytes(path.read_bytes()[:-1])
-    assert read(path).note.startswith("jumped tooth of pin \\udc80; the log was cut: 95 samples")
+    assert read(path).note.startswith("jumped tooth of pin \\udc80; the log is truncated: 95 samples")
 
 
 @pytest.mark.parametrize(
     ("groups", "message"),
     [
         ({}, "at least one group"),
-        ({"/a": [("x", "1")], "/b": [("x", "1")]}, "'x' of /b is in /a too"),
-        ({"/a": [("x", "1"), ("x", "N")]}, "'x' of /a is in /a too"),
+        ({"/a": [("x", "1")], "/b": [("x", "1")]}, "'x' occurs in /b and in /a"),
+        ({"/a": [("x", "1"), ("x", "N")]}, "'x' occurs in /a and in /a"),
         ({"/a": [("time", "s")]}, "'time'"),
         ({"/a": [("gearAngle", "rad")]}, "snake_case"),
         ({"reducer": [("x", "1")]}, "topic 'reducer'"),
@@ -656,14 +656,14 @@ def test_names_that_a_log_refuses(groups, message, tmp_path):
 @pytest.mark.parametrize(
     ("time", "shapes", "message"),
     [
-        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\]: log .* takes \['/a', '/b'\]"),
-        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\): give \(2, 2\)"),
-        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\): give \(2, 1\)"),
+        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\]; log .* requires \['/a', '/b'\]"),
+        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\); it must be \(2, 2\)"),
+        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\); it must be \(2, 1\)"),
         ([[1.0, 2.0]], {"/a": (2, 1), "/b": (2, 2)}, r"shape \(1, 2\)"),
         ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "increasing"),
         ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "after 0.5 s"),
         ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "not negative"),
-        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "not finite"),
+        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "must be finite"),
     ],
 )
 def test_samples_that_a_log_refuses_leave_it_unharmed(time, shapes, message, tmp_path):

@@ -88,7 +88,7 @@ def test_log_that_another_run_writes_or_replaces_is_not_replaced(old, tmp_path):
         write(log, 0, 5)
         with pytest.raises(LogError, match=r"another run is writing log .*new\.mcap"):
             LogWriter(tmp_path / "new.mcap", GROUPS, force=True)
-        with pytest.raises(LogTakenError, match="exists already"):
+        with pytest.raises(LogTakenError, match="already exists"):
             LogWriter(tmp_path / "new.mcap", GROUPS)
     assert names(tmp_path) == ["new.mcap", "run.mcap"]
     assert (len(read(old)), len(read(tmp_path / "new.mcap"))) == (7, 5)
@@ -105,7 +105,7 @@ def test_log_written_anew_appears_whole_or_not_at_all(old, tmp_path):
     with LogWriter(new, GROUPS, hidden=True) as log:
         write(log, 0, 5)
         write_log(new, 2)  # meanwhile
-        with pytest.raises(LogTakenError, match="exists already"):
+        with pytest.raises(LogTakenError, match="already exists"):
             log.close()
     assert names(tmp_path) == ["new.mcap", "run.mcap"]
     assert len(read(new)) == 2

@@ -347,7 +347,7 @@ def test_what_cannot_be_written_is_said(drawn, tmp_path):
         save(some, tmp_path / "file" / "folder")
     assert isinstance(caught.value, CycloidError)
     (tmp_path / "input.png").mkdir()
-    with pytest.raises(CycloidError, match=r"cannot write .*input\.png: it is no regular file"):
+    with pytest.raises(CycloidError, match=r"cannot write .*input\.png: it is not a regular file"):
         save(some, tmp_path)
 
 

@@ -303,7 +303,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
         assert not (tmp_path / "a.html").exists()
         assert beside.suffix == ".html"
     assert (tmp_path / "a.html").read_text() == "new"
-    with pytest.raises(CycloidError, match="it is no regular file"), whole_file(tmp_path):
+    with pytest.raises(CycloidError, match="it is not a regular file"), whole_file(tmp_path):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
 

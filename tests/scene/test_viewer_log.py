@@ -319,7 +319,7 @@ def test_cut_log_keeps_scene_and_samples_of_its_whole_chunks(small, tmp_path):
         found = load(path)
         count = len(found.run)
         assert found.run["gear_x"].tobytes() == small["gear_x"][:count].tobytes()
-        assert "the log was cut" in found.run.note
+        assert "the log is truncated" in found.run.note
         assert found.viewers[PARTS].messages == 1
         assert found.viewers[FRAMES].messages == -(-count // 10)
         target = tmp_path / "repaired.mcap"
@@ -386,7 +386,7 @@ for number in range(20):
     for number, count in enumerate(samples):
         path = tmp_path / f"{number}.mcap"
         if count == 0:
-            with pytest.raises(LogError, match=r"holds no samples|is empty"):
+            with pytest.raises(LogError, match=r"contains no samples|is empty"):
                 read(path)
             continue
         run = read(path)
