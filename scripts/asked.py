@@ -135,6 +135,12 @@ def over(words: tuple[str, ...], dear: tuple[str, ...], cheap: tuple[str, ...]) 
     return cpu(*words, *dear) / cpu(*words, *cheap)
 
 
+def marginal_second(*words: str) -> float:
+    """CPU time of an additional simulated second of a command [s]: a run of 3 s compared with a run of 1 s."""
+    long, short = (cpu(*words, "--hold-s", hold) for hold in ("3", "1"))
+    return 0.5 * (long - short)
+
+
 def sample_cost(design: Design) -> float:
     """CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
     reducer = Reducer(design)
@@ -169,6 +175,8 @@ def seconds(name: str, asked: float, *words: str) -> Demand:
 
 
 COMPARED = ("compare", "pin", "nonpin", "--quiet")
+AT_TEN_KILOHERTZ = ("--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
+SHORT_RUN = ("simulate", "--solver", "planar", "--ramp-s", "0", "--hold-s", "0.01")
 TEN_SECONDS = ("--hold-s", "10", "--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
 
 DEMANDS = (
@@ -181,6 +189,13 @@ DEMANDS = (
     seconds("statics", 0.9, "statics"),
     Demand("statics, the first", 7.0, "s", lambda: first(*of_pin("statics")).cpu),
     seconds("simulate, planar", 6.0, "simulate", "--solver", "planar"),
+    seconds("simulate, planar, start and end", 1.5, *SHORT_RUN),
+    Demand(
+        "simulate, planar, a second at 10 kHz",
+        0.8,
+        "s",
+        partial(marginal_second, *of_pin("simulate", "--solver", "planar", *AT_TEN_KILOHERTZ)),
+    ),
     seconds("simulate", 19.0, "simulate"),
     Demand("all seven measures", 25.0, "s", measures),
     seconds("backlash, 54 sleeved pins", 10.0, "measure", "backlash", "--quick", *flags(SLEEVED)),
