@@ -157,8 +157,8 @@ def _ratios(rows: list[dict[str, Any]]) -> str:
         )
         lines.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times as long for {name}")
     return (
-        f"A step takes {' and '.join(lines)} with mesh contact. A simulated second\n"
-        "takes half of that factor, with steps of 2 us instead of 1 us."
+        f"A step takes {' and '.join(lines)} with mesh contact.\n"
+        "A simulated second takes half of that factor, with steps of 2 us instead of 1 us."
     )
 
 

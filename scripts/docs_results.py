@@ -109,7 +109,7 @@ def tally(content: Mapping[str, Any]) -> str:
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if content["quick"] else "cycloid-mj reproduce"
-    return f"`{command}` compares {len(claims)} claims of the paper with the model: {counts}."
+    return f"`{command}` compares {len(claims)} claims of the paper with the model:\n{counts}."
 
 
 def claim_rows(content: Mapping[str, Any]) -> list[tuple[str, ...]]:
