@@ -188,9 +188,9 @@ def solver_parameters(law: ContactParameters, inverse_weight: float, impratio: f
     impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), LEAST_IMPEDANCE)
     if not impedance <= high:
         raise ContactError(
-            f"a contact of stiffness {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at this "
-            f"time step, {law.added_mass * inverse_weight:.3g} times that of its bodies; MuJoCo allows "
-            f"{high / (1.0 - high):.3g} times: shorten settings.timestep_us or lower the contact's stiffness"
+            f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
+            f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies; MuJoCo allows up to "
+            f"{high / (1.0 - high):.3g} times: shorten settings.timestep_us or lower the stiffness of the contact"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance

@@ -13,8 +13,8 @@ WITHOUT = {"free": "massless", "sleeved": "massless_sleeved"}
 """``ring.pins`` of pins that move -> the same without their inertia."""
 
 ASSUMPTION = (
-    "pins (or their sleeves) without inertia: one contact of gear and housing through each, with both plays and both "
-    "compliances; what gear, pin and seat lose stands under pin_gear"
+    "pins (or their sleeves) are massless: each is one contact of disc and housing with both clearances and both "
+    "compliances; the losses at disc, pin and seat are all listed under pin_gear"
 )
 
 
@@ -42,8 +42,8 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
     if design.ring.has_massless_pins:
         others = {ours: real for real, ours in WITHOUT.items()}
         raise DesignError(
-            f'{design.name}: ring.pins = "{design.ring.pins}" tells loaded means alone, not {what}: '
-            f'set ring.pins = "{others[design.ring.pins]}"'
+            f'{design.name}: ring.pins = "{design.ring.pins}" is valid for mean values under load only and does not '
+            f'support {what}: set ring.pins = "{others[design.ring.pins]}"'
         )
 
 
@@ -54,6 +54,6 @@ def idle(reducer: Reducer) -> tuple[str, ...]:
     if not design.ring.has_massless_pins or abs(design.load.torque) > least:
         return ()
     return (
-        f"load.torque_nm = {design.load.torque:g} is less than the gear's own weight and inertia ask for, but massless "
-        f"pins hold under load alone: raise it to more than {least:.3g}, or set ring.pins to free, sleeved",
+        f"load.torque_nm = {design.load.torque:g} is too small for massless pins, which are valid under load only: "
+        f"weight and inertia of the disc outweigh it; raise it above {least:.3g}, or set ring.pins to free or sleeved",
     )

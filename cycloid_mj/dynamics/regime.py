@@ -42,8 +42,8 @@ Two discs with 0.35 um of play at 15 000 and 30 000 rpm, friction of the teeth 0
 the planar solver at 0.5 us: efficiency and mean transmission error differ by up to four times this number.
 """
 
-_WHOLE = "lower it, or set it to 0, which chooses it by the sliding speed"
-"""What makes friction whole."""
+_CREEP_REMEDY = "lower it, or set it to 0 to derive it from the sliding speed"
+"""Remedy for friction that is not fully developed."""
 
 RAISED = 0.01
 """Share of the effective mass by which MuJoCo may raise an added mass without a word."""
@@ -111,10 +111,9 @@ def _few_steps(reducer: Reducer, passing: float, fewest: float) -> Iterator[str]
     step, longest = timestep(reducer), passing_limit(reducer, fewest)
     if step > longest * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * step:g}: the crank turns by "
-            f"{math.degrees(abs(reducer.design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
-            f"{1.0 / (passing * step):.3g} steps: forces and ripple are wrong, peaks are cut; shorten it to "
-            f"{_below(1e6 * longest)} or lower drive.speed_rpm"
+            f"settings.timestep_us = {1e6 * step:g}: a tooth passes in only {1.0 / (passing * step):.3g} time steps "
+            f"({math.degrees(abs(reducer.design.drive.speed)) * step:.3g} deg of crank rotation per step), so forces "
+            f"and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * longest)} or lower drive.speed_rpm"
         )
 
 
@@ -124,9 +123,9 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
     rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), FEWEST_SAMPLES * passing
     if rate < least * (1.0 - 1e-9):
         yield (
-            f"settings.log_rate_hz = {design.settings.log_rate:g} gives {rate / passing:.2g} samples of each passing "
-            f"tooth ({passing:.4g} a second): transmission error, peaks and rms may read too low; raise it to "
-            f"{_above(least)} or more, or lower drive.speed_rpm"
+            f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / passing:.2g} samples per passing tooth "
+            f"({passing:.4g} teeth per second), so transmission error, peaks and rms values may be too low; raise it "
+            f"to {_above(least)} or more, or lower drive.speed_rpm"
         )
 
 
@@ -135,9 +134,9 @@ def creeping(reducer: Reducer) -> Iterator[str]:
     lacking, of_output = lacking_friction(reducer)
     if of_output > CREEPING:
         yield (
-            f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for whole "
-            f"friction at this crank speed and load; losses of teeth and output read about {lacking:.0%} too low, the "
-            f"efficiency {100.0 * of_output:.2g} points too high; {_WHOLE}"
+            f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for full "
+            f"friction at this crank speed and load; the losses of teeth and output are about {lacking:.0%} too low "
+            f"and the efficiency is {100.0 * of_output:.2g} percentage points too high; {_CREEP_REMEDY}"
         )
 
 
@@ -147,13 +146,13 @@ def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
     for name, reducer in runs.items():
         lacking, of_output = lacking_friction(reducer)
         if of_output > CREEPING:
-            groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} points", []).append(name)
+            groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} percentage points", []).append(name)
     if groups:
         slow = sum(len(names) for names in groups.values())
         shares = "; ".join(f"{share} ({', '.join(names)})" for share, names in groups.items())
         yield (
-            f"contact.creep_speed_mm_s: parts slide too slowly for whole friction in {slow} of {len(runs)} runs; "
-            f"losses of teeth and output read too low, the efficiency too high, by about {shares}; {_WHOLE}"
+            f"contact.creep_speed_mm_s: parts slide too slowly for full friction in {slow} of {len(runs)} runs; losses "
+            f"of teeth and output are too low and the efficiency is too high, by about {shares}; {_CREEP_REMEDY}"
         )
 
 
@@ -168,7 +167,7 @@ def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
         if step > longest * (1.0 + 1e-9):
             yield (
                 f"settings.timestep_us = {1e6 * step:g} is too long for the rolling of {what}: speeds and losses are "
-                f"wrong; shorten it to {_below(1e6 * longest)} or leave it 0"
+                f"wrong; shorten it to {_below(1e6 * longest)}, or set it to 0 for the automatic choice"
             )
 
 
@@ -178,8 +177,8 @@ def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float
     if ratio > most * (1.0 + 1e-9):
         longest = step * math.sqrt(most / ratio)
         yield (
-            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too large for a step of {1e6 * step:g} us: K dt^2/m = "
-            f"{ratio:.3g}, and the figures hold up to {most:g}; shorten settings.timestep_us to "
+            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * step:g} us: results "
+            f"are valid up to K dt^2/m = {most:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
             f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
         )
 
@@ -190,8 +189,8 @@ def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     kind = max(lead, key=lambda one: lead[one], default="")
     if kind and lead[kind] > MOST_LEAD:
         yield (
-            f"{kind}: friction leads its sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of the crank's turn "
-            f"at this speed and working force: losses read too low; shorten settings.timestep_us to "
+            f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of crank rotation at "
+            f"this speed and working force, so losses are too low; shorten settings.timestep_us to "
             f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / lead[kind])}"
         )
 
@@ -219,7 +218,7 @@ def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
         longest = min(longest, step * math.sqrt(MOST_LAG / lag))
     if step > longest * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * step:g} is too long for discs that circle at this crank speed: mean "
+            f"settings.timestep_us = {1e6 * step:g} is too long for discs that orbit at this crank speed: mean "
             f"transmission error and efficiency may be wrong by more than 0.3 %; shorten it to {_below(1e6 * longest)} "
             "or lower drive.speed_rpm"
         )
@@ -229,7 +228,7 @@ def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
     clearance, least = getattr(reducer.design.clearance, kind), NOISE * reducer.design.ring.pin_circle_radius
     if clearance < least:
         yield (
-            f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gaps; "
+            f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gap computation; "
             f"raise it to {_above(1e6 * least)} or more"
         )
 
@@ -244,9 +243,9 @@ def _clamped(compiled: Compiled) -> Iterator[str]:
         least = LEAST_IMPEDANCE / (1.0 - LEAST_IMPEDANCE) / float(weight)
         if least - law.added_mass > RAISED * law.effective_mass:
             yield (
-                f"{kind}: MuJoCo's least impedance, {LEAST_IMPEDANCE:g}, raises the added mass from "
-                f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of what moves on it; "
-                f"heavier parts or fewer contacts (ring.teeth, output.pins) avoid it"
+                f"{kind}: MuJoCo's minimum impedance, {LEAST_IMPEDANCE:g}, raises the added mass of this contact from "
+                f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of the mass that moves on "
+                f"it; use heavier parts or fewer contacts (ring.teeth, output.pins)"
             )
 
 
@@ -270,10 +269,11 @@ def bent_pins(reducer: Reducer) -> Iterator[str]:
         reach, softness = float(surplus[other, disc]), float(gives[other] - beyond[other, disc])
         moved = min(reach / (softness * force), 1.0) if softness > 0.0 else 1.0
         yield (
-            f"output pins bend: where gear {disc + 1} bears {force:.3g} N, they reach gear {other + 1}'s holes from "
-            f"behind, by {1e6 * reach:.3g} um. A run leaves that out, which moves up to about {moved:.1%} of the load "
-            "from disc to disc: its shares of discs and its wind-up are not those of statics (`measure loads`); "
-            'stiffen the pins by output.support = "both_ends", output.rollers = false or output.core_radius_mm'
+            f"output pins bend: when disc {disc + 1} carries {force:.3g} N, they press on the back of the holes of "
+            f"disc {other + 1}, by {1e6 * reach:.3g} um. Runs neglect this contact, which moves up to {moved:.1%} of "
+            "the load from disc to disc, so their load shares and wind-up differ from those of statics (`measure "
+            'loads`); stiffen the pins: output.support = "both_ends", output.rollers = false or a larger '
+            "output.core_radius_mm"
         )
 
 
@@ -285,9 +285,7 @@ def _unused(reducer: Reducer) -> Iterator[str]:
     for kind, (change, rolls) in rolling.items():
         value = getattr(design.friction, kind)
         if rolls and value not in (0.0, getattr(Friction(), kind)):
-            yield (
-                f"friction.{kind} = {value:g} has no effect where rollers run: set friction.{kind}_rolling, or {change}"
-            )
+            yield (f"friction.{kind} = {value:g} has no effect with rollers: set friction.{kind}_rolling, or {change}")
 
 
 def _below(number: float) -> str:

@@ -75,8 +75,9 @@ MOST_STEPS = 10**9
 """A run of more steps would take a day and more; it is a slip of a value."""
 
 MESH_SWAYS = (
-    "by mesh contact means hold (within 3 % of exact profiles), but the rms of the gear's speed, of forces and of "
-    "accelerations is that of slices too, idle up to ten times the profiles': take --contact profile for these"
+    "with mesh contact, mean values are valid (within 3 % of exact profiles), but rms values of disc speed, forces and "
+    "accelerations include the ripple of the slices, up to ten times the exact value at idle; use --contact profile "
+    "for rms values"
 )
 """What a run by convex slices does not tell."""
 
@@ -171,7 +172,7 @@ def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", he
     if solver == "mujoco":
         return build(reducer.design, held) if contact == "profile" else reducer_model(reducer, contact)
     if contact == "mesh":
-        raise UsageError("the planar solver takes exact profiles alone: leave out --contact mesh, or --solver planar")
+        raise UsageError("the planar solver supports exact profiles only: use --contact profile, or --solver mujoco")
     return planar_model(reducer, held)
 
 
@@ -420,7 +421,7 @@ def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedu
 
     def warning() -> str:
         first = int(np.argmax(data.warning.number > 0))
-        return f"MuJoCo warned: {mujoco.mju_warningText(first, data.warning[first].lastinfo)}"
+        return f"MuJoCo issued a warning: {mujoco.mju_warningText(first, data.warning[first].lastinfo)}"
 
     return _Stepping(steps, warning, compiled.model.opt.iterations)
 
@@ -485,7 +486,7 @@ class _Recorder:
         seen = rows[:, self.steps.copied]
         _, depth, _, iterations, moving, warnings = rows[:, self.steps.solver].T
         sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
-        unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
+        unsound = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
         yield ~sound, lambda sample: unsound
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
@@ -493,18 +494,18 @@ class _Recorder:
         lost, pressed = pairs[:, :, 4].sum(axis=1), pairs[:, :, 5].sum(axis=1)
         taken = means_of_last(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
-        yield taken > self._jamming, partial(self._jam, "friction takes", taken)
+        yield taken > self._jamming, partial(self._jam, "friction dissipates", taken)
         # parts that wedge take the crank's power into their give; a step that is too long makes power instead
         wedged = lost + np.maximum(pressed, 0.0)
         yield (
             (wedged > self._jamming) & (depth > self._deepest),
-            partial(self._jam, "friction and wedging take", wedged),
+            partial(self._jam, "friction and wedging dissipate", wedged),
         )
         yield (
             depth > self._deepest,
             lambda sample: (
-                f"a contact is {depth[sample] * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
-                f"{self._deepest * 1e6:g}; shorten settings.timestep_us or lower the load"
+                f"a contact penetrates by {depth[sample] * 1e6:.1f} um, more than contact.max_penetration_um = "
+                f"{self._deepest * 1e6:g}; shorten settings.timestep_us or reduce the load"
             ),
         )
         yield (
@@ -520,14 +521,14 @@ class _Recorder:
                 (away > self._design.ring.pin_radius).any(axis=1),
                 lambda sample: (
                     f"pin {np.argmax(away[sample]) + 1} left its socket: it is {1e3 * away[sample].max():.3g} mm from "
-                    'its place; see the check pin_held of the design, or set ring.socket = "closed"'
+                    'its seat; see the design check pin_held, or set ring.socket = "closed"'
                 ),
             )
         lobes = self._design.lobes
         ring, _ = self._reducer.member.ring_and_carrier(seen[:, self._output])
         for number, gear in enumerate(self._gears, start=1):
             error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
-            which = f"gear {number}" if len(self._gears) > 1 else "the gear"
+            which = f"disc {number}" if len(self._gears) > 1 else "the disc"
             yield (
                 np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
                 partial(_jumped, which, error),
@@ -537,14 +538,14 @@ class _Recorder:
         """Tell of a jam and of what takes the power: in the mean of a mesh, or where contacts are pressed too deep."""
         drive = self._design.drive
         return (
-            f"the drive jams: {what} {lost[sample]:.3g} W, {lost[sample] / abs(drive.speed):.3g} N m at a "
-            f"crank rated at {drive.torque:.3g} N m; teeth with this friction lock themselves, or parts interfere: "
-            "lower friction.*, or check clearances and errors"
+            f"the drive jams: {what} {lost[sample]:.3g} W, which takes {lost[sample] / abs(drive.speed):.3g} N m at "
+            f"the crank (rated torque {drive.torque:.3g} N m). Either the teeth are self-locking with this friction, "
+            "or parts interfere: reduce friction.*, or check clearances and errors"
         )
 
 
 def _jumped(which: str, error: Array, sample: int) -> str:
     return (
-        f"{which} jumped a tooth: it is {math.degrees(error[sample]):.3f} deg from where the crank puts it; "
-        "check clearances and load"
+        f"{which} skipped a tooth: it is {math.degrees(error[sample]):.3f} deg away from the angle that the crank "
+        "dictates; check clearances and load"
     )

@@ -91,14 +91,14 @@ def chosen(reducer: Reducer) -> Step:
     timestep, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
     if timestep:
         return Step(timestep, "given")
-    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate}
+    allowed = {"largest allowed step": LONGEST, "log rate": 1.0 / rate}
     return whole_in_samples(rate, allowed | limits(reducer))
 
 
 def whole_in_samples(rate: float, allowed: Mapping[str, float]) -> Step:
     """Choose the longest step that is `allowed` by reason [s], and whole times between samples at a `rate` [Hz]."""
     reason, longest = min(allowed.items(), key=lambda item: item[1])
-    return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
+    return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"automatic: {reason}")
 
 
 class StepAccuracy(NamedTuple):
@@ -110,9 +110,9 @@ class StepAccuracy(NamedTuple):
 
 
 ACCURACY = StepAccuracy(
-    "means within 0.1 %, peaks to peak within 3 %; rms of speeds within 15 %, as moving pins chatter",
-    "means within 0.2 %; no peaks and no rms of speeds, which the inertia of pins has its part in",
-    "means within 0.3 %, peaks to peak and rms of speeds within 2 %",
+    "mean values within 0.1 %, peak-to-peak values within 3 %, rms speeds within 15 % (moving pins chatter)",
+    "mean values within 0.2 %; peaks and rms speeds are not valid, because they depend on the inertia of the pins",
+    "mean values within 0.3 %, peak-to-peak values and rms speeds within 2 %",
 )
 """Against half the step, and a witness.
 
@@ -125,9 +125,9 @@ def held_figures(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
     """Tell for which figures the step of a design was chosen, and how near they are."""
     design = reducer.design
     if design.settings.timestep:
-        return "given: hold its figures against those of half of it"
+        return "given by the design; compare the results with those at half the step"
     if not design.load.torque:
-        return "spreads over independent starts alone: without a load motion in the play is chaotic"
+        return "ranges over independent starts only: without load, the motion within the clearances is chaotic"
     if design.ring.has_pin_bodies:
         return accuracy.moving
     return accuracy.massless if design.ring.has_massless_pins else accuracy.others
@@ -144,8 +144,8 @@ def limits(reducer: Reducer, followed: bool = False) -> dict[str, float]:
     }
     bounds |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
     if reducer.design.drive.speed:
-        bounds["the passing of teeth"] = passing_limit(reducer)
-        bounds["the circling of discs"] = circling_limit(reducer)
+        bounds["tooth passing"] = passing_limit(reducer)
+        bounds["orbit of the discs"] = circling_limit(reducer)
     return bounds
 
 
@@ -176,9 +176,9 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     """Map what rolls in its play under its working force to the longest step [s] that follows it."""
     design = reducer.design
     gear, _, pin = _masses(reducer)
-    bounds = {"the gear on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
+    bounds = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
     if design.ring.has_pin_bodies:
-        bounds["pins in their play"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
+        bounds["pins in their clearance"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
     return bounds
 
 

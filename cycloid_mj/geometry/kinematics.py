@@ -33,8 +33,8 @@ class CrankLaw:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.speed) and math.isfinite(self.ramp) and self.ramp >= 0):
             raise DesignError(
-                f"crank law has speed {self.speed} rad/s and ramp {self.ramp} s;"
-                " both must be finite and the ramp not negative: correct the drive"
+                f"crank speed {self.speed} rad/s with a ramp of {self.ramp} s is invalid: both must be finite, and the "
+                "ramp must not be negative; check drive.speed_rpm and drive.ramp_s"
             )
 
     def angle_at(self, time: npt.ArrayLike) -> Array:

@@ -41,17 +41,17 @@ class CycloidGear:
 
     def __post_init__(self) -> None:
         if self.ring_teeth < 3:
-            raise DesignError(f"ring_teeth is {self.ring_teeth}; at least 3 are needed: raise ring_teeth")
+            raise DesignError(f"ring_teeth = {self.ring_teeth} is too small: at least 3 ring teeth are required")
         for name in ("eccentricity", "pin_circle_radius", "pin_radius"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
-                raise DesignError(f"{name} is {value} m; it must be positive and finite: correct {name}")
+                raise DesignError(f"{name} = {value} m is invalid: it must be positive and finite")
         limit = self.pin_circle_radius / self.ring_teeth
         if self.eccentricity >= limit:
             raise DesignError(
-                f"eccentricity is {1e3 * self.eccentricity:.6g} mm, but must stay below pin_circle_radius / ring_teeth"
-                f" = {1e3 * limit:.6g} mm, or the outline crosses itself:"
-                " reduce eccentricity or ring_teeth, or enlarge pin_circle_radius"
+                f"eccentricity = {1e3 * self.eccentricity:.6g} mm is too large: from pin_circle_radius / ring_teeth = "
+                f"{1e3 * limit:.6g} mm on, the profile crosses itself; reduce eccentricity or ring_teeth, or increase "
+                "pin_circle_radius"
             )
 
     @property
@@ -300,8 +300,8 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(
-            f"pin_radius is {1e3 * rho:.6g} mm, but the gear is undercut from {1e3 * limit:.6g} mm on:"
-            " reduce pin_radius or eccentricity, or enlarge pin_circle_radius"
+            f"pin_radius = {1e3 * rho:.6g} mm is too large: from {1e3 * limit:.6g} mm on, the cycloid disc is "
+            "undercut; reduce pin_radius or eccentricity, or increase pin_circle_radius"
         )
 
 
@@ -315,7 +315,7 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     """
     require_no_undercut(gear, offset)
     if points < 3:
-        raise DesignError(f"{points} points do not make an outline; ask for at least 3")
+        raise DesignError(f"an outline of {points} points is not possible: at least 3 points are required")
     lobe, remainder = np.divmod(np.arange(points) * gear.lobes, points)
     lobe_angle = 2 * np.pi / gear.lobes
     within_lobe = solve_monotone(
@@ -377,7 +377,7 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
         If `chord_error` is below 1e-12 m (there, rounding takes over).
     """
     if not chord_error >= SMALLEST_CHORD_ERROR:
-        raise DesignError(f"chord_error is {chord_error} m; it must be at least {SMALLEST_CHORD_ERROR} m: enlarge it")
+        raise DesignError(f"chord_error = {chord_error} m is too small: it must be at least {SMALLEST_CHORD_ERROR} m")
     grid = np.linspace(low, high, SAGITTA_GRID)
     density = np.sqrt(np.abs(arc.turning_rate(grid) * arc.arc_rate(grid)))
     share = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])]) * (high - low) / (2 * (SAGITTA_GRID - 1))

@@ -317,8 +317,8 @@ class Contact:
         reference = constant - math.log(depth)
         if reference <= 1.0:
             raise ContactError(
-                f"{self._blamed} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact "
-                f"({force:g} N on one); lower it, or use a wider face or a stiffer material"
+                f"{self._blamed} is too large: a force of {force:g} N on one pin of radius {1e3 * depth:g} mm is "
+                "beyond the model of a line contact; reduce it, or use a larger gear.face_width_mm or stiffer material"
             )
         of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
         stated = of_teeth or design.contact.stiffness
@@ -432,8 +432,8 @@ class Contacts:
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",
             "load": f"ideal sharing of the load, {self.working_load:.4g} N m",
-            "preload": f"ideal sharing of the rated torque, {self.working_load:.4g} N m, as the ring is preloaded",
-            "weight and inertia": "the gear's own weight and inertia, as there is no larger load",
+            "preload": f"ideal sharing of the rated torque, {self.working_load:.4g} N m, because the ring is preloaded",
+            "weight and inertia": "weight and inertia of the disc, because there is no larger load",
         }[source]
 
 

@@ -155,10 +155,12 @@ def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
         at = f"at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
-                f"the halves of the ring press the gear {at}: rigid parts have no stops there; "
-                "loads of statics tell how far they give, or lower ring.preload_arcmin"
+                f"the two halves of the ring clamp the disc {at}: rigid parts have no free rotation there; use the "
+                "static loads, which include deflection, or lower ring.preload_arcmin"
             )
-        raise RunError(f"the gear jams {at}: its errors are larger than its clearances")
+        raise RunError(
+            f"the disc jams {at}: manufacturing errors exceed the clearances; increase clearance.* or reduce errors.*"
+        )
     turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * _SCALE / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * turns, axis=1)
 

@@ -54,9 +54,8 @@ def require_drawn(design: Design, what: str) -> None:
     """
     if design.ring.has_sockets and design.ring.socket == "closed":
         raise DesignError(
-            f'{design.name}: ring.socket = "closed" has no {what}: round the whole of its pins the ring would be in '
-            "the gear's way, so closed sockets stand for bores of end plates, which are not drawn; "
-            'set ring.socket = "half_open"'
+            f'{design.name}: ring.socket = "closed" does not support {what}: closed sockets represent bores in end '
+            'plates, which are not drawn; set ring.socket = "half_open"'
         )
 
 
@@ -71,6 +70,6 @@ def require_one_ring(reducer: "Reducer", what: str) -> None:
     design = reducer.design
     if design.ring.halves > 1:
         raise DesignError(
-            f"{design.name}: ring.halves = {design.ring.halves} has no {what}: set ring.halves = 1 and "
+            f"{design.name}: ring.halves = {design.ring.halves} does not support {what}: set ring.halves = 1 and "
             "ring.preload_arcmin = 0"
         )

@@ -77,7 +77,7 @@ def test_a_gear_a_quarter_of_a_lobe_off_has_jumped(design: Design, way: float, m
         list(run.blocks(compiled, Reducer(design)))
 
     off(0.24)
-    with pytest.raises(RunError, match="jumped a tooth"):
+    with pytest.raises(RunError, match="skipped a tooth"):
         off(0.26)
 
 

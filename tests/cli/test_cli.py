@@ -171,7 +171,7 @@ def test_json_of_a_run_has_the_fixed_keys(run):
     assert found["design"] == "pin"
     assert found["log"] == str(log)
     assert found["timestep_s"] == timestep(Reducer(PRESETS["pin"]))
-    assert found["timestep"] == "6.66667 us (chosen by the design: stiffness of pin_socket)"
+    assert found["timestep"] == "6.66667 us (automatic: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
     assert found["q_path"]["q_mm"] == [0.0, 26.0]
@@ -206,8 +206,8 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert (judging, drawing) == ("judging the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
-        "time step 6.66667 us (chosen by the design: stiffness of pin_socket), "
-        "for spreads over independent starts alone: without a load motion in the play is chaotic"
+        "time step 6.66667 us (automatic: stiffness of pin_socket), "
+        "for ranges over independent starts only: without load, the motion within the clearances is chaotic"
     )
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")

@@ -85,6 +85,6 @@ def test_a_run_tells_how_much_friction_is_not_whole(name: str, share: float, spe
     design = slow(name, share, speed, "settings.log_rate_hz=20000")
     assert pace(Reducer(design)) == ()
     (text,) = pace(Reducer(override(design, [TOO_SOFT])))
-    told = float(re.search(r"the efficiency ([\d.]+) points too high", text)[1])
+    told = float(re.search(r"the efficiency is ([\d.]+) percentage points too high", text)[1])
     assert 0.7 * more < told < 1.4 * more
     assert pace(Reducer(override(design, ["contact.creep_speed_mm_s=0.02"]))) == ()

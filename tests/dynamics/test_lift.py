@@ -183,11 +183,11 @@ def test_a_step_too_long_for_circling_discs_is_warned_of() -> None:
     def told(step: float) -> list[str]:
         design = override(PRESETS["pin"], [*DRIVE, "friction.pin_gear=0.15", f"settings.timestep_us={step}"])
         design = override(design, [f"load.torque_nm={0.05 * design.rated_torque!r}"])
-        return [text for text in build(design).warnings if "circle" in text]
+        return [text for text in build(design).warnings if "orbit" in text]
 
     assert told(10) == []
     (warning,) = told(20)
-    assert warning.startswith("settings.timestep_us = 20 is too long for discs that circle")
+    assert warning.startswith("settings.timestep_us = 20 is too long for discs that orbit")
     assert "shorten it to 10 " in warning
 
 

@@ -129,14 +129,14 @@ def test_a_thicker_pin_has_less_play_in_its_socket():
 
 def test_without_load_a_run_warns_and_dynamic_figures_are_refused(capsys):
     light = massless(Reducer(PIN))
-    with pytest.warns(CycloidWarning, match="massless pins hold under load alone"):
+    with pytest.warns(CycloidWarning, match="massless pins, which are valid under load only"):
         simulate(light.but(drive={"ramp": 0.0, "hold": 1e-4}, settings={"timestep": 1e-5}).design)
     with pytest.raises(DesignError, match=r'vibration: set ring.pins = "free"'):
         require_pin_bodies(light, "vibration")
     require_pin_bodies(Reducer(PIN), "vibration")
     for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--workers", "1")):
         assert main([*command, "--set", 'ring.pins="massless"']) == 1
-        assert "loaded means alone" in capsys.readouterr().err
+        assert "mean values under load only" in capsys.readouterr().err
 
 
 def test_pins_are_drawn_where_the_gear_presses_them():
@@ -177,5 +177,5 @@ def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
     assert pins["rated"] == pins["halved"] == pins["unloaded"] == "free"
     assert pins[36.68, PIN.drive.speed] == pins[10.0, PIN.drive.speed] == pins[0.02] == "massless"
     assert dict(seen)["rated"] == "fixed"
-    assert "without inertia" in assumptions(Reducer(PIN), "the map")[0]
+    assert "are massless" in assumptions(Reducer(PIN), "the map")[0]
     assert assumptions(Reducer(PIN.but(ring={"pins": "fixed"})), "the map") == ()

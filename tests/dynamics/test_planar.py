@@ -278,12 +278,12 @@ def test_without_friction_all_power_comes_out() -> None:
 
 def test_a_run_that_goes_too_deep_ends() -> None:
     design = override(design_of("fixed"), ["contact.max_penetration_um=0.5"])
-    with pytest.raises(RunError, match=r"is .* um deep, beyond contact"):
+    with pytest.raises(RunError, match=r"penetrates by .* um, more than contact"):
         simulate(design, planar_model(Reducer(design)))
 
 
 def test_slices_are_mujocos_alone() -> None:
-    with pytest.raises(UsageError, match="exact profiles alone"):
+    with pytest.raises(UsageError, match="exact profiles only"):
         model_for("planar", Reducer(PRESETS["pin"]), "mesh")
 
 

@@ -108,7 +108,7 @@ def test_errors_survive_the_round_trip() -> None:
         (["errors.pin_x_um=3"], r"errors\.pin_x_um = 3 is not allowed: it must be a list such as"),
         (
             ["errors.pin_x_um={2 = 2000}"],
-            r"errors\.pin_x_um\[2\] = 2000\.0 is not allowed: .* -1000.* to 1000",
+            r"errors\.pin_x_um\[2\] = 2000\.0 is not allowed: it must be at most 1000",
         ),
         (["errors.pin_x_um={2 = nan}"], r"errors\.pin_x_um\[2\] = nan is not allowed"),
         (["errors.pin_x_um={2 = true}"], r"a number"),
@@ -312,7 +312,7 @@ def polygon_area(points: np.ndarray) -> float:
 
 
 def test_a_turn_that_leaves_no_lobe_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"modification\.rotation_arcsec = 3600 is not allowed: less than 812"):
+    with pytest.raises(DesignError, match=r"modification\.rotation_arcsec = 3600 is too large: from 812"):
         flank_ends(CycloidGear(400, 0.1e-3, 40.75e-3, 0.2e-3), 0.2e-3, np.radians(1.0))
 
 

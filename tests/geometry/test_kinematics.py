@@ -195,5 +195,5 @@ def test_crank_law_ramps_and_then_holds():
 
 @pytest.mark.parametrize(("speed", "ramp"), [(10.0, -0.1), (math.nan, 1.0), (10.0, math.inf)])
 def test_crank_laws_that_cannot_be_are_refused(speed, ramp):
-    with pytest.raises(DesignError, match="crank law"):
+    with pytest.raises(DesignError, match="crank speed"):
         CrankLaw(speed, ramp)

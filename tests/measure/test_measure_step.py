@@ -72,7 +72,7 @@ def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     finer = bench.step(Reducer(TEETH21), rated, "mujoco") / 16e-6
     torque, duration = hysteresis.signal(rated, period), 0.3 * period
     too_long = bench.benched(Reducer(TEETH21), rated, duration, 100, finer, "mujoco")
-    with pytest.raises(RunError, match="um deep"):
+    with pytest.raises(RunError, match="penetrates by"):
         bench.locked_run(too_long, CRANK, torque, "mujoco")
     run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
     halvings = np.log2(16e-6 / bench.step_of(run))

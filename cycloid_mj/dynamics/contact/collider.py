@@ -89,7 +89,9 @@ def _pin_collider() -> Any:
     """Return MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
     original = collision_table()[_ENTRY]
     if not original:
-        raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")
+        raise ContactError(
+            "MuJoCo has no collision function for two cylinders, to which the pairs of other models are passed"
+        )
     llvmlite.binding.add_symbol(_ORIGINAL, original)
     pins = _compile_pins(discover())
     selftest.require_passed("collider", lambda: selftest.try_collider(pins.address))

@@ -124,7 +124,7 @@ def discover_steps() -> StepLayout:
     accelerations = sorted(first.qacc & second.qacc)
     found = contacts and all(rows.values()) and numbers and accelerations and data and sizes
     if not found or first.fields != second.fields:
-        raise _strange("the contacts, their forces, the accelerations or the user data were not found")
+        raise _strange("contacts, forces, accelerations or user data were not found")
     offsets = {name: places[0] for name, places in rows.items()}
     of_contact = dict(zip(("stride", *FIELDS), first.fields, strict=True))
     return StepLayout(
@@ -213,4 +213,4 @@ def _numbers(structure: int, span: int, number: int) -> list[int]:
 
 
 def _strange(what: str) -> ContactError:
-    return unfit(f"its structures are not as expected: {what}")
+    return unfit(f"unexpected memory layout: {what}")

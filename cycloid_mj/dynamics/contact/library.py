@@ -23,8 +23,8 @@ installed: ``contact.selftest`` tries it.
 def unfit(why: str) -> ContactError:
     """Return the error of a release that does not work."""
     return ContactError(
-        f"MuJoCo {mujoco.__version__} does not work with this cycloid_mj ({why}); "
-        f"known to work: {', '.join(KNOWN)}: pip install 'mujoco=={KNOWN[0]}'"
+        f"MuJoCo {mujoco.__version__} is not compatible with this version of cycloid_mj ({why}). Tested releases: "
+        f"{', '.join(KNOWN)}; install one with: pip install 'mujoco=={KNOWN[0]}'"
     )
 
 
@@ -55,7 +55,7 @@ def library() -> ctypes.CDLL:
             return opened
     raise ContactError(
         f"the shared library of MuJoCo {mujoco.__version__} was not found in {', '.join(map(str, folders))}; "
-        "install MuJoCo again with pip"
+        "reinstall it with: pip install --force-reinstall mujoco"
     )
 
 
@@ -79,7 +79,7 @@ def answer(name: str, address: int) -> None:
     """
     if callback(name).value:
         raise ContactError(
-            f"MuJoCo's callback {name} is taken, and a run needs it: call mujoco.set_{name}(None) before"
+            f"MuJoCo's callback {name} is already in use, and a run requires it: call mujoco.set_{name}(None) first"
         )
     callback(name).value = address
 
@@ -89,7 +89,7 @@ def function_address(name: str) -> int:
     function = getattr(library(), name, None)
     address = function and ctypes.cast(function, ctypes.c_void_p).value
     if not address:
-        raise unfit(f"it has no function {name}")
+        raise unfit(f"it lacks the function {name}")
     return address
 
 

@@ -90,7 +90,7 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     try:
         make_folder(assets)
     except OSError as error:
-        raise CycloidError(f"cannot make the folder {assets}: {reason(error)}; choose another folder") from error
+        raise CycloidError(f"cannot create the folder {assets}: {reason(error)}; choose another folder") from error
     try:
         write_whole({folder / name: content for name, content in files.items()})
     except BaseException:

@@ -82,7 +82,7 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     design = reducer.design
     if design.contact.law == "impact":
         raise DesignError(
-            f'{design.name}: contact.law = "impact" acts on exact profiles alone, not on convex meshes: run it with '
+            f'{design.name}: contact.law = "impact" requires exact profiles and does not support convex meshes: use '
             '--contact profile, or set contact.law = "line"'
         )
     mesh = mesh_spec(reducer, settings or ConvexSettings())
@@ -106,13 +106,13 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     reducer = reducer.for_slices
     ring = reducer.design.ring
     if ring.has_sleeves or ring.has_massless_pins:
-        what = "a sleeve turns on its pin" if ring.has_sleeves else "a massless pin gives way"
+        what = "sleeves that turn on their pins" if ring.has_sleeves else "massless pins"
         raise DesignError(
-            f'ring.pins = "{ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
-            'choose ring.pins = "free" or "fixed", or the contact profile'
+            f'ring.pins = "{ring.pins}" does not support mesh contact: {what} require exact profiles; set ring.pins = '
+            '"free" or "fixed", or use --contact profile'
         )
-    require_drawn(reducer.design, "meshes for stock collision")
-    require_one_ring(reducer, "meshes for stock collision")
+    require_drawn(reducer.design, "mesh contact")
+    require_one_ring(reducer, "mesh contact")
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, stock_impratio(reducer, laws))

@@ -34,10 +34,10 @@ MOST_ROUNDS = 100
 """Rounds after which a step ends whatever its contacts do, in which they press, creep or slide in other ways."""
 
 ACCURACY = StepAccuracy(
-    "means within 0.1 %, peaks to peak within 1 %; rms of speeds within 15 %, accelerations within 40 %, as "
-    "steps damp moving pins",
-    "means within 0.1 %; no peaks and no rms of speeds, which the inertia of pins has its part in",
-    "means within 0.1 %, peaks to peak within 1 % and rms of speeds within 4 %",
+    "mean values within 0.1 %, peak-to-peak values within 1 %, rms speeds within 15 % and accelerations within 40 % "
+    "(the time step damps moving pins)",
+    "mean values within 0.1 %; peaks and rms speeds are not valid, because they depend on the inertia of the pins",
+    "mean values within 0.1 %, peak-to-peak values within 1 % and rms speeds within 4 %",
 )
 """Against a tenth of the step."""
 
@@ -48,12 +48,12 @@ def chosen(reducer: Reducer) -> Step:
     if design.settings.timestep:
         return Step(design.settings.timestep, "given")
     allowed = {
-        "the longest that is taken": LONGEST,
-        "a sample at every step": 1.0 / design.settings.log_rate,
-        "the swing on all contacts": swing_period(reducer) / STEPS_OF_SWING,
+        "largest allowed step": LONGEST,
+        "log rate": 1.0 / design.settings.log_rate,
+        "oscillation on all contacts": swing_period(reducer) / STEPS_OF_SWING,
     }
     if design.drive.speed:
-        allowed["the passing of teeth"] = passing_limit(reducer, FEWEST_STEPS)
+        allowed["tooth passing"] = passing_limit(reducer, FEWEST_STEPS)
     return whole_in_samples(design.settings.log_rate, allowed)
 
 
