@@ -99,7 +99,7 @@ def _claimed(path: Path, called: Path) -> Path:
         raise UsageError(f"cannot write {called}: {LOG} is the ending of logs; give a name with another")
     require_replaceable(called)
     if path.exists() and not path.is_file():
-        raise CycloidError(f"cannot write {called}: it is no regular file; give the name of a file")
+        raise CycloidError(f"cannot write {called}: it is not a regular file; choose the name of a file")
     hidden = hidden_beside(path)
     with hidden.open("xb"):
         return hidden

@@ -1,7 +1,7 @@
-"""Where every part of a logged run is and what force acts where, from its columns; and the messages that show it.
+"""Poses of the parts and contact forces of a logged run, from its columns, and the messages that viewers show.
 
-The room turns a design and columns of samples into poses, contact forces and Foxglove messages. It needs neither
-MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and `contact_forces`.
+The package converts a design and columns of samples to poses, contact forces and Foxglove messages. It needs neither
+MuJoCo nor a log: writers of logs take a `Scene`, plots take `poses` and `contact_forces`.
 """
 
 from cycloid_mj.scene.drawing import (

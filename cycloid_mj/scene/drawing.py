@@ -1,10 +1,9 @@
-"""The mechanism as it is drawn in its plane, with every gap as many times as wide as one wants to see it.
+"""Plane drawing of the mechanism with magnified gaps.
 
-A clearance of 1 um cannot be seen on a part of 100 mm, and parts that were simply moved a thousand times as far would
-slide along each other's curved flanks. So the gear, one of several discs, stands where the ideal mesh has it, and what
-touches it is placed by its gap to it: along the ideal normal, magnified. What runs in the gear is drawn thinner, so as
-to fit. Each gap, and each overlap by elastic approach, is then drawn to one scale; at magnification 1 the drawing is
-true.
+A clearance of 1 um is invisible on a part of 100 mm, and parts that were simply moved a thousand times as far would
+slide along each other's curved flanks. Therefore the disc is drawn in its ideal pose, and its mates are placed by their
+gaps, magnified along the ideal normals. Parts inside the disc are drawn thinner so as to fit. Gaps, and overlaps by
+elastic deflection, are then drawn to the same scale; at magnification 1 the drawing is true.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,19 +22,19 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.pose import moved, poses, ring_places, turned
 
-THINNEST = 0.4
-"""Least radius that a part may be drawn with, as a share of its own."""
+MIN_RADIUS_SHARE = 0.4
+"""Smallest radius that a part may be drawn with, as a share of its radius."""
 
-WIDEST = 0.25
-"""Width of the widest gap that is still drawn well, as a share of the smallest radius that it stands beside."""
+MAX_GAP_SHARE = 0.25
+"""Largest width of a drawn gap, as a share of the smallest radius next to it."""
 
-ROUNDS = 8
-"""Newton steps to a foot point; four are enough but in a valley whose curvature is nearly the pin's."""
+NEWTON_STEPS = 8
+"""Newton steps to a foot point; four suffice except in a valley whose curvature is close to the pin's."""
 
 
 @dataclass(frozen=True)
 class Radii:
-    """Radii that the parts are drawn with [m]: gear and holes keep theirs."""
+    """Radii that the parts are drawn with [m]; disc and holes keep theirs."""
 
     pin: float
     socket: float
@@ -46,28 +45,26 @@ class Radii:
 
 @dataclass(frozen=True, eq=False)
 class Separations:
-    """What separates the parts at n times, measured against the ideal mesh at the same crank angle.
+    """Gaps between the parts at n times, relative to the ideal mesh at the same crank angle.
 
     Attributes
     ----------
     disc
-        Index of the disc that is the gear here.
+        Index of the disc.
     gear
-        Ideal pose of the gear: x, y [m], angle [rad], shape (n, 3).
+        Ideal pose of the disc: x, y [m], angle [rad], shape (n, 3).
     deviation
-        Measured pose of the gear less the ideal one, shape (n, 3).
+        Measured pose of the disc minus the ideal pose, shape (n, 3).
     crank_angle
         Shape (n,), [rad].
     opening
-        How much more room than the clearance there is between the gear and each pin, or arc of an internal gear [m],
-        shape (n, mates).
+        Gap in excess of the clearance between the disc and each pin, or arc of an internal gear [m], shape (n, mates).
     away
-        Each pin's centre from its socket's, or a sleeve's from its pin's [m], shape (n, mates, 2); zeros where pins are
-        fixed.
+        Position of each pin in its socket, or of a sleeve on its pin [m], shape (n, mates, 2); zeros for fixed pins.
     pin_angle
         Rotation of each pin [rad], shape (n, mates).
     output_away
-        Each output pin's centre from its hole's [m], less the eccentricity, shape (n, k).
+        Distance between the centres of each output pin and its hole minus the eccentricity [m], shape (n, k).
     """
 
     disc: int
@@ -82,16 +79,16 @@ class Separations:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Where everything is drawn at n times, in the frame of the reducer axis; x right, y up, [m] and [rad].
+    """Drawn poses at n times, in the frame of the reducer axis; x right, y up, [m] and [rad].
 
     Attributes
     ----------
     magnification
-        How many times as wide gaps are drawn.
+        Scale of the gaps.
     radii
-        What the parts are drawn with.
+        Radii that the parts are drawn with.
     gaps
-        What separates them.
+        Gaps between the parts.
     gear, shaft
         Poses, shape (n, 3).
     ring
@@ -113,9 +110,9 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the magnification at which some part would be drawn with less than `THINNEST` of its radius."""
+    """Compute the magnification at which a part is drawn with `MIN_RADIUS_SHARE` of its radius."""
     design = reducer.design
-    slack = 1.0 - THINNEST
+    slack = 1.0 - MIN_RADIUS_SHARE
     return 1.0 + slack * min(
         design.ring.pin_radius / tooth_clearance(reducer),
         design.gear.bore_radius / design.clearance.cam,
@@ -124,7 +121,7 @@ def largest_magnification(reducer: Reducer) -> float:
 
 
 def widest_gap(reducer: Reducer, measured: Separations) -> float:
-    """Return the widest gap that any two mating parts have in any of the samples [m]."""
+    """Return the widest gap between two mating parts in all samples [m]."""
     design = reducer.design
     return max(
         tooth_clearance(reducer) + float(np.abs(measured.opening).max(initial=0.0)),
@@ -135,24 +132,24 @@ def widest_gap(reducer: Reducer, measured: Separations) -> float:
 
 
 def fitting_magnification(reducer: Reducer, widest: float, choices: Sequence[float]) -> float:
-    """Return the largest of `choices` at which the widest gap [m] is drawn no wider than a share of any radius.
+    """Return the largest of `choices` at which the widest gap [m] is at most `MAX_GAP_SHARE` of any radius.
 
-    Beyond that pins are seen outside their holes. Where no choice is small enough, the smallest.
+    Beyond that, pins appear outside their holes. If all choices are too large, the smallest is returned.
     """
     design = reducer.design
     least = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
-    most = min(largest_magnification(reducer), WIDEST * least / widest)
+    most = min(largest_magnification(reducer), MAX_GAP_SHARE * least / widest)
     return max((times for times in choices if times <= most), default=min(choices))
 
 
 def tooth_clearance(reducer: Reducer) -> float:
-    """Compute the normal clearance between gear and ring [m]."""
+    """Return the normal clearance between disc and ring [m]."""
     design = reducer.design
     return design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
 
 
 def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
-    """Return the radii that leave each clearance `magnification` times as wide.
+    """Return the radii with which each clearance is `magnification` times as wide.
 
     Raises
     ------
@@ -163,7 +160,7 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
     largest = largest_magnification(reducer)
     if not 1.0 <= magnification <= largest:
         raise UsageError(
-            f"gaps cannot be drawn {magnification:g} times as wide: give 1 to {np.floor(largest):g} for this design"
+            f"magnification {magnification:g} is out of range: it must be 1 to {np.floor(largest):g} for this design"
         )
     more, play = magnification - 1.0, design.clearance
     ring = design.ring.pin_radius - more * tooth_clearance(reducer)
@@ -177,7 +174,7 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
 
 
 def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units."""
+    """Compute the gaps between a disc and its mates from columns of shape (n,) in SI units."""
     design = reducer.design
     place, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
     mesh, gear = tooth_profile(design), place[gears(design.gear.discs)[disc]]
@@ -200,16 +197,16 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separ
 
 
 def ring_normals(reducer: Reducer, gear: Array) -> Array:
-    """Compute the ideal common normals, from the gear to each pin or lobe, shape (n, mates, 2).
+    """Compute the ideal common normals, from the disc to each pin or lobe, shape (n, mates, 2).
 
-    All run through the pitch point, c N from the axis along the eccentricity. `gear` is its ideal pose (n, 3).
+    They pass through the pitch point, c N from the axis along the eccentricity. `gear` is the ideal pose (n, 3).
     """
     normal = ring_places(reducer) - reducer.design.ring.teeth * gear[:, np.newaxis, :2]
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
 def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
-    """Place everything by its gaps."""
+    """Return the poses of all parts, with the gaps magnified."""
     gear = measured.gear
     opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening
@@ -229,18 +226,18 @@ def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0)
 
 
 def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
-    """Compute the outline (m, 2) [m] of an internal gear in frame `row`, each point moved along its normal.
+    """Compute the outline (m, 2) [m] of an internal gear in frame `row`, its points displaced along the normals.
 
     Parameters
     ----------
     reducer
         The reducer.
     outline, normals
-        Its points and unit normals into the bore, shape (m, 2).
+        Points and unit normals into the bore, shape (m, 2).
     drawn
         The drawing.
     row
-        The frame.
+        Number of the frame.
     """
     gear, deviation = drawn.gear[row], drawn.gaps.deviation[row]
     opening = np.einsum("mk,mk->m", normals, _displacement(outline - gear[:2], deviation))
@@ -251,17 +248,17 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
     """Compute the distance of pin centres (n, mates, 2) from the trochoid of teeth in poses (n, 3), positive outside.
 
-    Newton's method for the foot point, from where the ideal mesh has it, in steps that keep to its lobe: a pin that has
-    left its socket is far from there.
+    Newton's method for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its
+    socket is far from the ideal position.
     """
     longest = 0.5 / centres.shape[1]
     point = turned(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
     t = np.resize(profile.pin_angles(mesh), centres.shape[1]) + gear[:, 2:]
-    for _ in range(ROUNDS):
+    for _ in range(NEWTON_STEPS):
         (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
         speed = np.einsum("nik,nik->ni", tangent, tangent)
         stiffness = speed + np.einsum("nik,nik->ni", away, bend)
-        # beyond a centre of curvature the full step would lead away
+        # beyond a centre of curvature the full Newton step diverges
         step = np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
         t = t - np.clip(step, -longest, longest)
     return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
@@ -273,6 +270,6 @@ def _output_away(reducer: Reducer, gear: Array, output: Array) -> Array:
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:
-    """Compute how far a point of the gear at `arm` [m] from its centre is from its ideal place, to first order."""
+    """Compute the displacement of a point of the disc at `arm` [m] from its centre, to first order."""
     turn = deviation[..., 2]
     return deviation[..., :2] + np.stack([-turn * arm[..., 1], turn * arm[..., 0]], axis=-1)

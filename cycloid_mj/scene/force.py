@@ -1,4 +1,4 @@
-"""Contact forces and where they act: from the columns of a run to arrows on the parts."""
+"""Contact forces and their points of action, from the columns of a run."""
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
 
 ARROW = 0.3
-"""Length of a kind's typical largest force, as a share of the pin-circle radius."""
+"""Length of the arrow of a typical largest force, as a share of the pin-circle radius."""
 
 THICKNESS = 0.012
 """Diameter of an arrow's shaft, as a share of the pin-circle radius."""
@@ -47,10 +47,10 @@ FORCE_COLOURS: dict[str, Colour] = {
     "cam": (0.0, 0.0, 0.0, 1.0),
     "output": (0.0, 0.45, 0.70, 1.0),
 }
-"""Kinds of pairs that are shown: the force in a socket or sleeve is that of the gear on the pin, and is left out."""
+"""Kinds of mating pairs that are shown; the force in a socket or sleeve equals that of the disc on the pin."""
 
-LONGEST_SHIFT = 1e-3
-"""Farthest that a contact is moved onto the line of action of its force [m]: friction of 0.5 on a pin of 2 mm."""
+MAX_SHIFT = 1e-3
+"""Largest shift of a contact onto the line of action of its force [m]: a friction coefficient of 0.5 on a 2 mm pin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +63,10 @@ class ContactForces:
         Name of each pair (pin_1, ..., cam, output_pin_1, ...; of several discs gear_2_cam, ...) and its kind (pin_gear,
         tooth, pin_socket, pin_sleeve, cam, output).
     point
-        Where each acts, from the reducer axis [m], shape (n, k, 2): on its line of action, at the surface of the pin,
+        Point of action, from the reducer axis [m], shape (n, k, 2): on the line of action, at the surface of the pin,
         lobe, cam or output pin.
     force
-        The force on the gear, on the pin in its socket, or on the sleeve on its pin [N], shape (n, k, 2).
+        Force on the disc, on the pin in its socket, or on the sleeve on its pin [N], shape (n, k, 2).
     """
 
     names: tuple[str, ...]
@@ -76,12 +76,12 @@ class ContactForces:
 
     @cached_property
     def size(self) -> Array:
-        """Compute the size of each force [N], shape (n, k)."""
+        """Magnitude of each force [N], shape (n, k)."""
         return np.linalg.norm(self.force, axis=2)
 
     @cached_property
     def discs(self) -> tuple[int, ...]:
-        """Compute the index of the disc of each pair; 0 where there is none."""
+        """Index of the disc of each pair; 0 if it has none."""
         return tuple(disc_of(name) for name in self.names)
 
     def of(self, *kinds: str) -> "ContactForces":
@@ -100,22 +100,21 @@ class ContactForces:
 def contact_forces(
     reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None, kinds: Container[str] = KINDS.values()
 ) -> ContactForces:
-    """Return the force and its place in every mating pair of some kinds that has columns.
+    """Return force and point of action of all mating pairs of some kinds that have columns.
 
-    The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
-    it. It fixes the line of action; the place on it is where a frictionless contact of the inner part would be, moved
-    onto that line.
+    The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the loaded body. It
+    determines the line of action; the point is that of a frictionless contact, shifted onto this line.
 
     Parameters
     ----------
     reducer
         The reducer.
     columns
-        Name -> values, shape (n,), in SI units.
+        Values by name, shape (n,), in SI units.
     drawn
-        If given, the points are where this drawing of the same samples has the parts.
+        Drawing of the same samples whose parts the points refer to; by default the measured poses.
     kinds
-        Kinds of pairs.
+        Kinds of mating pairs.
     """
     acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
@@ -137,9 +136,9 @@ def on_gear(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
 
 
 def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
-    """Compute where viewers show the forces on each disc along the axis [m]: on its face towards the output.
+    """Compute the axial positions of the arrows on each disc [m]: on its face towards the output.
 
-    Of several discs those on the first are on its other face, which no disc covers.
+    The arrows on the first of several discs are on its other face, which no disc covers.
     """
     design = reducer.design
     height = 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
@@ -150,7 +149,7 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
     """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, mates); None for an internal gear.
 
-    Both halves of a ring bear alike.
+    The halves of a ring share the load equally.
     """
     design = reducer.design
     if design.ring.kind != "pin":
@@ -161,7 +160,7 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
-    """Map kind of pair to a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
+    """Return a typical force by kind of mating pair [N], from the load, or from the disc's inertia if that is more.
 
     With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has
     4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
@@ -178,7 +177,7 @@ def reference_force(reducer: Reducer) -> dict[str, float]:
 
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
-    """Map pair to kind of those whose whole wrench has columns."""
+    """Return the kinds of the pairs that have all columns of a wrench, by name."""
     end = column("", FORCE_X)
     stems = (name.removesuffix(end) for name in columns if name.endswith(end))
     whole = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
@@ -187,7 +186,7 @@ def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class _Inner:
-    """Centres of the inner parts: ring (n, N, 2), cams (n, D, 2), output pins (n, k, 2); and their radii."""
+    """Centres of the inner parts: ring (n, N, 2), cams (n, D, 2), output pins (n, k, 2) [m]; and their radii."""
 
     ring: Array
     cams: Array
@@ -195,10 +194,10 @@ class _Inner:
     radii: Radii
 
     def surface(self, acting: Mapping[str, str], along: Array) -> Array:
-        """Compute where frictionless contacts (n, k, 2) [m] would be: on the inner part, towards the part pushed.
+        """Compute the points of frictionless contacts (n, k, 2) [m], on the inner part, towards the loaded part.
 
-        `acting` maps the k pairs to their kinds, `along` are the directions of their forces (n, k, 2); a pin in its
-        socket is itself what is pushed, a sleeve is pushed from within.
+        `acting` has the kinds of the k pairs, `along` the directions of their forces (n, k, 2); a pin in its socket is
+        itself the loaded part, a sleeve is loaded from inside.
         """
         reach = {
             "cam": self.radii.cam,
@@ -233,18 +232,18 @@ def cams(reducer: Reducer, shaft: Array) -> Array:
 
 
 def _direction(force: Array) -> Array:
-    """Compute unit vectors (..., 2); zero where there is no force."""
+    """Return unit vectors (..., 2); zero for zero forces."""
     size = np.linalg.norm(force, axis=-1, keepdims=True)
     return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
 
 
 def _aside(wrench: Array, along: Array, arm: Array) -> Array:
-    """Compute the shift (..., 2) [m] that brings the point at `arm` from a wrench's origin onto its line of action.
+    """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
 
-    It is not longer than `LONGEST_SHIFT`: the moment of a force near zero, or of two contacts, says nothing of a place.
+    It is limited to `MAX_SHIFT`: the moment of a force near zero, or of two contacts, does not determine a point.
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
     surplus = cross(arm, along) - lever
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    return np.clip(surplus, -LONGEST_SHIFT, LONGEST_SHIFT)[..., np.newaxis] * across
+    return np.clip(surplus, -MAX_SHIFT, MAX_SHIFT)[..., np.newaxis] * across

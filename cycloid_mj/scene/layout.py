@@ -1,4 +1,4 @@
-"""A layout for Foxglove and Lichtblick: their own 3-D view starts 20 m away and cuts off what is nearer than 0.5 m."""
+"""Layout for Foxglove and Lichtblick, whose default 3-D view is 20 m away and clips everything nearer than 0.5 m."""
 
 import json
 from importlib.resources import files
@@ -9,13 +9,13 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.messages import ROOT
 
 DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
-"""Of the camera, and of what it sees, as multiples of the housing's radius."""
+"""Distances of the camera and of its clipping planes, as multiples of the housing's radius."""
 
 
 def layout(reducer: Reducer) -> dict[str, Any]:
-    """Collect the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
+    """Return the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
 
-    ``assets/layout.json`` has what all designs share. A crank at 1640 rpm turns once in 4 s at its playback speed.
+    ``assets/layout.json`` is common to all designs. At its playback speed, a crank at 1640 rpm turns once in 4 s.
     """
     design = reducer.design
     content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text("utf-8"))

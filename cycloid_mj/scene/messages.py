@@ -41,7 +41,7 @@ from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import shapes
 
 Message = tuple[str, int, bytes]
-"""Topic, time [ns] and serialized content."""
+"""Topic, time [ns] and serialized content of a message."""
 
 RATE = 60.0
 """Frames per second of simulated time."""
@@ -52,7 +52,8 @@ FRAMES_PER_TURN = 36
 MAX_FRAMES = 900
 """Largest number of these frames, as many as a viewer shows in 15 s; a run of many turns has fewer in each."""
 
-HIGHEST_RATE = 1e5
+MAX_RATE = 1e5
+"""Highest frame rate [1/s]."""
 ROOT = "reducer"
 ENTITIES_TAG = b"\x12"
 """Key of field 2 of ``foxglove.SceneUpdate``, its entities, before the length of each."""
@@ -61,19 +62,19 @@ FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 
 def frame_rate(reducer: Reducer) -> float:
-    """Compute the frames per second [1/s] of a run: every 10 deg of crank, or ``settings.scene_rate`` if that is more.
+    """Compute the frame rate of a run [1/s]: a frame every 10 deg of crank, or ``settings.scene_rate`` if that is more.
 
     A run of many turns has `MAX_FRAMES` of them, which bounds the size of its log.
     """
     design = reducer.design
     by_angle = FRAMES_PER_TURN * abs(design.drive.speed) / (2.0 * math.pi)
     at_most = MAX_FRAMES / (design.drive.ramp + design.drive.hold)
-    return min(max(design.settings.scene_rate, min(by_angle, at_most)), HIGHEST_RATE)
+    return min(max(design.settings.scene_rate, min(by_angle, at_most)), MAX_RATE)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What a viewer gets of a run: a pure function of the design and of samples.
+    """Messages for viewers: a pure function of the design and of samples.
 
     Attributes
     ----------
@@ -92,24 +93,24 @@ class Scene:
     rate: float = RATE
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.rate <= HIGHEST_RATE:
+        if not 0.0 < self.rate <= MAX_RATE:
             raise UsageError(
-                f"a scene cannot have {self.rate:g} frames per second: give more than 0, at most {HIGHEST_RATE:g}"
+                f"a frame rate of {self.rate:g} per second is out of range: it must be above 0 and at most {MAX_RATE:g}"
             )
 
     @cached_property
     def reducer(self) -> Reducer:
-        """What is shown."""
+        """The reducer of the design."""
         return Reducer(self.design)
 
     @property
     def schemas(self) -> dict[str, tuple[str, bytes]]:
-        """Map topic to name and serialized FileDescriptorSet of its message."""
+        """Name and serialized FileDescriptorSet of the message of each topic."""
         kinds: dict[str, Any] = {FRAMES: FrameTransforms, PARTS: SceneUpdate, FORCES: SceneUpdate}
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Yield what comes once, before the first frame, at `time` [s]; errors as `shapes`."""
+        """Yield the message that precedes the first frame, at `time` [s]; for errors see `shapes`."""
         update = SceneUpdate()
         files = {name: glb(pieces) for name, pieces in shapes(self.reducer).items()}
         one_pin = files.pop("pin", b"")
@@ -131,7 +132,7 @@ class Scene:
         time
             Shape (k,), [s].
         columns
-            Name -> values, shape (k,), in SI units.
+            Values by name, shape (k,), in SI units.
         """
         place = np.stack(list((by_part := poses(self.reducer, columns)).values()), axis=1)
         rows = np.flatnonzero(np.isfinite(place.sum(axis=(1, 2))))
@@ -219,7 +220,7 @@ class Scene:
 
     @cached_property
     def _scales(self) -> dict[str, float]:
-        """Length of an arrow for each newton of force [m/N], by kind of pair."""
+        """Length of an arrow per newton [m/N], by kind of mating pair."""
         longest = ARROW * self.design.ring.pin_circle_radius
         return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
 
@@ -229,7 +230,7 @@ def _nanoseconds(time: float) -> int:
 
 
 def _descriptors(message: Any) -> bytes:
-    """Encode the FileDescriptorSet of a message, each file after those that it needs."""
+    """Return the FileDescriptorSet of a message, in topological order of the files."""
     files: dict[str, Any] = {}
 
     def add(file: Any) -> None:

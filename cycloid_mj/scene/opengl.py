@@ -1,4 +1,4 @@
-"""OpenGL without a display: MuJoCo's contexts, and what to say where there is none."""
+"""OpenGL without a display: MuJoCo's contexts, and the error if there is none."""
 
 import importlib
 import os
@@ -11,16 +11,16 @@ from typing import Any
 from cycloid_mj.base.errors import CycloidError
 
 USUAL = {"darwin": "cgl", "win32": "glfw"}
-"""Platform -> MuJoCo's module for its OpenGL; EGL elsewhere."""
+"""MuJoCo's OpenGL module by platform; EGL on all others."""
 
 
 def platform() -> str:
-    """Return the OpenGL that ``MUJOCO_GL`` names, or else the usual one of this system."""
+    """Return the OpenGL that ``MUJOCO_GL`` names, by default that of the operating system."""
     return os.environ.get("MUJOCO_GL", "").lower() or USUAL.get(sys.platform, "egl")
 
 
 def require_mujoco() -> None:
-    """Raise CycloidError if MuJoCo cannot be imported, as where ``MUJOCO_GL`` names what is not installed."""
+    """Raise CycloidError if MuJoCo cannot be imported, for example if ``MUJOCO_GL`` names a missing library."""
     try:
         importlib.import_module("mujoco")
     except Exception as problem:
@@ -29,16 +29,16 @@ def require_mujoco() -> None:
 
 @contextmanager
 def opengl(model: Any, width: int, height: int) -> Iterator[Any]:
-    """Yield MuJoCo's rendering context of a model, off-screen and of a size [pixels].
+    """Yield MuJoCo's off-screen rendering context of a model, with a size [pixels].
 
     Raises
     ------
     CycloidError
-        There is no OpenGL.
+        OpenGL is not available.
     """
     mujoco = importlib.import_module("mujoco")
     try:
-        # what GLFW warns of ends in an error
+        # the warnings of GLFW precede an error
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             platform_context = importlib.import_module(f"mujoco.{platform()}").GLContext(width, height)
@@ -57,6 +57,6 @@ def opengl(model: Any, width: int, height: int) -> Iterator[Any]:
 def _missing(problem: Exception) -> CycloidError:
     reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
     return CycloidError(
-        f"there is no OpenGL ({platform()}) to render with: {reason}; install a driver (Debian: libegl1 with "
+        f"OpenGL ({platform()}) is not available for rendering: {reason}; install a driver (Debian: libegl1 with "
         "libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa), or draw in 2-D with `cycloid-mj animate`"
     )

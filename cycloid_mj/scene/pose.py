@@ -1,4 +1,4 @@
-"""Where the parts are: from the columns of a run to plane poses in the frame of the reducer axis."""
+"""Poses of the parts in the plane, from the columns of a run, in the frame of the reducer axis."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
-    """Name the columns that a run must have for its parts to be shown."""
+    """Return the names of the columns that poses require."""
     planar = (name for gear in gears(reducer.design.gear.discs) for name in planar_joints(gear))
     return ("crank_angle", *planar, "output_angle")
 
@@ -22,7 +22,7 @@ def pose_columns(reducer: Reducer) -> tuple[str, ...]:
 def ring_places(reducer: Reducer) -> Array:
     """Compute the nominal centres of the ring's pins or lobes [m], shape (mates, 2): the first on +y, then clockwise.
 
-    Those of a ring in two halves stand where these are turned to.
+    The halves of a ring in two halves are rotated by their preload.
     """
     ring = reducer.design.ring
     around = 2 * np.pi * np.arange(ring.teeth) / ring.teeth
@@ -30,7 +30,7 @@ def ring_places(reducer: Reducer) -> Array:
 
 
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Map part to x [m], y [m] and angle [rad] at n times, shape (n, 3).
+    """Return x [m], y [m] and angle [rad] at n times by part, shape (n, 3).
 
     Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
     ... pin_N. Positions are those of gears' and pins' centres and of the reducer axis; angles are counter-clockwise.
@@ -40,8 +40,8 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     reducer
         The reducer.
     columns
-        Name -> values, shape (n,), in SI units; fixed pins have no columns and stay in their places, massless ones
-        lie where the gear presses them.
+        Values by name, shape (n,), in SI units; fixed pins have no columns and do not move, massless pins are in
+        contact with disc and socket.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     missing = [name for name in pose_columns(reducer) if name not in columns]
     if missing:
         raise LogError(
-            f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
+            f"the run lacks the columns {', '.join(missing)}, which the poses of its parts require: simulate it again"
         )
     still = np.zeros_like(columns["crank_angle"])
     ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
@@ -69,7 +69,7 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
-    """Compute the poses of all pins, shape (N, n, 3), of a ring that has turned by `ring` (n,) [rad]."""
+    """Compute the poses of all pins, shape (N, n, 3), of a ring rotated by `ring` (n,) [rad]."""
     places = ring_places(reducer)
     numbers, still = range(1, len(places) + 1), np.zeros_like(ring)
     away = np.array(
@@ -85,27 +85,27 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
 
 
 def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
-    """Compute the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
+    """Return the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
     discs = reducer.design.gear.discs
     pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
     return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
 
 
 def _pressed(reducer: Reducer, force: Array) -> Array:
-    """Find how far massless pins are from their places [m]: by their play away from gears, which feel `force` [N]."""
+    """Compute the displacements of massless pins [m]: by their clearance, against the `force` [N] on the discs."""
     size = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
     return -reducer.design.pin_play * force / size
 
 
 def turned(points: Array, angle: npt.ArrayLike) -> Array:
-    """Turn points (..., 2) counter-clockwise about the origin by angles [rad] of the shape before their last."""
+    """Rotate points (..., 2) counter-clockwise about the origin by angles (...) [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = points[..., 0], points[..., 1]
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def moved(pose: Array, points: Array) -> Array:
-    """Compute points (..., 2) [m] of a body in the poses (..., 3) in the frame of the reducer axis."""
+    """Transform points (..., 2) [m] of a body with the poses (..., 3) to the frame of the reducer axis."""
     return pose[..., :2] + turned(points, pose[..., 2])
 
 

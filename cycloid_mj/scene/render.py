@@ -1,4 +1,4 @@
-"""A picture of a logged run by MuJoCo's own renderer, without a display."""
+"""Images of a logged run by MuJoCo's renderer, without a display."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,14 +17,14 @@ from cycloid_mj.scene.replay import AZIMUTH, ELEVATION, aim, replay_model, set_s
 Image = npt.NDArray[np.uint8]
 
 WIDTH, HEIGHT = 1280, 960
-LEAST, LARGEST = 64, 8192
-MOST_GEOMS = 5000
+MIN_PIXELS, MAX_PIXELS = 64, 8192
+MAX_GEOMS = 5000
 PART_DISTANCE = 2.6
-"""Of the camera from a part by itself, in radii of the sphere round it."""
+"""Distance of the camera from a single part, in radii of its bounding sphere."""
 VISUAL_GROUP = 2
-"""Of the geoms that are drawn, not touched."""
-SAMPLES = 8
-"""Samples of a pixel, so that edges are smooth."""
+"""Group of the geoms that are only drawn."""
+SAMPLES_PER_PIXEL = 8
+"""Samples per pixel for smooth edges."""
 
 
 def render(
@@ -34,7 +34,7 @@ def render(
     size: tuple[int, int] = (WIDTH, HEIGHT),
     view: tuple[float, float] = (AZIMUTH, ELEVATION),
 ) -> Image:
-    """Draw a picture of a sample, shape (height, width, 3), with the forces on the gear as arrows.
+    """Render a sample as an image, shape (height, width, 3), with the forces on the disc as arrows.
 
     Parameters
     ----------
@@ -45,16 +45,16 @@ def render(
     size
         Width and height [pixels].
     view
-        Azimuth and elevation of the camera [deg], as MuJoCo has them.
+        Azimuth and elevation of the camera [deg], as in MuJoCo.
 
     Raises
     ------
     CycloidError
-        There is no OpenGL here.
+        OpenGL is not available.
     LogError
-        The run carries no model, or one that does not fit it.
+        The run has no model, or its model does not fit its columns.
     UsageError
-        The size is not possible.
+        The size is out of range.
     """
     model = replay_model(run)
     data = mujoco.MjData(model)
@@ -70,13 +70,13 @@ def render_part(
     size: tuple[int, int] = (WIDTH, HEIGHT),
     view: tuple[float, float] = (AZIMUTH, ELEVATION),
 ) -> Image:
-    """Render some bodies of a run's model alone, as they stand at its start; parameters and errors as of `render`."""
+    """Render only some bodies of a run's model, in their poses at its start; for parameters and errors see `render`."""
     model = replay_model(run)
     data = mujoco.MjData(model)
     set_sample(model, data, run, 0)
     shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
     if not shown.any():
-        raise UsageError(f"the model has no body of {', '.join(bodies)}")
+        raise UsageError(f"the model has no body named {', '.join(bodies)}")
     model.geom_rgba[:, 3] = np.where(shown, 1.0, 0.0)
     camera = mujoco.MjvCamera()
     aim(camera, model, *view)
@@ -89,11 +89,14 @@ def render_part(
 
 def _drawn(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
     width, height = size
-    if not (LEAST <= width <= LARGEST and LEAST <= height <= LARGEST):
-        raise UsageError(f"a picture of {width} x {height} pixels: give {LEAST} to {LARGEST} each")
+    if not (MIN_PIXELS <= width <= MAX_PIXELS and MIN_PIXELS <= height <= MAX_PIXELS):
+        raise UsageError(
+            f"image size {width} x {height} is out of range; width and height must be {MIN_PIXELS} to {MAX_PIXELS} "
+            "pixels"
+        )
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-    model.vis.quality.offsamples = SAMPLES
-    scene = mujoco.MjvScene(model, MOST_GEOMS)
+    model.vis.quality.offsamples = SAMPLES_PER_PIXEL
+    scene = mujoco.MjvScene(model, MAX_GEOMS)
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
     for arrow in arrows:
         _add_arrow(scene, **arrow)
@@ -106,7 +109,7 @@ def _drawn(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: li
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """List tail, tip, width [m] and colour of each force's arrow, on a face of its disc."""
+    """Return tail, tip, width [m] and colour of the arrow of each force, on a face of its disc."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
     acting, reach, faces = on_gear(reducer, columns), reducer.design.ring.pin_circle_radius, arrow_heights(reducer)
     arrows = []
@@ -126,6 +129,6 @@ def _add_arrow(scene: Any, tail: Any, tip: Any, width: float, colour: Any) -> No
     geom, arrow = scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_ARROW
     rgba = np.array(colour, dtype=np.float32)
     mujoco.mjv_initGeom(geom, arrow, np.zeros(3), np.zeros(3), np.zeros(9), rgba)
-    # MuJoCo draws an arrow half as long as the connector that it is given
+    # MuJoCo draws an arrow of half the length of the connector
     mujoco.mjv_connector(geom, arrow, 0.6 * width, tail, 2.0 * tip - tail)
     scene.ngeom += 1

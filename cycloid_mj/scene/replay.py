@@ -1,4 +1,4 @@
-"""A logged run in MuJoCo: its own model in the poses of its samples. No step is taken and no contact computed."""
+"""Replay of a logged run in MuJoCo: its model in the poses of its samples, without time steps or contacts."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,28 +10,28 @@ from cycloid_mj.base.record import Run
 
 MODEL_FILE = "model.xml"
 COLUMNS = {"crank": "crank_angle", "output": "output_angle"}
-"""Joint -> column, where their names differ."""
+"""Columns of joints with other names."""
 
 DISC_OPACITY = 0.35
-"""Opacity of the output, which stands between the mechanism and whoever looks at it."""
+"""Opacity of the output, which is in front of the mechanism."""
 
 AZIMUTH, ELEVATION = 90.0, -62.0
 DISTANCE = 1.35
-"""Of the camera, as a share of the model's extent."""
+"""Distance of the camera, as a share of the model's extent."""
 
 _SKY = {"rgb1": [1.0, 1.0, 1.0], "rgb2": [0.86, 0.9, 0.94], "width": 64, "height": 64}
 
 
 def replay_model(run: Run) -> Any:
-    """Compile the model that a run carries, with a light background.
+    """Compile the model of a run, with a light background.
 
     Raises
     ------
     LogError
-        It carries none, or none that this MuJoCo compiles.
+        The run has no model, or this version of MuJoCo does not compile it.
     """
     if MODEL_FILE not in run.attachments:
-        raise LogError(f"the run has no attachment {MODEL_FILE!r}, so it cannot be shown in MuJoCo: simulate it again")
+        raise LogError(f"the run has no attachment {MODEL_FILE!r}, which MuJoCo requires: simulate it again")
     try:
         spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode(), assets=dict(run.attachments))
         sky, gradient = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
@@ -39,8 +39,8 @@ def replay_model(run: Run) -> Any:
         model = spec.compile()
     except (ValueError, UnicodeDecodeError) as problem:
         raise LogError(
-            f"MuJoCo {mujoco.__version__} does not take the run's {MODEL_FILE} ({problem}): "
-            f"it was made with {run.provenance.get('mujoco', 'another release')}; install that, or simulate again"
+            f"MuJoCo {mujoco.__version__} cannot load the run's {MODEL_FILE} ({problem}): it was written for MuJoCo "
+            f"{run.provenance.get('mujoco', 'of another version')}; install that version, or simulate again"
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
     model.light_diffuse[:] = 0.35
@@ -49,18 +49,18 @@ def replay_model(run: Run) -> Any:
 
 
 def aim(camera: Any, model: Any, azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> None:
-    """Let a free camera look at the whole reducer, by default from the output side, where x points right [deg]."""
+    """Point a free camera at the reducer, by default from the output side, where x points right; angles in [deg]."""
     camera.azimuth, camera.elevation = azimuth, elevation
     camera.distance, camera.lookat[:] = DISTANCE * model.stat.extent, model.stat.center
 
 
 def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
-    """Put every joint where a sample of the run has it; joints without a column stay.
+    """Set every joint to a sample of the run; joints without a column stay.
 
     Raises
     ------
     LogError
-        The run has no column for any joint of the model.
+        The run has columns for none of the joints.
     """
     columns = _joint_columns(model, run)
     for joint, name in columns.items():
@@ -74,7 +74,7 @@ def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     joints = [model.joint(number).name for number in range(model.njnt)]
     columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
     if not columns:
-        raise LogError("no column of the run is the position of a joint of its model: simulate it again")
+        raise LogError("the run has no columns with the joint positions of its model: simulate it again")
     return columns
 
 

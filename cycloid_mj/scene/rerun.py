@@ -1,4 +1,4 @@
-"""A run for the Rerun viewer: the parts and forces that its MCAP loader passes over, with every column to plot."""
+"""Recordings for the Rerun viewer: parts and forces, which its MCAP loader ignores, and all columns."""
 
 import importlib
 import os
@@ -22,11 +22,11 @@ from cycloid_mj.scene.shape import Piece, shapes
 TIMELINE = "time"
 MECHANISM, SIGNALS = "mechanism", "signals"
 PLOTTED = (("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
-"""Columns in the plots that the viewer opens with, after the discs' speeds; every other can be dragged there."""
+"""Columns in the initial plots, after the speeds of the discs; all others can be added by dragging."""
 
 
 def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> None:
-    """Write a run as a Rerun recording (.rrd): moving parts, forces on the gear, every column, and a layout.
+    """Write a run as a Rerun recording (.rrd): moving parts, forces on the disc, all columns, and a layout.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _bytes(colour: Colour) -> list[int]:
 
 
 def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: ContactForces) -> None:
-    """Log the arrows of each kind of pair, their tips at the contacts, on a face of their disc."""
+    """Log the arrows of each kind of mating pair, with their tips at the contacts, on a face of their disc."""
     reach, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
@@ -102,7 +102,7 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: Co
 
 
 def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
-    """Return the views that the viewer opens with."""
+    """Return the initial views."""
     rrb = importlib.import_module("rerun.blueprint")
     at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
     speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))

@@ -1,4 +1,4 @@
-"""How the parts look: the pieces of each, with their colours."""
+"""Meshes and colours of the parts for viewers."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ from cycloid_mj.parts.parts import Colour, tinted
 from cycloid_mj.reducer import Reducer
 
 CHORD_ERROR = 1e-5
-"""Largest distance of a drawn chord from its curve [m]."""
+"""Chord error of the meshes [m]."""
 
 COLOURS: dict[str, Colour] = {
     **SOLID,
     HOUSING: (0.68, 0.71, 0.75, 1.0),
     "disc": (0.36, 0.62, 0.42, 0.25),
 }
-"""Those of the parts, but for a ring that is seen from within, and the disc that gears are seen through."""
+"""Colours of the parts; the ring is lighter, as it is seen from inside, and the output disc is transparent."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of a part that has one colour."""
+    """A piece of a part with a single colour."""
 
     name: str
     mesh: Mesh
@@ -32,11 +32,11 @@ class Piece:
 
 
 def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
-    """List housing, shaft, gears, pin (where the ring has pins) and output, each in the frame of its pose in the plane.
+    """Return housing, shaft, gears, pin (if the ring has pins) and output, each in the frame of its pose in the plane.
 
-    The disc of the output is a piece of its own that can be seen through: the mechanism is looked at from its side,
-    where x points right and y up. A built-up crank is the shaft with its cams and spacers, the output has its rollers;
-    several discs stand in their planes.
+    The output disc is a transparent piece of its own: the mechanism is seen from its side, where x points right and y
+    up. A built-up crank is the shaft with its cams and spacers, the output has its rollers; several discs are in their
+    planes.
     """
     solids, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
     planes = {
@@ -63,7 +63,7 @@ def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Pi
 
 
 def _piece(name: str, solid: Solid, place: Array) -> Piece:
-    """Return a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
+    """Return a solid as a piece at a position, shape (3,) [m]."""
     shape = fuse(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
     return Piece(name, placed, tinted(COLOURS[family(name)], name))

@@ -1,4 +1,4 @@
-"""MuJoCo's interactive viewer on a model or a logged run."""
+"""MuJoCo's interactive viewer for a model or a logged run."""
 
 import os
 import sys
@@ -12,20 +12,20 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.scene.replay import aim, replay_model, set_sample
 
-FRAME = 1.0 / 60.0
-"""Time from one picture to the next [s]."""
+FRAME_TIME = 1.0 / 60.0
+"""Time between frames [s]."""
 
 
 def require_display() -> None:
-    """Raise UsageError where a window cannot be opened."""
+    """Raise UsageError if there is no display for a window."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise UsageError(
-            "there is no display to open a window on: use `cycloid-mj render` or `cycloid-mj animate`, which need none"
+            "there is no display for a window: use `cycloid-mj render` or `cycloid-mj animate`, which need none"
         )
 
 
 def show_model(model: Any) -> None:
-    """Open the viewer on a model with our contacts, and return when its window is closed.
+    """Open the viewer for a model with the contacts of this package, and return when its window is closed.
 
     Raises
     ------
@@ -38,12 +38,12 @@ def show_model(model: Any) -> None:
 
 
 def show_run(run: Run, slow: float) -> None:
-    """Replay a run in the viewer over and over, `slow` times slower than it was, until its window is closed.
+    """Replay a run in a loop, `slow` times slower than real time, until the window is closed.
 
     Raises
     ------
     LogError
-        The run carries no model.
+        The run has no model.
     CycloidError
         The window cannot be opened.
     """
@@ -58,7 +58,7 @@ def show_run(run: Run, slow: float) -> None:
             span = float(run.time[-1] - run.time[0]) or 1.0
             set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played % span)))
             window.sync()
-            time.sleep(FRAME)
+            time.sleep(FRAME_TIME)
 
 
 def _viewer() -> Any:
@@ -73,5 +73,5 @@ def _opened(open_window: Any, *args: Any) -> Any:
     except Exception as problem:
         reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
         raise CycloidError(
-            f"MuJoCo's viewer cannot open a window: {reason}; use `cycloid-mj render` or `cycloid-mj animate`"
+            f"MuJoCo's viewer cannot open a window: {reason}; use `cycloid-mj render` or `cycloid-mj animate` instead"
         ) from problem

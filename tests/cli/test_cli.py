@@ -903,7 +903,7 @@ def test_flags_keep_the_limits_of_the_design():
         ((*SIMULATE, "--out", "broken.toml/in"), ("broken.toml/in", "--out")),
         (("analyze", "empty.toml"), ("empty",)),
         (("analyze", "broken.toml"), ("not an MCAP file",)),
-        (("design", "profile", "--design", "pin", "--csv", "."), ("cannot write", "no regular file")),
+        (("design", "profile", "--design", "pin", "--csv", "."), ("cannot write", "not a regular file")),
         (("design", "profile", "--design", "pin", "--csv", "no/such/x.csv"), ("no/such/x.csv",)),
         (("design", "profile", "--design", "pin", "--csv", "broken.toml/x.csv"), ("broken.toml/x.csv",)),
         (("design", "profile", "--design", "loops.toml", "--csv", "x.csv"), ("eccentricity", "mm")),

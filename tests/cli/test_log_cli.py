@@ -253,7 +253,7 @@ def test_pictures_that_are_refused(path, tmp_path, monkeypatch):
     assert rejected("render", path, tmp_path / "run.png", "--width", "1")[0] == 2
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     code, message = rejected("render", path, tmp_path / "run.png")
-    assert (code, message.startswith("there is no OpenGL (nothing)")) == (1, True)
+    assert (code, message.startswith("OpenGL (nothing)")) == (1, True)
 
 
 def test_view_needs_a_display(path, monkeypatch):
@@ -291,7 +291,7 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     monkeypatch.setattr(viewer, "_viewer", lambda: module)
     # a clock that goes on by a frame a look: the run is over in five, and begins again
     looks = count()
-    clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME, sleep=lambda _: None)
+    clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME_TIME, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
     assert told("view", path, "--slow", "1") == (0, "", "close the window to end\n")

@@ -167,7 +167,7 @@ def test_magnifications_that_are_refused():
     assert drawn_radii(Reducer(PIN), largest).pin == pytest.approx(0.4 * 2.25e-3)
     assert drawn_radii(Reducer(PIN)).pin == 2.25e-3
     for times in (0.99, largest + 1, np.nan, np.inf):
-        with pytest.raises(UsageError, match="give 1 to 1351 for this design"):
+        with pytest.raises(UsageError, match="it must be 1 to 1351 for this design"):
             drawn_radii(Reducer(PIN), times)
 
 
@@ -336,11 +336,11 @@ def test_runs_that_cannot_be_replayed(pin_run, modelled):
     with pytest.raises(LogError, match=r"no attachment 'model\.xml'"):
         replay_model(pin_run)
     for content in (b"<mujoco><nonsense/></mujoco>", b"\xff\xfe"):
-        with pytest.raises(LogError, match=r"does not take the run's model\.xml"):
+        with pytest.raises(LogError, match=r"cannot load the run's model\.xml"):
             replay_model(made_run(PIN, 2, attachments={"model.xml": content}))
     other = made_run(PIN, 2, attachments={"model.xml": b"<mujoco><worldbody/></mujoco>"})
     model = replay_model(other)
-    with pytest.raises(LogError, match="position of a joint of its model"):
+    with pytest.raises(LogError, match="joint positions of its model"):
         set_sample(model, mujoco.MjData(model), other, 0)
 
 
@@ -383,16 +383,16 @@ def test_a_part_is_shown_alone_and_whole(modelled):
     # nothing of it touches the frame, and no pin is blue
     assert not np.concatenate([blue[0], blue[-1], blue[:, 0], blue[:, -1]]).any()
     assert not (pins[..., 2] > pins[..., 0].astype(int) + 60).any()
-    with pytest.raises(UsageError, match="no body of wheel"):
+    with pytest.raises(UsageError, match="no body named wheel"):
         render.render_part(modelled, ["wheel"], size)
 
 
 def test_pictures_that_are_refused(modelled, monkeypatch):
     from cycloid_mj.scene import render
 
-    with pytest.raises(UsageError, match="give 64 to 8192 each"):
+    with pytest.raises(UsageError, match="must be 64 to 8192 pixels"):
         render.render(modelled, Reducer(PIN), 0, (10, 400))
     monkeypatch.setenv("MUJOCO_GL", "nothing")
-    with pytest.raises(CycloidError, match=r"no OpenGL \(nothing\) to render with: .*cycloid-mj animate"):
+    with pytest.raises(CycloidError, match=r"OpenGL \(nothing\) is not available for rendering: .*cycloid-mj animate"):
         render.render(modelled, Reducer(PIN), 0, (100, 100))
     assert FORCE_COLOURS.keys() == {"pin_gear", "tooth", "cam", "output"}
