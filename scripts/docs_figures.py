@@ -265,7 +265,7 @@ def words_of_the_report() -> dict[str, Value]:
         page = report({"pin": short_run("free"), "nonpin": short_run("nonpin")})
     headings = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
     words = [re.sub(r"<[^>]+>", "", heading).strip() for heading in headings]
-    return {"words": " | ".join(words[: words.index("The mechanism") + 1])}
+    return {"words": " | ".join(words[: words.index("Mechanism") + 1])}
 
 
 def look_of_the_animation() -> dict[str, Value]:
