@@ -166,9 +166,9 @@ def test_a_result_is_drawn_by_one_call() -> None:
         assert axes.patches, f"a bar for each value of {result}"
     assert repr(rating).startswith("<Rating: pin; ")
     assert list(rating.frame.columns["key"]) == list(rating.items)
-    with pytest.raises(UsageError, match="a Sheet has no figure 'nosuch'; it has closed_form"):
+    with pytest.raises(UsageError, match="Sheet has no figure 'nosuch'; available: closed_form"):
         sheet.plot("nosuch")
-    with pytest.raises(UsageError, match="a Frame has nothing to draw"):
+    with pytest.raises(UsageError, match="Frame has no figure"):
         TABLE.plot()
 
 
@@ -186,7 +186,7 @@ def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> 
     assert model.startswith("<ReducerModel: 113 freedoms, 81 mating pairs")
     assert len(model) < 100
     (axes,) = cm.analyze(run, settle=0.001).plot().axes
-    assert axes.get_xlabel() == "power that a kind of contact takes [W]"
+    assert axes.get_xlabel() == "loss by kind of contact [W]"
     backlash = cm.measure.Measurement(
         "backlash",
         still,
@@ -240,7 +240,7 @@ def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
     orders = cm.tapered_orders(angle, 2.0 * np.cos(3.0 * angle))
     assert repr(orders).endswith(" at 3>")
     assert orders.frame.rows == len(orders.order)
-    assert orders.plot().axes[0].get_ylabel() == "amplitude [as the values]"
+    assert orders.plot().axes[0].get_ylabel() == "amplitude [unit of the signal]"
 
 
 def public_functions() -> dict[str, Callable[..., Any]]:

@@ -229,7 +229,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
     from cycloid_mj.design import dump
     from cycloid_mj.figures import quantities, values_json
     from cycloid_mj.plots.bench import calibration_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.report.results import calibration_page
 
     name, fitted = calibration.design.name, calibration.fitted
@@ -241,7 +241,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
             f"{loop.name},{torque!r},{one!r},{other!r},{one - other!r}"
             for torque, one, other in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
         ]
-    draw = cache(partial(drawn, calibration_figure(calibration)))
+    draw = cache(partial(encode_figure, calibration_figure(calibration)))
     files = {
         f"{name}.toml": dump(calibration.design).encode(),
         f"{name}-residuals.csv": storable("\n".join([*rows, ""])).encode(),
@@ -316,7 +316,7 @@ def compare_bench(
     from cycloid_mj.bench import compare_bench as compared
     from cycloid_mj.bench import read_te
     from cycloid_mj.plots.bench import comparison_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
     measured = read_te(te)
     design = chosen.sound()
@@ -328,7 +328,7 @@ def compare_bench(
         headline={"of the measured variance, the model explains": f"{comparison.whole:.1%}"},
         summary=[f"the model explains {comparison.whole:.1%} of the measured curve's variance"],
         tables=[comparison.table()],
-        pictures={stem: partial(drawn, comparison_figure(comparison))},
+        pictures={stem: partial(encode_figure, comparison_figure(comparison))},
         formats=("png",),
         result=comparison.as_json(),
     )

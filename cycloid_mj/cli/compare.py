@@ -380,15 +380,15 @@ def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]
 def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
     figures = comparison_figures(motions)
     first = comparison.at(comparison.loads[0])
     figures["compare_curvature"] = curvature_figure([trial.design for trial in first])
-    return {name: partial(drawn, figure) for name, figure in figures.items()}
+    return {name: partial(encode_figure, figure) for name, figure in figures.items()}
 
 
 def _of_paper(judged: RunsJudged) -> dict[str, Picture]:
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
-    return {name: partial(drawn, draw()) for name, draw in judged.figures.items()}
+    return {name: partial(encode_figure, draw()) for name, draw in judged.figures.items()}

@@ -251,8 +251,11 @@ def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
     files = {ASSEMBLY: assembly_step(reducer, 0.0, sizes)}
     if not sizes:
         return files
-    from cycloid_mj.plots.exploded import exploded
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.exploded import exploded_figure
+    from cycloid_mj.plots.save import encode_figure
 
     steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, sizes), start=1))
-    return files | {f"{EXPLODED}.png": drawn(exploded(reducer, sizes), "png"), ORDER: "".join(steps).encode()}
+    return files | {
+        f"{EXPLODED}.png": encode_figure(exploded_figure(reducer, sizes), "png"),
+        ORDER: "".join(steps).encode(),
+    }

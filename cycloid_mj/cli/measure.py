@@ -416,9 +416,9 @@ def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureD
 
 def _pictures(measurement: "Measurement", stem: str) -> dict[str, Picture]:
     from cycloid_mj.plots.measure import measurement_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
-    return {stem: partial(drawn, measurement_figure(measurement))}
+    return {stem: partial(encode_figure, measurement_figure(measurement))}
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:

@@ -185,7 +185,7 @@ def _best(optimum: "Optimum") -> bytes:
 def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
     picture = Path(FIGURE).stem
     numbers = {"evaluations": str(optimum.evaluations), "feasible": str(len(optimum.feasible))}
@@ -197,7 +197,7 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
         tables=tables(optimum),
         warnings=optimum.warnings,
         notes=optimum.notes,
-        pictures={picture: partial(drawn, tradeoff_figure(optimum))},
+        pictures={picture: partial(encode_figure, tradeoff_figure(optimum))},
         formats=("png",),
         captions={picture: SEARCHED},
         result={**optimum.as_json(), "design": str(best)},

@@ -48,7 +48,7 @@ def plot(
     from cycloid_mj.analysis import judge, series
     from cycloid_mj.log import read
     from cycloid_mj.plots import figures
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
     motion = series(read(log), point_q)
     warn(motion.design.name, judge(motion).warnings)
@@ -60,7 +60,7 @@ def plot(
     outcome = Outcome(
         title=f"figures: {log}",
         text=place.paths(names),
-        pictures={name: partial(drawn, figure) for name, figure in shown.items()},
+        pictures={name: partial(encode_figure, figure) for name, figure in shown.items()},
         formats=(format_,),
         result={"files": place.paths(names)},
         filed=False,

@@ -109,7 +109,7 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.base.result import plain
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
 
     measured = {key for key, one in sheet.bench.items() if not isnan(one.value)}
     first = {key: sheet.bench[key] if key in measured else one for key, one in sheet.model.items()}
@@ -123,6 +123,6 @@ def _outcome(sheet: "Protocol") -> Outcome:
         tables=[sheet.table()],
         frame=sheet.frame,
         notes=[*sheet.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
-        pictures={f"{sheet.design}-protocol": partial(drawn, protocol_figure(sheet))},
+        pictures={f"{sheet.design}-protocol": partial(encode_figure, protocol_figure(sheet))},
         result=plain(sheet.as_json()),
     )

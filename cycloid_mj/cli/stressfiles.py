@@ -83,7 +83,7 @@ def _pictures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dic
     """Build the figures of some kinds, by their names."""
     if not figures:
         return {}
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figures, refinement_figure
 
     findings = [study.findings for study in studies]
@@ -96,7 +96,7 @@ def _pictures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dic
             built[f"fig10_grid_{name}"] = grid_figure({one.findings.part: one.grid for one in study.parts}, name)
         if "map" in figures:
             built[f"fig11_map_{name}"] = map_figure({one.findings.part: one.map for one in study.parts}, condition)
-    return {name: partial(drawn, figure) for name, figure in built.items()}
+    return {name: partial(encode_figure, figure) for name, figure in built.items()}
 
 
 def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:

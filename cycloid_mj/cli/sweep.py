@@ -189,12 +189,12 @@ def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) ->
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
     from cycloid_mj.plots.explored import sweep_figure
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.report.sweep import sweep_page
 
     into = place.folder or Path(OUT)
     table, parquet = into / TABLE, into / PARQUET
-    draw = cache(partial(drawn, sweep_figure(swept, quantities)))
+    draw = cache(partial(encode_figure, sweep_figure(swept, quantities)))
     without = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
     return Outcome(
         title=f"sweep of {swept.task.reducer.design.name}",

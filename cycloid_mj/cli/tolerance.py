@@ -128,7 +128,7 @@ def tolerance(
 def _outcome(tolerances: "Tolerances") -> Outcome:
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
-    from cycloid_mj.plots.save import drawn
+    from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.tolerance import tolerance_figures
 
     name, (low, high) = tolerances.design, tolerances.yield_interval
@@ -146,7 +146,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         tables=tolerances.tables(),
         warnings=tolerances.warnings,
         notes=tolerances.notes,
-        pictures={key: partial(drawn, figure) for key, figure in tolerance_figures(tolerances).items()},
+        pictures={key: partial(encode_figure, figure) for key, figure in tolerance_figures(tolerances).items()},
         formats=(),
         captions=CAPTIONS,
         files={

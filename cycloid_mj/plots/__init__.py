@@ -1,6 +1,6 @@
-"""Figures of the motion of a run, and a drawing of the mechanism.
+"""Figures of runs and results, and drawings of the mechanism.
 
-The only room that knows matplotlib. Every figure is a `Figure` of its own: no window, no global state.
+The only package that imports matplotlib. Every figure is independent of pyplot: no window, no global state.
 """
 
 import numpy.typing as npt
@@ -19,21 +19,21 @@ __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Build the figures of a run by name; over one crank turn but for the input. Each names its load and speed.
+    """Return the figures of a run by name, each with its load and speed; over one crank turn, except for the input.
 
     Parameters
     ----------
     run
-        A run, or its series where they were computed already.
+        A run, or its series if they have been computed already.
     q
-        Point of the gear, gear frame [m]; by default the centre of hole 1. The series have their own.
+        Point of the disc, in its frame [m]. Default: centre of hole 1. Not used for series, which have their own.
 
     Raises
     ------
     LogError
         The run has no design, lacks a column, or has fewer than two samples.
     UsageError
-        `q` is no point.
+        `q` is not a point.
     """
     motion = run if isinstance(run, Series) else series(run, q)
     drawn = {

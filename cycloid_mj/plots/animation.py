@@ -1,4 +1,4 @@
-"""The mechanism in motion: which samples of a run are filmed, and the frames."""
+"""Animation of the mechanism: selection of the samples of a run, and the frames."""
 
 import math
 from collections.abc import Iterator
@@ -22,12 +22,13 @@ Image = npt.NDArray[np.uint8]
 
 FRAMES = 90
 WIDTH = 640
-LEAST_WIDTH, LARGEST_WIDTH = 200, 4000
+MIN_WIDTH, MAX_WIDTH = 200, 4000
+"""Defaults, and the range of the width [px]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """What is filmed: samples of a run, in order, and how many times as wide gaps to the disc of `motion` are drawn."""
+    """Samples of a run to animate, in order, and the magnification of the clearances of the disc of `motion`."""
 
     motion: Series
     rows: npt.NDArray[np.intp]
@@ -35,54 +36,54 @@ class Take:
 
 
 def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0, disc: int = 0) -> Take:
-    """Choose the samples to film: settled crank turns, or a ramp's last, as evenly as the samples allow.
+    """Select samples to animate: settled crank turns, or the last ones of a ramp, as evenly spaced as possible.
 
     Parameters
     ----------
     run
         The run.
     magnification
-        How many times as wide gaps are drawn.
+        Factor by which clearances are magnified.
     frames
-        Number of frames; there are fewer if the run has not as many samples.
+        Number of frames; fewer if the run has fewer samples.
     turns
-        Crank turns, also parts of one; there are fewer if the run has not as many.
+        Crank turns, also fractions; fewer if the run has fewer.
     disc
-        Index of the disc that is followed; the others are outlines.
+        Index of the disc shown with its forces; the others are outlines.
 
     Raises
     ------
     LogError
         The run has no design, lacks a column, or has fewer than two samples.
     UsageError
-        `frames` or `turns` is not positive, gaps cannot be drawn that wide, or there is no such disc.
+        `frames` or `turns` is not positive, the magnification is too large, or there is no such disc.
     """
     if frames < 1 or not turns > 0.0:
-        raise UsageError(f"an animation of {frames} frames over {turns:g} crank turns: give at least 1 and more than 0")
+        raise UsageError(f"{frames} frames over {turns:g} crank turns: at least 1 and more than 0 are needed")
     motion = series(run)
     if not 0 <= disc < motion.design.gear.discs:
-        raise UsageError(f"{motion.design.name} has no gear {disc + 1}: give 1 to {motion.design.gear.discs}")
+        raise UsageError(f"{motion.design.name} has no disc {disc + 1}: choose 1 to {motion.design.gear.discs}")
     motion = motion.of_disc(disc)
     drawn_radii(motion.reducer, magnification)
     start = motion.one_turn.start
     swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
-    wanted = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
-    return Take(motion, start + np.unique(np.searchsorted(swept, wanted)), magnification)
+    turns_at = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
+    return Take(motion, start + np.unique(np.searchsorted(swept, turns_at)), magnification)
 
 
 @styled
 def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
-    """Yield the frames of a take, shape (height, width, 3), height and width even.
+    """Yield the frames of an animation, shape (height, width, 3), height and width even.
 
     Raises
     ------
     UsageError
-        The width is too small or too large.
+        The width is out of range.
     DesignError
         A part cannot be drawn.
     """
-    if not LEAST_WIDTH <= width <= LARGEST_WIDTH:
-        raise UsageError(f"an animation {width} pixels wide: give {LEAST_WIDTH} to {LARGEST_WIDTH}")
+    if not MIN_WIDTH <= width <= MAX_WIDTH:
+        raise UsageError(f"animation width {width} px is out of range: {MIN_WIDTH} to {MAX_WIDTH} px")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
@@ -97,11 +98,12 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
 
 
 def _frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
+    """Draw frame after frame, with crank angle [rad] and time [s]."""
     canvas = FigureCanvasAgg(stage.figure)
     for row, now in enumerate(time.tolist()):
         show(stage, script, row)
         angle = math.degrees(crank_angle[row]) % 360.0
-        stage.clock.set_text(f"crank at {angle:5.1f}\N{DEGREE SIGN},  {now:.4f} s")
+        stage.clock.set_text(f"crank {angle:5.1f}\N{DEGREE SIGN},  {now:.4f} s")
         canvas.draw()
         picture = np.asarray(canvas.buffer_rgba())
         height, width = (2 * (size // 2) for size in picture.shape[:2])

@@ -1,4 +1,4 @@
-"""Figures of the bench: measured loops with the model's and what is left, and transmission error by order."""
+"""Figures of bench measurements: measured and modelled loops with residuals, and transmission error by order."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -7,7 +7,18 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench import BenchComparison, Calibration, MeasuredLoop
 from cycloid_mj.bench.protocol import Protocol
-from cycloid_mj.plots.style import BLUE, GREY, ORANGE, THEORY, VERMILION, centred, legend_above, sheet, state, styled
+from cycloid_mj.plots.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    THEORY,
+    VERMILION,
+    centre_on_zero,
+    legend_above,
+    sheet,
+    state,
+    styled,
+)
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
 MEASURED = {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.5}
@@ -16,22 +27,22 @@ MODEL = {"color": VERMILION, "linewidth": 1.1}
 
 @styled
 def calibration_figure(calibration: Calibration) -> Figure:
-    """Draw each measured loop with the model's, and below it what is left."""
+    """Draw each measured and modelled loop, with the residual below."""
     fitted, loops = calibration.fitted, calibration.fitted.loops
     figure = sheet(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
-    for place, loop in enumerate(loops):
-        above, below = grid[0, place], grid[1, place]
+    for column, loop in enumerate(loops):
+        above, below = grid[0, column], grid[1, column]
         above.plot(loop.torque, loop.deflection / DEGREE, **MEASURED)
-        for torque, turn in fitted.branches[place]:
+        for torque, turn in fitted.branches[column]:
             above.plot(torque, turn / DEGREE, **MODEL)
         above.set_title(loop.name)
         above.margins(x=0.02)
-        below.plot(loop.torque, (loop.deflection - fitted.turns[place]) / DEGREE, **MEASURED)
-        centred(below, (loop.deflection - fitted.turns[place]) / DEGREE)
+        below.plot(loop.torque, (loop.deflection - fitted.turns[column]) / DEGREE, **MEASURED)
+        centre_on_zero(below, (loop.deflection - fitted.turns[column]) / DEGREE)
         below.set_xlabel("torque at the output [N m]")
     grid[0, 0].set_ylabel("deflection [deg]")
-    grid[1, 0].set_ylabel("measured less\nmodel [deg]")
+    grid[1, 0].set_ylabel("residual [deg]")
     legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
     state(
         figure, f"{calibration.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg"
@@ -41,7 +52,7 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 @styled
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw the loops that a protocol is read off, the bench's laid on the middle of the model's."""
+    """Draw the loops from which a protocol is evaluated, measured and modelled ones both centre_on_zero."""
     figure = sheet(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
     for loop in result.loops:
@@ -58,14 +69,14 @@ def protocol_figure(result: Protocol) -> Figure:
 
 
 def _centred_turn(loop: MeasuredLoop) -> Array:
-    """Return the deflection of a loop about the middle of its ends [deg], shape (n,): a bench's zero is its own."""
+    """Return the deflection of a loop about the middle of its range [deg], shape (n,): a bench has no zero."""
     turn = loop.deflection / DEGREE
     return np.asarray(turn - 0.5 * (turn.max() + turn.min()))
 
 
 @styled
 def comparison_figure(result: BenchComparison) -> Figure:
-    """Draw the measured transmission error with the model's, over the angle and by order."""
+    """Draw measured and modelled transmission error over the crank angle and by order."""
     figure = sheet(4.4)
     above, below = figure.subplots(2, 1)
     crank = result.measured.crank / DEGREE
@@ -77,9 +88,7 @@ def comparison_figure(result: BenchComparison) -> Figure:
     width = 0.35
     below.bar(result.order - width / 2, np.abs(result.bench_amplitude) / ARCSECOND, width, color=GREY)
     below.bar(result.order + width / 2, np.abs(result.model_amplitude) / ARCSECOND, width, color=ORANGE)
-    below.set(xlabel="order of the crank", ylabel="amplitude [arcsec]")
+    below.set(xlabel="order [per crank turn]", ylabel="amplitude [arcsec]")
     legend_above(below, ("measured", {"color": GREY, "linewidth": 4}), ("model", {"color": ORANGE, "linewidth": 4}))
-    state(
-        figure, f"{result.measured.name} against {result.design}, {result.load:.4g} N m, {result.whole:.1%} explained"
-    )
+    state(figure, f"{result.measured.name} and {result.design}, {result.load:.4g} N m, {result.whole:.1%} explained")
     return figure

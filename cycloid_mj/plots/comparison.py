@@ -1,4 +1,4 @@
-"""Designs side by side: one figure for each measure, a column for each load, a row for each design."""
+"""Comparison of designs: one figure per quantity, a column for each load, a row for each design."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -37,26 +37,26 @@ COLORS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 ABOUT_MEAN = (SIGNALS["output_te"], SIGNALS["gear_te"])
 OVER_A_TURN = {
     "transmission_error": ("Transmission error of the output", SIGNALS["output_te"]),
-    "gear_transmission_error": ("Transmission error of the gear", SIGNALS["gear_te"]),
-    "output_speed": ("Error of the output's speed", SIGNALS["output_speed_error"]),
-    "gear_speed": ("Error of the gear's speed", SIGNALS["gear_speed_error"]),
-    "q_path": ("Distance of q from its path", SIGNALS["q_error"]),
-    "q_speed": ("Error of the speed of q", SIGNALS["q_speed_error"]),
-    "teeth": ("Teeth that carry force", Signal("teeth", lambda m: np.count_nonzero(tooth_forces(m), axis=1) + 0.0)),
+    "gear_transmission_error": ("Transmission error of the disc", SIGNALS["gear_te"]),
+    "output_speed": ("Speed error of the output", SIGNALS["output_speed_error"]),
+    "gear_speed": ("Speed error of the disc", SIGNALS["gear_speed_error"]),
+    "q_path": ("Path error of point q", SIGNALS["q_error"]),
+    "q_speed": ("Velocity error of point q", SIGNALS["q_speed_error"]),
+    "teeth": ("Loaded teeth", Signal("teeth", lambda m: np.count_nonzero(tooth_forces(m), axis=1) + 0.0)),
     "tooth_force": ("Force on the most loaded tooth", Signal("force [N]", lambda m: tooth_forces(m).max(axis=1))),
-    "cam_force": ("Force of the cam on the gear", Signal("force [N]", cam_force)),
+    "cam_force": ("Force of the cam on the disc", Signal("force [N]", cam_force)),
 }
-"""Name of the figure -> its title, and what it shows."""
+"""Name of the figure -> title and signal."""
 
-LONG, SMALL = 40, {"fontsize": 7.2}
-"""Letters from which on a title takes more than a panel's width, and how it is written to fit."""
+MAX_TITLE, SMALL = 40, {"fontsize": 7.2}
+"""Characters of a title that fit above a panel, and the style of longer ones."""
 
 ROW, HEAD = 1.25, 0.75
-"""Height of a row of axes, and of what stands above and below them [in]."""
+"""Height of a row of axes, and of title and legend [in]."""
 
 
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
-    """Build the figures of a comparison by name; one crank turn of the settled hold, but for the spectra.
+    """Return the figures of a comparison by name: one crank turn of the settled hold, and spectra.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn; axes of one load share their scale.
 
-    A transmission error is drawn about its mean, which is stated: play and wind-up would hide what swings.
+    The mean of a transmission error is subtracted and stated: backlash and wind-up would hide its variation.
     """
     unit = signal.unit
     figure, axes = _sheet(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
@@ -83,12 +83,12 @@ def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
             degrees, named = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
             if signal in ABOUT_MEAN:
                 mean = float(values.mean())
-                values, named = values - mean, typeset(f"{named}: about {mean:.4g} {unit}")
+                values, named = values - mean, typeset(f"{named}: mean {mean:.4g} {unit}")
             panel.plot(degrees, values, color=_color(row), linewidth=0.8)
             if values.min() < 0.0 < values.max():
                 panel.axhline(0.0, color=BLACK, linewidth=0.5)
             panel.margins(y=0.1)
-            panel.set_title(named, **(SMALL if len(named) > LONG else {}))
+            panel.set_title(named, **(SMALL if len(named) > MAX_TITLE else {}))
             crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")
@@ -98,7 +98,7 @@ def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
 
 @styled
 def _spectra(grid: Grid) -> Figure:
-    """Draw amplitude spectral densities of the vibration; the mesh frequency and its multiples are dotted."""
+    """Draw amplitude spectral densities of the vibration; multiples of the mesh frequency are dotted."""
     loads = len(grid[0])
     figure, axes = _sheet(
         2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row=1.9
@@ -116,7 +116,7 @@ def _spectra(grid: Grid) -> Figure:
                 axes[0][column].set_title(load_words(motion.design.load.torque))
     for panel in axes[1]:
         panel.set_xlabel(f"frequency [Hz], up to {BAND:g} of the log rate")
-    axes[0][0].set_ylabel("gear centre\n[m/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
+    axes[0][0].set_ylabel("disc centre\n[m/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     axes[1][0].set_ylabel("output\n[rad/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     entries = [(runs[0].design.name, {"color": _color(row)}) for row, runs in enumerate(grid)]
     mesh = ("multiples of the mesh frequency", {"color": GREY, "linestyle": ":"})
@@ -125,6 +125,7 @@ def _spectra(grid: Grid) -> Figure:
 
 
 def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
+    """Mark the mesh frequency and two multiples [Hz]."""
     mesh = motion.reducer.mesh_periods * abs(motion.design.drive.speed) / (2 * np.pi)
     for multiple in np.arange(1, 4) * mesh:
         if frequency[1] < multiple < frequency[-1]:
@@ -132,13 +133,14 @@ def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
 
 
 def _sheet(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
+    """Return a figure with a grid of axes, each row of a height [in]."""
     figure = NotebookFigure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
 
 def _speed(grid: Grid) -> str:
-    """Name the crank speed, which all runs share."""
+    """Return the crank speed in words; all runs have the same."""
     return f"{condition(Reducer(grid[0][0].design)).speed_rpm:g} rpm"
 
 

@@ -1,4 +1,4 @@
-"""Relative curvature of the contact lines, design against design: the paper's argument for the nonpin design."""
+"""Relative curvature of the contact lines of designs: the argument of Hsieh 2014 for the internal gear."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +16,7 @@ from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.reducer import Reducer
 
 CRANK_ANGLES = 120
-"""Crank angles in a mesh period; the lines of all teeth together then lie 1/12 deg of phase apart with 36 teeth."""
+"""Crank angles per mesh period: with 36 teeth the contact lines are 1/12 deg of phase apart."""
 
 ON_TEETH: dict[str, Any] = {"linestyle": "-"}
 ON_SIGMA: dict[str, Any] = {"linestyle": (0, (4, 1.5))}
@@ -25,29 +25,29 @@ PARTS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (("sigma1",), ON_SIGMA),
     (("sigma2",), ON_SIGMA),
 )
-WIDEST = 4.0
-"""Line of the first design [pt]; the next ones are narrower, so that equal curves show one inside the other."""
+MAX_LINE_WIDTH = 4.0
+"""Line width of the first design [pt]; further ones are narrower, so that equal curves remain visible."""
 
 
 @styled
 def curvature_figure(designs: Sequence[Design]) -> Figure:
-    """Draw relative curvature and Hertz pressure of every contact line of one mesh period against its phase.
+    """Draw relative curvature and Hertz pressure of every contact line of one mesh period over its phase.
 
-    The pressure is that of the teeth's working force at the rated load on one line. Phase 0 is a valley of the gear at
-    the tooth, 180 deg a lobe's tip.
+    The pressure is that of the tooth force at the rated load on a single line. Phase 0 is a valley of the disc at the
+    tooth, 180 deg the tip of a lobe.
     """
     figure = sheet(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for number, design in enumerate(designs):
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
-        look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST * (1 - number / len(designs))}
+        look = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
         _draw(top, lines, 1e-3 * lines.relative_curvature, look)
         _draw(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), look)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
     forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(Reducer(design)) for design in designs))
-    bottom.set_title(f"Hertz pressure of one line under {forces} N")
+    bottom.set_title(f"Hertz pressure of a single contact line under {forces} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
         panel.set_ylim(bottom=0.0)
@@ -55,7 +55,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         panel.axvline(180.0, color=GREY, linewidth=0.6)
         panel.xaxis.set_major_locator(MultipleLocator(30))
     top.set_xlabel("")
-    bottom.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of the gear's lobe")
+    bottom.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of a lobe of the disc")
     looks: list[tuple[str, dict[str, Any]]] = [
         (design.name, {"color": COLORS[n % len(COLORS)]}) for n, design in enumerate(designs)
     ]
@@ -68,7 +68,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
 
 
 def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) -> None:
-    """Draw values [shape (n,)] over the phase, the two flanks apart."""
+    """Draw values, shape (n,), over the phase, separately for both flanks."""
     for parts, style in PARTS:
         rows = np.flatnonzero(np.isin(lines.part, parts))
         rows = rows[np.argsort(lines.phase[rows])]

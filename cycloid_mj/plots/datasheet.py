@@ -1,4 +1,4 @@
-"""The three pages of a data sheet, A4, and its pictures alone."""
+"""The three A4 pages of a data sheet, and its figures for an HTML page."""
 
 import textwrap
 from collections.abc import Sequence
@@ -21,30 +21,30 @@ PAGE = (8.27, 11.69)
 LEFT, RIGHT = 0.07, 0.93
 NAVY, ACCENT, INK, SOFT, RULE = "#12324F", "#0072B2", "#1A1F24", "#59636E", "#D3DAE0"
 KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "efficiency", "mass")
-"""Quantities of the tiles below the heading."""
+"""Quantities of the tiles below the title."""
 
-BUILT_IN = ("Mass and size", "Output bearing", "Interfaces")
-"""Headings of the tables beside the drawing."""
+MOUNTING = ("Mass and size", "Output bearing", "Interfaces")
+"""Headings of the tables on the page of the drawing."""
 
 ROW = 0.0166
-"""Height of a line of a table, over the page's."""
+"""Height of a row of a table, relative to the page."""
 
 COLUMNS = (0.0, 0.41, 0.515)
-"""Where name, unit and condition begin, over the table's width; the value ends before its unit."""
+"""Start of name, unit and condition relative to the width of a table; values end before the unit."""
 
 NOTE_WIDTH = 138
-"""Letters of a line of the notes."""
+"""Characters of a line of the notes."""
 
 
 @styled
 def datasheet_pages(sheet: Datasheet) -> list[Figure]:
-    """Draw the sheet: how it performs with curves, how it is built in with dimensions, and what all of it stands on."""
+    """Return the pages: performance with curves, mounting with dimensions, assumptions."""
     return [_first(sheet), _second(sheet), _third(sheet)]
 
 
 @styled
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
-    """Draw the views and the curves, a figure each, for a page that sets text and tables itself."""
+    """Return the views and the curves as figures, for a page with its own text and tables."""
     views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
@@ -54,30 +54,33 @@ def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
 
 
 def _first(sheet: Datasheet) -> Figure:
+    """Draw the page of performance: tiles, tables and curves."""
     figure = _page(sheet, 1)
     _tiles(figure, sheet, 0.855)
     top = 0.79
-    for heading in [heading for heading in sheet.groups if heading not in BUILT_IN]:
+    for heading in [heading for heading in sheet.groups if heading not in MOUNTING]:
         top = _table(figure, heading, sheet.groups[heading], top)
     slot = (RIGHT - LEFT) / len(sheet.curves)
-    for place, curve in enumerate(sheet.curves):
-        _curve(figure.add_axes((LEFT + place * slot + 0.045, 0.085, slot - 0.06, 0.165)), curve)
+    for column, curve in enumerate(sheet.curves):
+        _curve(figure.add_axes((LEFT + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), curve)
     return figure
 
 
 def _second(sheet: Datasheet) -> Figure:
+    """Draw the page of mounting: tables and dimensioned views."""
     figure, top = _page(sheet, 2), 0.868
-    for heading in [heading for heading in sheet.groups if heading in BUILT_IN]:
+    for heading in [heading for heading in sheet.groups if heading in MOUNTING]:
         top = _table(figure, heading, sheet.groups[heading], top)
-    _heading(figure, "Dimensions of the mechanism [mm], as drawn", top)
+    _heading(figure, "Dimensions of the mechanism [mm]", top)
     views = (LEFT - 0.02, 0.06, RIGHT - LEFT + 0.04, top - 0.08)
     draw_views(figure.add_axes(views, anchor="N"), Reducer(sheet.design))
     return figure
 
 
 def _third(sheet: Datasheet) -> Figure:
+    """Draw the page of assumptions."""
     figure = _page(sheet, 3)
-    _heading(figure, "What these figures stand on", 0.868)
+    _heading(figure, "Assumptions", 0.868)
     line = 0.849
     for note in sheet.notes:
         for number, part in enumerate(textwrap.wrap(note, NOTE_WIDTH, break_on_hyphens=False)):
@@ -89,13 +92,13 @@ def _third(sheet: Datasheet) -> Figure:
 
 
 def _page(sheet: Datasheet, number: int) -> Figure:
-    """Build a page with its band above and its line below."""
+    """Return a page with header and footer."""
     figure, design = NotebookFigure(figsize=PAGE), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
-    figure.text(LEFT, 0.966, design.name, fontsize=_fitting(design.name), weight="bold", color="white", va="center")
+    figure.text(LEFT, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center")
     size = f"Ø{2e3 * design.housing.outer_radius:.4g} mm"
-    kind = "a pinwheel" if design.ring.kind == "pin" else "an internal gear"
+    kind = "ring pins" if design.ring.kind == "pin" else "an internal gear"
     discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
     figure.text(LEFT, 0.933, f"Cycloidal speed reducer with {kind}{discs}", fontsize=9.5, color="white", va="center")
     figure.text(RIGHT, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
@@ -106,48 +109,50 @@ def _page(sheet: Datasheet, number: int) -> Figure:
     return figure
 
 
-def _fitting(name: str) -> float:
-    """Compute the font size at which a name fits beside the ratio."""
+def _name_size(name: str) -> float:
+    """Return the font size at which a name fits next to the ratio [pt]."""
     return min(25.0, 25.0 * 22.0 / max(len(name), 1))
 
 
 def _tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
-    """Set the numbers that one looks for first in a row of boxes."""
-    by_key = {one.key: one for group in sheet.groups.values() for one in group}
+    """Draw the main figures in a row of boxes."""
+    by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, count = 0.012, len(KEYS)
     width = (RIGHT - LEFT - (count - 1) * gap) / count
-    for place, key in enumerate(KEYS):
-        left, one = LEFT + place * (width + gap), by_key[key]
+    for column, key in enumerate(KEYS):
+        left, quantity = LEFT + column * (width + gap), by_key[key]
         figure.add_artist(Rectangle((left, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
         figure.add_artist(Rectangle((left, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
-        figure.text(left + 0.012, bottom + 0.023, one.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
-        figure.text(left + 0.012, bottom + 0.002, written(one), fontsize=13, weight="bold", color=NAVY, va="center")
-        figure.text(left + 0.012, bottom - 0.016, one.unit, fontsize=6.5, color=SOFT, va="center")
+        figure.text(left + 0.012, bottom + 0.023, quantity.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
+        figure.text(
+            left + 0.012, bottom + 0.002, format_value(quantity), fontsize=13, weight="bold", color=NAVY, va="center"
+        )
+        figure.text(left + 0.012, bottom - 0.016, quantity.unit, fontsize=6.5, color=SOFT, va="center")
 
 
 def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
-    """Set a table, a line for each quantity; give where the next one begins."""
+    """Draw a table with a row for each quantity; return the top of the next one."""
     _heading(figure, heading, top)
     name, unit, condition = (LEFT + share * (RIGHT - LEFT) for share in COLUMNS)
     line = top - 0.0185
     for quantity in quantities:
         look: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
         figure.text(name, line, quantity.name, **look)
-        figure.text(unit - 0.012, line, written(quantity), weight="bold", ha="right", **look)
+        figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **look)
         figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **look)
-        figure.text(condition, line, _shortened(quantity.note), **{**look, "fontsize": 6.8, "color": SOFT})
+        figure.text(condition, line, _shorten(quantity.note), **{**look, "fontsize": 6.8, "color": SOFT})
         line -= ROW
         _rule(figure, line + 0.5 * ROW, RULE, 0.4)
     return line - 0.012
 
 
-def _shortened(text: str) -> str:
+def _shorten(text: str) -> str:
     """Shorten a condition to fit its column."""
     return textwrap.shorten(text, 76, placeholder=" …")
 
 
-def written(quantity: Quantity) -> str:
-    """Write a value with three digits, without a power of ten; a dash where there is none."""
+def format_value(quantity: Quantity) -> str:
+    """Format a value with three digits, without a power of ten; a dash if it is not a number."""
     if not np.isfinite(quantity.value):
         return "\N{EN DASH}"
     if quantity.key == "ratio":
@@ -155,17 +160,17 @@ def written(quantity: Quantity) -> str:
     return f"{quantity.value:.3g}" if abs(quantity.value) < 999.5 else f"{float(f'{quantity.value:.4g}'):.0f}"
 
 
-def _heading(figure: Figure, text: str, at: float) -> None:
-    figure.text(LEFT, at, text, fontsize=9.5, weight="bold", color=ACCENT, va="center")
-    _rule(figure, at - 0.0095, ACCENT)
+def _heading(figure: Figure, text: str, level: float) -> None:
+    figure.text(LEFT, level, text, fontsize=9.5, weight="bold", color=ACCENT, va="center")
+    _rule(figure, level - 0.0095, ACCENT)
 
 
-def _rule(figure: Figure, at: float, colour: str, width: float = 0.8) -> None:
-    figure.add_artist(Rectangle((LEFT, at), RIGHT - LEFT, 1e-3 * width, facecolor=colour, edgecolor="none"))
+def _rule(figure: Figure, level: float, colour: str, width: float = 0.8) -> None:
+    figure.add_artist(Rectangle((LEFT, level), RIGHT - LEFT, 1e-3 * width, facecolor=colour, edgecolor="none"))
 
 
 def _curve(axes: Axes, curve: Curve) -> None:
-    """Draw a curve in a panel of its own."""
+    """Draw a curve in its panel."""
     axes.plot(curve.x, curve.y, color=ACCENT, linewidth=1.4, marker="o", markersize=2.2)
     axes.set_title(curve.panel, fontsize=8.0, weight="bold", color=NAVY)
     axes.set_xlabel(curve.x_label, fontsize=7.0)

@@ -1,4 +1,4 @@
-"""Dimension lines as on a technical drawing, in mm: a line with arrows, extension lines, and the number above it."""
+"""Dimension lines of a technical drawing [mm]: a line with arrows, extension lines and a number."""
 
 from typing import Any
 
@@ -12,48 +12,48 @@ ARROW: dict[str, Any] = {
     **{"arrowstyle": "<|-|>,head_length=0.28,head_width=0.09", "mutation_scale": 10.0, "shrinkA": 0.0, "shrinkB": 0.0},
     **{"edgecolor": INK, "facecolor": INK, "linewidth": 0.45},
 }
-BEYOND = 0.012
-"""How far extension lines reach beyond a dimension line, over the height of the axes."""
+OVERSHOOT = 0.012
+"""Length of extension lines beyond a dimension line, relative to the height of the axes."""
 
 
 def along(
-    axes: Axes, ends: tuple[float, float], at: float, reach: tuple[float, float], text: str, upright: bool
+    axes: Axes, ends: tuple[float, float], level: float, reach: tuple[float, float], text: str, upright: bool
 ) -> None:
-    """Dimension a distance between two places along x, or along y where it is `upright`.
+    """Draw the dimension of a distance along x, or along y if it is `upright`.
 
     Parameters
     ----------
     axes
         In mm, with their limits set.
     ends
-        The two places.
-    at
-        Where the dimension line stands, across.
+        Both ends of the distance.
+    level
+        Position of the dimension line in the other direction.
     reach
-        Where the extension line of each end begins, across.
+        Start of the extension line of each end in the other direction.
     text
-        What stands on the line.
+        Text of the dimension.
     upright
         Whether the distance is along y.
     """
     low, high = axes.get_ylim()
-    beyond = BEYOND * abs(high - low)
+    beyond = OVERSHOOT * abs(high - low)
     for end, begin in zip(ends, reach, strict=True):
-        last = at + (beyond if at >= begin else -beyond)
-        axes.plot(*_swapped((end, end), (begin, last), upright), **LINE)
-    (x0, x1), (y0, y1) = _swapped(ends, (at, at), upright)
+        last = level + (beyond if level >= begin else -beyond)
+        axes.plot(*_xy((end, end), (begin, last), upright), **LINE)
+    (x0, x1), (y0, y1) = _xy(ends, (level, level), upright)
     short = abs(ends[1] - ends[0]) < 6.0 * beyond
     inwards = {**ARROW, "arrowstyle": "-"} if short else ARROW
     axes.annotate("", (x1, y1), (x0, y0), arrowprops=inwards)
     if short:
-        _ticks(axes, ends, at, beyond, upright)
+        _ticks(axes, ends, level, beyond, upright)
     middle = 0.5 * (ends[0] + ends[1])
-    x, y = (at, middle) if upright else (middle, at)
+    x, y = (level, middle) if upright else (middle, level)
     axes.text(x, y, text, rotation=90 if upright else 0, bbox=PAPER, zorder=9, **TEXT)
 
 
 def leader(axes: Axes, point: tuple[float, float], text_at: tuple[float, float], text: str) -> None:
-    """Name something by a line from a point [mm] to a text."""
+    """Draw a leader line from a point [mm] to a text."""
     side = "left" if text_at[0] >= point[0] else "right"
     axes.annotate(
         text,
@@ -66,14 +66,15 @@ def leader(axes: Axes, point: tuple[float, float], text_at: tuple[float, float],
     )
 
 
-def _ticks(axes: Axes, ends: tuple[float, float], at: float, size: float, upright: bool) -> None:
-    """Mark the ends of a dimension that is too short for arrows by slanting ticks."""
+def _ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upright: bool) -> None:
+    """Mark the ends of a dimension that is too short for arrows by oblique ticks."""
     half = 0.5 * size
     for end in ends:
-        axes.plot(*_swapped((end - half, end + half), (at - half, at + half), upright), **{**LINE, "linewidth": 0.8})
+        axes.plot(*_xy((end - half, end + half), (level - half, level + half), upright), **{**LINE, "linewidth": 0.8})
 
 
-def _swapped(
+def _xy(
     along: tuple[float, float], across: tuple[float, float], upright: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return coordinates along and across a dimension as x and y."""
     return (across, along) if upright else (along, across)

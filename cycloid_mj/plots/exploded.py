@@ -1,4 +1,4 @@
-"""A drive taken apart along its axis: its section put together, and every part in the order in which it goes on."""
+"""Exploded view: the section of an assembled drive, and its parts along the axis in the order of assembly."""
 
 from collections import Counter
 
@@ -18,15 +18,15 @@ from cycloid_mj.plots.style import WIDTH, NotebookFigure, styled
 from cycloid_mj.reducer import Reducer
 
 GAP = 0.12
-"""Between parts taken apart, over the housing's outer radius."""
+"""Distance between parts of the exploded view, relative to the outer radius of the housing."""
 
 AXIS = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HEIGHT = 6.2
 
 
 @styled
-def exploded(reducer: Reducer, sizes: Casing) -> Figure:
-    """Draw the section through the axis, each part turned into its plane: put together, and below it taken apart."""
+def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
+    """Draw the section through the axis, each part rotated into its plane: assembled, and exploded below."""
     laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
     drawn = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
@@ -57,12 +57,12 @@ def exploded(reducer: Reducer, sizes: Casing) -> Figure:
         axes.axis("off")
         axes.autoscale_view()
         axes.plot(axes.get_xlim(), (0.0, 0.0), **AXIS)
-    together.set_title(f"{reducer.design.name}, put together: motor on the left, load on the right")
+    together.set_title(f"{reducer.design.name}, assembled: motor on the left, output on the right")
     return figure
 
 
 def _draw(axes: Axes, place: Place, prisms: tuple[Prism, ...], shift: float) -> float:
-    """Draw what the plane through the axis and the middle of a part cuts of it; return how high it reaches [m]."""
+    """Draw the section of a part in the plane through the axis and its centre; return its largest radius [m]."""
     x, y, z = place.origin
     away = float(np.hypot(x, y))
     red, green, blue, _ = COLOURS[names.family(place.part)]

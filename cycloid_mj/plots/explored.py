@@ -1,4 +1,4 @@
-"""The figure of a sweep: lines over one input, maps over two, and over more every quantity against every input."""
+"""Figures of sweeps: lines over one input, maps over two, and a grid of quantities over inputs for more."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -22,41 +22,43 @@ from cycloid_mj.plots.style import (
     VERMILION,
     WIDTH,
     NotebookFigure,
-    folded,
     in_words,
     state,
     styled,
     typeset,
+    wrap_label,
 )
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 ROW_HEIGHT = 2.2
-"""Of a row of panels [in]."""
+"""Height of a row of panels [in]."""
 
-MOST_POINTS = 4000
-"""Points that a panel of a pair plot shows: of more, evenly chosen ones."""
+MAX_POINTS = 4000
+"""Points of a panel of a pair plot; of more, evenly spaced ones are drawn."""
 
-MOST_MARKED = 60
-"""Points up to which each is marked on a line."""
+MAX_MARKERS = 60
+"""Points of a line up to which each has a marker."""
 
 TITLE_WIDTH, LABEL_WIDTH = 38, 22
-"""Characters in a line above a panel, and beside one."""
+"""Characters of a line of a title, and of an axis label."""
 
-MOST_LINES = 7
-MOST_PAIRED = 6
-"""Inputs in a pair plot: those that matter most to any of the quantities."""
+MAX_LINES = 7
+"""Lines of a panel: as many as there are colours."""
+
+MAX_PAIRED = 6
+"""Inputs of a pair plot: those with the largest rank correlations."""
 
 
 @styled
 def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw quantities of a sweep over its inputs; points that failed are marked on the inputs' axes.
+    """Draw quantities of a sweep over its inputs; failed points are marked on the input axes.
 
     Parameters
     ----------
     sweep
         The sweep.
     quantities
-        Columns that are numbers, a panel each, or a row of panels where there are more than two inputs.
+        Numeric columns: a panel each, or a row of panels if there are more than two inputs.
     """
     keys = sweep.task.keys
     numbers = number_inputs(sweep)
@@ -65,20 +67,20 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     if len(keys) == 2 and _spans_a_plane(sweep, numbers):
         return _panels(sweep, quantities, lambda axes, name: _map(axes, sweep, name))
     if len(keys) == 2 and (over := numbers or keys):
-        of = next(key for key in keys if key != over[0])
-        if len(set(sweep[of].tolist())) <= MOST_LINES:
-            return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], of, name))
+        parameter = next(key for key in keys if key != over[0])
+        if len(set(sweep[parameter].tolist())) <= MAX_LINES:
+            return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], parameter, name))
     return _pairs(sweep, quantities)
 
 
 def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
-    """Build a figure with a panel for each quantity, two beside each other."""
+    """Return a figure with a panel for each quantity in two columns."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = NotebookFigure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
-        axes.set_title(folded(_title(sweep, name), TITLE_WIDTH))
+        axes.set_title(wrap_label(_title(sweep, name), TITLE_WIDTH))
     for axes in panels[len(quantities) :]:
         axes.remove()
     _head(figure, sweep)
@@ -86,52 +88,53 @@ def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str],
 
 
 def _head(figure: Figure, sweep: Sweep) -> None:
+    """Add design and number of points above a figure."""
     failed = f", {sweep.failed} failed" if sweep.failed else ""
     state(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
 
 
 def _title(sweep: Sweep, name: str) -> str:
-    """Name a column in words, with its unit."""
+    """Return a column in words with its unit."""
     unit = sweep.frame.units.get(name, "")
     return in_words(name, unit) if name in sweep.task.keys else figure_words(name, unit)
 
 
 def figure_words(column: str, unit: str = "") -> str:
-    """Name a column of a measure with its unit: by the words of the figures' catalogue, where it has that figure."""
-    of, _, key = column.rpartition(".")
+    """Return a column of a measure in words with its unit, as in the catalogue of figures if it contains it."""
+    measure, _, key = column.rpartition(".")
     if (figure := known(key)) is None:
         return in_words(column, unit)
     words = f"{figure.name} [{figure.unit}]" if figure.unit != "1" else figure.name
-    return f"{of}: {words}" if of else words
+    return f"{measure}: {words}" if measure else words
 
 
 def _line(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
     """Draw a quantity over one input."""
-    _one_line(axes, _places(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
+    _draw_line(axes, _positions(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
     _failures(axes, sweep, key)
 
 
-def _lines(axes: Axes, sweep: Sweep, over: str, of: str, name: str) -> None:
-    """Draw a quantity over one input, a line for each value of the other."""
-    places, values = _places(axes, sweep, over), sweep.frame.numbers[name]
-    for colour, value in zip(COLOURS, dict.fromkeys(sweep[of].tolist()), strict=False):
-        chosen = sweep[of] == value
-        _one_line(
-            axes, places[chosen], values[chosen], colour, f"{value:g}" if isinstance(value, float) else str(value)
-        )
-    axes.legend(title=_title(sweep, of), title_fontsize=6.5, fontsize=6.5)
+def _lines(axes: Axes, sweep: Sweep, over: str, parameter: str, name: str) -> None:
+    """Draw a quantity over one input, with a line for each value of the other."""
+    positions, values = _positions(axes, sweep, over), sweep.frame.numbers[name]
+    for colour, value in zip(COLOURS, dict.fromkeys(sweep[parameter].tolist()), strict=False):
+        rows = sweep[parameter] == value
+        label = f"{value:g}" if isinstance(value, float) else str(value)
+        _draw_line(axes, positions[rows], values[rows], colour, label)
+    axes.legend(title=_title(sweep, parameter), title_fontsize=6.5, fontsize=6.5)
     _failures(axes, sweep, over)
 
 
-def _one_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
+def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
+    """Draw a line sorted by x, with markers if there are few points."""
     order = np.argsort(x, kind="stable")
-    marked = len(x) <= MOST_MARKED
+    marked = len(x) <= MAX_MARKERS
     axes.plot(x[order], y[order], "o-" if marked else "-", color=colour, markersize=2.8, linewidth=1.1, label=label)
     axes.margins(x=0.03)
 
 
-def _places(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with an input, and give where its values stand: words in the order that they came."""
+def _positions(axes: Axes, sweep: Sweep, key: str) -> Array:
+    """Label the x axis with an input, and return the position of each point: words in order of appearance."""
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]
@@ -141,58 +144,58 @@ def _places(axes: Axes, sweep: Sweep, key: str) -> Array:
 
 
 def _failures(axes: Axes, sweep: Sweep, key: str) -> None:
+    """Mark failed points on the x axis."""
     failed = sweep["error"] != ""
     if failed.any():
-        # x in data, y in shares of the axes
-        places = _places(axes, sweep, key)[failed]
+        positions = _positions(axes, sweep, key)[failed]
         axes.plot(
-            places, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
+            positions, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
             transform=axes.get_xaxis_transform(),
         )  # fmt: skip
 
 
 def _spans_a_plane(sweep: Sweep, inputs: Sequence[str]) -> bool:
-    """Tell whether the points of two inputs span a plane: a map needs three that are not on a line."""
+    """Return whether the points of two inputs span a plane: a map needs three points that are not collinear."""
     if len(inputs) != 2:
         return False
-    points = np.column_stack([_unit(sweep.frame.numbers[key]) for key in inputs])
+    points = np.column_stack([_scaled(sweep.frame.numbers[key]) for key in inputs])
     return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
-def _unit(values: Array) -> Array:
-    """Compute values from 0 to 1."""
+def _scaled(values: Array) -> Array:
+    """Scale values to the range 0 to 1."""
     low, high = values.min(), values.max()
     return (values - low) / (high - low) if high > low else np.zeros_like(values)
 
 
 def _map(axes: Axes, sweep: Sweep, name: str) -> None:
-    """Draw a quantity over two inputs, by triangles between the points."""
+    """Draw a quantity over two inputs as a contour map on a triangulation of the points."""
     numbers = sweep.frame.numbers
     first, second = number_inputs(sweep)
     x, y, z = numbers[first], numbers[second], numbers[name]
     good = np.isfinite(z)
     axes.set(xlabel=_title(sweep, first), ylabel=_title(sweep, second))
     axes.grid(False)
-    plane = np.column_stack([_unit(x[good]), _unit(y[good])]) if good.any() else np.empty((0, 2))
+    plane = np.column_stack([_scaled(x[good]), _scaled(y[good])]) if good.any() else np.empty((0, 2))
     if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
-        # triangles between points that are alike far apart in both directions
+        # triangulated in scaled inputs, so that both have the same weight
         triangles = Triangulation(*plane.T).triangles
         drawn = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
         axes.figure.colorbar(drawn, ax=axes, pad=0.02)
-    if good.sum() <= 10 * MOST_MARKED:
+    if good.sum() <= 10 * MAX_MARKERS:
         axes.plot(x[good], y[good], ".", color=BLACK, markersize=1.5)
     axes.plot(x[~good], y[~good], "x", color=VERMILION, markersize=3)
     axes.margins(0.03)
 
 
 def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw every quantity against every input, with the rank correlation of each pair that are numbers."""
-    keys = _most_telling(sweep, quantities)
+    """Draw every quantity over every input, with the rank correlation of numeric pairs."""
+    keys = _main_inputs(sweep, quantities)
     rows = max(1, len(quantities))
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlated = ranks(sweep, tuple(quantities))
-    step = math.ceil(len(sweep) / MOST_POINTS) or 1
+    step = math.ceil(len(sweep) / MAX_POINTS) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
@@ -200,21 +203,22 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
             rho = correlated.rho[row, correlated.inputs.index(key)] if key in correlated.inputs else math.nan
             strength = 0.0 if math.isnan(rho) else abs(rho)
             colour = VERMILION if strength > 0.5 else BLUE
-            axes.plot(_places(axes, sweep, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
+            axes.plot(_positions(axes, sweep, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
             axes.margins(x=0.05)
-            axes.set_xlabel(folded(_title(sweep, key), LABEL_WIDTH) if row == rows - 1 else "", fontsize=7.0)
+            axes.set_xlabel(wrap_label(_title(sweep, key), LABEL_WIDTH) if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
-                axes.set_ylabel(folded(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
+                axes.set_ylabel(wrap_label(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
     _head(figure, sweep)
     return figure
 
 
-def _most_telling(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
-    """List the inputs to draw, in their order: of too many numbers those with the largest rank correlations."""
-    if len(sweep.task.keys) <= MOST_PAIRED:
+def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Return the inputs to draw in their order; of too many, those with the largest rank correlations."""
+    if len(sweep.task.keys) <= MAX_PAIRED:
         return sweep.task.keys
-    one = ranks(sweep, tuple(quantities))
-    largest = np.nan_to_num(np.abs(one.rho)).max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(one.inputs))
-    kept = {one.inputs[place] for place in np.argsort(-largest, kind="stable")[:MOST_PAIRED]}
-    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[:MOST_PAIRED]
+    correlated = ranks(sweep, tuple(quantities))
+    rho = np.nan_to_num(np.abs(correlated.rho))
+    largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlated.inputs))
+    kept = {correlated.inputs[column] for column in np.argsort(-largest, kind="stable")[:MAX_PAIRED]}
+    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[:MAX_PAIRED]

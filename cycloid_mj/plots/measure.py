@@ -1,7 +1,7 @@
-"""The figure of a measurement: a panel for each title that its curves name.
+"""Figures of measurements: a panel for each panel title of the curves.
 
-Nothing is made to look more than it is: a panel of values above zero begins at zero, or is at least as high as a
-quarter of its largest value; bars of several curves stand side by side; points that coincide show round each other.
+The axes do not exaggerate differences: a panel of positive values starts at zero, or spans at least a quarter of its
+largest value. Bars of several curves are drawn next to each other, coincident points as rings around each other.
 """
 
 from collections.abc import Sequence
@@ -19,51 +19,51 @@ from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEOR
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 HEIGHT, POLAR_HEIGHT = 1.9, 3.2
-"""Of one panel [in]."""
+"""Height of a panel [in]."""
 
-LEAST_HEIGHT = 0.25
-"""Of a panel, as a share of its largest value: less would make much of a difference of nothing."""
+MIN_SPAN = 0.25
+"""Span of a y axis relative to its largest value, at least."""
 
-FROM_ZERO = 0.75
-"""A panel of values above zero begins at zero if its least is below this share of its largest."""
+MAX_FROM_ZERO = 0.75
+"""Smallest over largest value below which the axis of positive values starts at zero."""
 
 MARGIN = 0.06
-"""Room above and below the values, as a share of the panel's height."""
+"""Space above and below the values, relative to the height of a panel."""
 
-BAR, THINNEST_BAR = 1.4, 0.3
-"""Width of a bar [pt], and of one among very many."""
+BAR_WIDTH, MIN_BAR_WIDTH = 1.4, 0.3
+"""Width of a bar, and of one of very many [pt]."""
 
 BARS_WIDTH = 300.0
-"""Room for all bars of a panel side by side [pt]."""
+"""Total width of the bars of a panel [pt]."""
 
-POINT, SMALLER = 5.5, 1.3
-"""Diameter of the first points of a panel [pt], and by how much those of each further curve are smaller."""
+MARKER_SIZE, MARKER_DECREMENT = 5.5, 1.3
+"""Diameter of the markers of the first curve, and its decrease for each further curve [pt]."""
 
-MOST_MARKED = 72
-"""Contacts round a ring up to which each is marked."""
+MAX_MARKERS = 72
+"""Contacts around a ring up to which each has a marker."""
 
 
 def measurement_figure(measurement: Measurement) -> Figure:
-    """Draw every curve of a measurement, panel below panel."""
+    """Draw the curves of a measurement, one panel below the other."""
     title = f"{measurement.measure}: {measurement.design.name}"
     return curves_figure(measurement.curves, f"{title}, {measurement.condition}" if measurement.condition else title)
 
 
 @styled
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
-    """Draw curves, panel below panel."""
+    """Draw curves, one panel below the other."""
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
     heights = [POLAR_HEIGHT if curves[0].style == "polar" else HEIGHT for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
-    for place, (name, drawn) in enumerate(panels.items()):
+    for row, (name, drawn) in enumerate(panels.items()):
         polar = drawn[0].style == "polar"
-        axes = figure.add_subplot(grid[place], projection="polar" if polar else None)
+        axes = figure.add_subplot(grid[row], projection="polar" if polar else None)
         axes.set_title(name)
         if polar:
-            _draw_round(axes, drawn)
+            _draw_polar(axes, drawn)
         else:
             _draw(axes, drawn)
             _limit(axes, drawn)
@@ -77,8 +77,9 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
 
 
 def _draw(axes: Axes, curves: list[Curve]) -> None:
+    """Draw the curves of a panel, each in its style."""
     measured = [curve for curve in curves if curve.style not in ("theory", "rings")]
-    colours = {id(curve): COLOURS[place % len(COLOURS)] for place, curve in enumerate(measured)}
+    colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured)}
     by_name = {curve.name: colours[id(curve)] for curve in measured}
     bars = [curve for curve in measured if curve.style == "bars"]
     points = [curve for curve in measured if curve.style == "points"]
@@ -90,7 +91,7 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
             axes.plot(curve.x, curve.y, **{**THEORY, **tint})
         elif curve.style == "rings":
             ring: dict[str, Any] = {
-                "markersize": POINT + 3.0,
+                "markersize": MARKER_SIZE + 3.0,
                 "markerfacecolor": "none",
                 "markeredgewidth": 2.0,
                 "clip_on": False,
@@ -99,8 +100,8 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
         elif curve.style == "bars":
             _draw_bars(axes, curve, bars, colours[id(curve)])
         elif curve.style == "points":
-            size = max(POINT - SMALLER * points.index(curve), SMALLER)
-            # points on the edge of the panel are drawn whole
+            size = max(MARKER_SIZE - MARKER_DECREMENT * points.index(curve), MARKER_DECREMENT)
+            # markers on the edge of the panel are not clipped
             look: dict[str, Any] = {"markersize": size, "color": colours[id(curve)], "clip_on": False}
             axes.plot(curve.x, curve.y, "o", label=curve.name, **look)
         else:
@@ -108,24 +109,24 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
 
 
 def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None:
-    """Draw the bars of one curve beside those of the panel's others, so that none hides another."""
-    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(bar.x) for bar in bars)), THINNEST_BAR, BAR))
+    """Draw the bars of a curve next to those of the other curves of the panel."""
+    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(bar.x) for bar in bars)), MIN_BAR_WIDTH, BAR_WIDTH))
     aside = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
     shifted = axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
     axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted)
 
 
-def _draw_round(axes: Axes, curves: list[Curve]) -> None:
-    """Draw forces round a ring, clockwise from +y; contacts that are few enough each for itself."""
-    for place, curve in enumerate(curves):
-        about, colour = np.radians(curve.x), COLOURS[place % len(COLOURS)]
-        if len(curve.x) > MOST_MARKED:
+def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
+    """Draw forces around a ring, clockwise from +y; with a marker for each contact if there are few."""
+    for number, curve in enumerate(curves):
+        about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
+        if len(curve.x) > MAX_MARKERS:
             axes.plot(about, curve.y, label=curve.name, color=colour, linewidth=0.9)
             continue
-        # a line from contact to contact would tell of forces between them
-        if place == 0:
+        # no line from contact to contact: there are no forces in between
+        if number == 0:
             axes.vlines(about, 0.0, curve.y, color=colour, linewidth=1.2)
-        face = colour if place == 0 else "none"
+        face = colour if number == 0 else "none"
         look: dict[str, Any] = {"markersize": 3.5, "markerfacecolor": face, "markeredgecolor": colour}
         axes.plot(about, curve.y, "o", label=curve.name, **look)
     axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
@@ -134,12 +135,12 @@ def _draw_round(axes: Axes, curves: list[Curve]) -> None:
     polar.set_theta_direction(-1)
     polar.set_rmin(0.0)
     polar.yaxis.set_major_locator(MaxNLocator(4))
-    # the radii stand opposite to the largest value, where there is room
+    # labels of the radii opposite the largest value, where there is space
     polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
 
 
 def _limit(axes: Axes, curves: list[Curve]) -> None:
-    """Limit the axes to the values, and to no less than makes a difference."""
+    """Limit the axes to the values, with the minimal span of `MIN_SPAN`."""
     x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
     x, y = x[np.isfinite(x)], y[np.isfinite(y)]
     if not len(x) or not len(y):
@@ -151,8 +152,8 @@ def _limit(axes: Axes, curves: list[Curve]) -> None:
     elif np.ptp(x) > 0.0 and all(curve.style in ("points", "rings") for curve in curves):
         axes.set_xlim(x.min() - MARGIN * np.ptp(x), x.max() + MARGIN * np.ptp(x))
     low, high = float(y.min()), float(y.max())
-    if low >= 0.0 and low < FROM_ZERO * high:
+    if low >= 0.0 and low < MAX_FROM_ZERO * high:
         axes.set_ylim(0.0, (1.0 + MARGIN) * high)
     elif low < high or low != 0.0:
-        reach = max((0.5 + MARGIN) * (high - low), 0.5 * LEAST_HEIGHT * max(abs(low), abs(high)))
+        reach = max((0.5 + MARGIN) * (high - low), 0.5 * MIN_SPAN * max(abs(low), abs(high)))
         axes.set_ylim(0.5 * (low + high) - reach, 0.5 * (low + high) + reach)

@@ -1,4 +1,4 @@
-"""A drawing of the reducer in its plane, true to scale, with the forces on the gear where a run has them."""
+"""A drawing of the mechanism to scale, with the forces on the discs of a run."""
 
 import math
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
 
 CRANK_ANGLE = math.radians(35.0)
-"""Where the crank is drawn by default [rad]."""
+"""Default crank angle [rad]."""
 
 LOOKS: dict[str, dict[str, Any]] = {
     "ring": {"facecolor": "#D9DFE4", "edgecolor": "#54606B"},
@@ -31,29 +31,29 @@ LOOKS: dict[str, dict[str, Any]] = {
     "cam": {"facecolor": "#EDA77C", "edgecolor": "#8A3B00"},
     "shaft": {"facecolor": "#8B9199", "edgecolor": "#3B4046"},
 }
-BEFORE_OTHERS = 0.55
-"""Opacity of discs and cams that stand before others."""
+FRONT_OPACITY = 0.55
+"""Opacity of discs and cams in front of others."""
 
 DISC_COLOURS = (VERMILION, BLUE, GREEN, PURPLE)
-"""Of the forces on each disc."""
+"""Colours of the forces on each disc."""
 
 FORCE: dict[str, Any] = {"width": 0.0032, "angles": "xy", "scale_units": "xy", "zorder": 5}
-LONGEST = 0.3
-"""Length of the largest force on a pin, as a share of the housing's radius."""
+MAX_ARROW = 0.3
+"""Length of the largest force arrow, relative to the outer radius of the housing."""
 
 
 @styled
 def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | None = None) -> Figure:
-    """Draw the ring, the gear with its holes, the output pins, the cam and the shaft.
+    """Draw ring, discs, output pins, cam and shaft.
 
     Parameters
     ----------
     reducer
         The reducer.
     run
-        If given, the parts stand as in its last turn, and the forces on the gear are drawn as the run has them.
+        Run that determines the poses and forces; without it, the ideal mechanism is drawn without forces.
     crank_angle
-        Crank angle [rad]; with a run, the nearest sample's, modulo a turn, and by default that of the last one.
+        Crank angle [rad]. With a run the nearest sample of its last turn; by default its last sample.
     """
     figure = NotebookFigure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
@@ -63,10 +63,10 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
         sample = _sample(run, crank_angle)
         columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
         degrees = math.degrees(float(columns["crank_angle"][0])) % 360
-        axes.set_title(f"crank at {degrees:.1f} deg, {run.time[sample]:.4f} s", loc="center")
-    place = {part: pose[0] for part, pose in poses(reducer, columns).items()}
-    _draw_parts(axes, reducer, place)
-    _draw_motion(axes, reducer, place)
+        axes.set_title(f"crank angle {degrees:.1f} deg, {run.time[sample]:.4f} s", loc="center")
+    pose = {part: values[0] for part, values in poses(reducer, columns).items()}
+    _draw_parts(axes, reducer, pose)
+    _draw_motion(axes, reducer, pose)
     _draw_forces(axes, reducer, contact_forces(reducer, columns).of("pin_gear", "tooth", "output"))
     reach = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
@@ -79,7 +79,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
 
 def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Compute the columns of the ideal mechanism's motion at one crank angle."""
+    """Return the columns of the ideal mechanism at a crank angle [rad], one row each."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = reducer.member.gear_angle(crank)
@@ -90,7 +90,7 @@ def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
 
 
 def _sample(run: Run, crank_angle: float | None) -> int:
-    """Find the sample of the last turn that is nearest to a crank angle, modulo a turn."""
+    """Return the sample of the last turn nearest to a crank angle, modulo a turn; without one the last sample."""
     angle = run["crank_angle"]
     if crank_angle is None:
         return len(run) - 1
@@ -99,8 +99,8 @@ def _sample(run: Run, crank_angle: float | None) -> int:
     return int(np.argmin(np.where(last_turn, away, np.inf)))
 
 
-def _draw_parts(axes: Axes, reducer: Reducer, place: Mapping[str, Array]) -> None:
-    """Draw from the back to the front; a gear shows through those before it, the output disc through their holes."""
+def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
+    """Draw the parts from back to front; discs in front of others are translucent."""
     design = reducer.design
     solids = parts(reducer, VISUAL_CHORD_ERROR)
     axis, pins = np.zeros(3), ring_places(reducer) if design.ring.kind == "pin" else np.empty((0, 2))
@@ -112,39 +112,41 @@ def _draw_parts(axes: Axes, reducer: Reducer, place: Mapping[str, Array]) -> Non
             draw_disc(axes, centre, sleeve_core_radius(reducer), "ring")
     draw_disc(axes, axis, disc, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
-        draw_region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
-    for centre in moved(place[OUTPUT], output_centres(reducer)):
+        draw_region(axes, solids[gear].prisms[0], "gear", pose[gear], 1.0 if disc == 0 else FRONT_OPACITY)
+    for centre in moved(pose[OUTPUT], output_centres(reducer)):
         draw_disc(axes, centre, design.output.pin_radius, "output")
         if design.output.has_roller_parts:
             draw_disc(axes, centre, pin_radius(reducer), "output")
-    for disc, cam in enumerate(cams(reducer, place[SHAFT][np.newaxis])[0]):
-        draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
+    for disc, cam in enumerate(cams(reducer, pose[SHAFT][np.newaxis])[0]):
+        draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else FRONT_OPACITY)
     draw_disc(axes, axis, design.shaft.radius, "shaft")
 
 
-def _draw_motion(axes: Axes, reducer: Reducer, place: Mapping[str, Array]) -> None:
-    """Mark the axis and the gears' centres, and show which way the crank and the gear in front turn."""
+def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
+    """Mark the axis and the centres of the discs, and the sense of rotation of the crank and the front disc."""
     design = reducer.design
     direction = math.copysign(1.0, design.drive.speed)
-    centres = [1e3 * place[gear][:2] for gear in gears(design.gear.discs)]
+    centres = [1e3 * pose[gear][:2] for gear in gears(design.gear.discs)]
     centre = centres[-1]
     axes.plot(0.0, 0.0, marker="+", markersize=9, color="white", markeredgewidth=1.0)
     for middle in centres:
         axes.plot(*middle, marker="o", markersize=2.5, color="white")
     ring, output = design.ring, design.output
     between = (ring.pin_circle_radius - ring.pin_radius + output.pin_circle_radius + output.hole_radius) / 2
-    start = math.pi / 2 + place[SHAFT][2]
-    _turning(axes, np.zeros(2), (design.shaft.radius + design.gear.bore_radius) / 2, start, 1.9 * direction)
-    _turning(axes, centre, between - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction)
+    start = math.pi / 2 + pose[SHAFT][2]
+    _rotation_arrow(axes, np.zeros(2), (design.shaft.radius + design.gear.bore_radius) / 2, start, 1.9 * direction)
+    _rotation_arrow(
+        axes, centre, between - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction
+    )
 
 
 def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
-    """Draw the forces of ring and output pins on the gears to one scale; the cams' balance them."""
+    """Draw the forces of ring and output pins on the discs with a common scale; those of the cams are not drawn."""
     loaded = acting.size[0] > 0.0
     if not loaded.any():
         return
     largest, discs = float(acting.size.max()), np.array(acting.discs)
-    scale = largest / (LONGEST * 1e3 * reducer.design.housing.outer_radius)
+    scale = largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
     for disc in range(reducer.design.gear.discs):
         rows, colour = loaded & (discs == disc), DISC_COLOURS[disc]
         points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
@@ -155,26 +157,26 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
 
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
-    """Draw a region with its holes, turned and moved by a pose: x [m], y [m] and angle [rad]."""
+    """Draw a region with holes at a pose: x [m], y [m] and angle [rad]."""
     rings = [1e3 * moved(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_look(part, opacity)))
 
 
 def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
-    """Draw a disc of a radius [m] round a centre [m]."""
+    """Draw a circular disc of a radius [m] about a centre [m]."""
     look = _look(part, opacity)
     axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **look))
 
 
 def _look(part: str, opacity: float) -> dict[str, Any]:
-    """Collect the look of a part with a fill that lets what is behind show through."""
+    """Return the style of a part with an opacity of its fill."""
     look = LOOKS[part]
     return look if opacity == 1.0 else look | {"facecolor": (look["facecolor"], opacity)}
 
 
-def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
-    """Draw an arc with an arrow head, angles counter-clockwise from +x [rad], radius [m], centre [mm]."""
+def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
+    """Draw an arc with an arrow head; angles counter-clockwise from +x [rad], radius [m], centre [mm]."""
     angle = np.linspace(start, start + sweep, 60)
     arc = centre + 1e3 * radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     look: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 10.0, "color": BLACK, "linewidth": 1.2}
@@ -182,9 +184,10 @@ def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: floa
 
 
 def _legend(reducer: Reducer, forces: bool) -> list[Patch]:
+    """Return the legend of the parts, and of the forces on each disc."""
     pinned = reducer.design.ring.kind == "pin"
-    names = {"ring": "pinwheel" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
-    names |= {"gear": "cycloid gear", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
+    names = {"ring": "ring" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
+    names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
     parts = [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
     discs = reducer.design.gear.discs if forces else 0
-    return parts + [Patch(label=f"force on gear {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]
+    return parts + [Patch(label=f"force on disc {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]

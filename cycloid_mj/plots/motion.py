@@ -1,4 +1,4 @@
-"""Crank, gear speed and transmission error (the paper's Figs 5 and 6)."""
+"""Crank speed, disc speed (Figs 5 and 6 of Hsieh 2014) and transmission error."""
 
 from typing import Any
 
@@ -16,9 +16,9 @@ from cycloid_mj.plots.style import (
     ORANGE,
     SIMULATED,
     THEORY,
-    centred,
+    add_degree_axis,
+    centre_on_zero,
     crank_axis,
-    degrees_beside,
     legend_above,
     sheet,
     styled,
@@ -27,16 +27,16 @@ from cycloid_mj.plots.style import (
 )
 
 SPEED_SPAN = 0.01
-"""Half of the span of the gear's speed as a share of it, so that the eye sees the error at its true size."""
+"""Half the span of the axis of the disc speed, relative to the speed: shows the error at its true size."""
 
 
 @styled
 def input_figure(motion: Series) -> Figure:
-    """Draw the crank's law and its measured speed over the whole run, and their difference (Fig. 5)."""
+    """Draw prescribed and simulated crank speed over the entire run, and their difference (Fig. 5)."""
     figure, top, bottom = _speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
     top.axhline(0.0, color=BLACK, linewidth=0.5)
     top.margins(y=0.08)
-    top.set_title("Speed of the crank")
+    top.set_title("Crank speed")
     bottom.set_xlabel("time [s]")
     figure.align_ylabels()
     return figure
@@ -44,7 +44,7 @@ def input_figure(motion: Series) -> Figure:
 
 @styled
 def gear_speed_figure(motion: Series) -> Figure:
-    """Draw the gear's speed over a crank turn with Eq. 12, and the error magnified (Fig. 6)."""
+    """Draw the disc speed over a crank turn with Eq. 12, and the magnified error (Fig. 6)."""
     degrees = turn_degrees(motion)
     figure, top, bottom = _speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.at(motion.one_turn)
@@ -52,24 +52,24 @@ def gear_speed_figure(motion: Series) -> Figure:
     swing = max(float(np.abs(part - middle).max()) for part in (speed.theory, speed.simulated))
     reach = max(SPEED_SPAN * abs(middle), 1.2 * swing, 1e-9)
     top.set_ylim(middle - reach, middle + reach)
-    top.set_title("Speed of the cycloid gear")
+    top.set_title("Speed of the cycloid disc")
     crank_axis(bottom, degrees)
     figure.align_ylabels()
     return figure
 
 
 def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
-    """Draw a speed with its closed form, and its error below."""
+    """Draw a speed with its closed form, and the error below."""
     figure = sheet(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)
     speed, error = SIGNALS[key], SIGNALS[f"{key}_error"]
     if speed.theory:
         top.plot(x, speed.theory(motion)[rows], **THEORY)
     top.plot(x, speed.simulated(motion)[rows], **SIMULATED)
-    off = error.simulated(motion)[rows]
-    bottom.plot(x, off, **ERROR)
-    centred(bottom, off)
-    degrees_beside(top)
+    difference = error.simulated(motion)[rows]
+    bottom.plot(x, difference, **ERROR)
+    centre_on_zero(bottom, difference)
+    add_degree_axis(top)
     top.set_ylabel(speed.label)
     bottom.set_ylabel(error.label)
     legend_above(top, *BOTH)
@@ -78,16 +78,16 @@ def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tu
 
 @styled
 def transmission_error_figure(motion: Series) -> Figure:
-    """Draw the transmission error of output and gear over a crank turn."""
+    """Draw the transmission error of output and disc over a crank turn."""
     figure, degrees = sheet(3.6), turn_degrees(motion)
-    parts = (("output", "output_te", BLUE), ("cycloid gear", "gear_te", ORANGE))
+    parts = (("output", "output_te", BLUE), ("cycloid disc", "gear_te", ORANGE))
     for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
         error = SIGNALS[key].simulated(motion)[motion.one_turn]
         axes.plot(degrees, error, color=color, linewidth=1.0)
         axes.axhline(float(error.mean()), color=color, linewidth=0.7, linestyle=(0, (4, 3)))
         axes.set_ylabel("angle [arcsec]")
         swing, mean = (typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
-        axes.set_title(f"Transmission error of the {part}: {swing} arcsec p-p about {mean} (play and wind-up)")
+        axes.set_title(f"Transmission error of the {part}: {swing} arcsec peak to peak, mean {mean} arcsec")
         axes.margins(y=0.12)
         crank_axis(axes, degrees)
         axes.label_outer()

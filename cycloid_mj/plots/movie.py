@@ -1,4 +1,4 @@
-"""Frames to a GIF or an MP4 file."""
+"""Writers of animations: GIF and MP4."""
 
 from collections.abc import Iterable
 from itertools import chain
@@ -16,16 +16,17 @@ from cycloid_mj.base.extras import extra
 Frame = npt.NDArray[np.uint8]
 
 RATE = 25
-LEAST_RATE, LARGEST_RATE = 1, 50
-"""Frames per second: GIF's clock ticks in hundredths, and viewers slow down what is faster."""
+MIN_RATE, MAX_RATE = 1, 50
+"""Frames per second: the clock of GIF has hundredths of a second, and viewers slow down faster files."""
 
 COLOURS = 128
+"""Colours of a GIF: smaller files, no visible difference."""
 
 
 def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> None:
-    """Write frames of one size as a movie: ``.gif``, which repeats for ever, or ``.mp4`` (H.264).
+    """Write frames of equal size as an endless ``.gif`` or as ``.mp4`` (H.264).
 
-    The file takes its name only once it is whole.
+    The file appears under its name when it is complete.
 
     Parameters
     ----------
@@ -39,31 +40,32 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
     Raises
     ------
     UsageError
-        The name ends neither in .gif nor in .mp4, or the rate is not possible.
+        The name ends neither in .gif nor in .mp4, or the rate is out of range.
     CycloidError
-        The file cannot be written, or what writes MP4 is not installed.
+        The file cannot be written, or the extra ``video`` is not installed.
     """
     path = Path(path)
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
     if path.suffix.lower() not in writers:
-        raise UsageError(f"an animation is written as .gif or .mp4: cannot write {path}")
-    if not LEAST_RATE <= rate <= LARGEST_RATE:
-        raise UsageError(f"an animation of {rate:g} frames per second: give {LEAST_RATE} to {LARGEST_RATE}")
-    with whole_file(path) as beside:
-        writers[path.suffix.lower()](frames, beside, rate)
+        raise UsageError(f"cannot write {path}: the formats of animations are .gif and .mp4")
+    if not MIN_RATE <= rate <= MAX_RATE:
+        raise UsageError(f"{rate:g} frames per second is out of range: {MIN_RATE} to {MAX_RATE}")
+    with whole_file(path) as temporary:
+        writers[path.suffix.lower()](frames, temporary, rate)
 
 
 def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Write a GIF whose frames share the palette of the first, so that nothing flickers."""
+    """Write a GIF whose frames share the palette of the first frame, which avoids flicker."""
     pictures = (Image.fromarray(frame) for frame in frames)
     first = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
     others = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
-    # hundredths of a second, so that the frames are as long as the file can say
+    # GIF has hundredths of a second
     duration = 10 * round(100 / rate)
     first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0, disposal=1)
 
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
+    """Write an MP4 file by ffmpeg; raise OSError if a frame is missing."""
     ffmpeg = extra("imageio_ffmpeg", "MP4", "video", "write a .gif")
     stream = iter(frames)
     first = next(stream)
@@ -78,13 +80,13 @@ def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
             sent += 1
         writer.close()
     except OSError as problem:
-        # its message goes on with ffmpeg's whole output
+        # the following lines are the full output of ffmpeg
         raise OSError(str(problem).splitlines()[0]) from problem
     _require_frames(ffmpeg, path, sent)
 
 
 def _require_frames(ffmpeg: Any, path: Path, frames: int) -> None:
-    """Raise OSError unless a film has all its frames: ffmpeg does not say whether it failed."""
+    """Raise OSError unless a file has all its frames: ffmpeg does not report a failure."""
     try:
         written, _ = ffmpeg.count_frames_and_secs(str(path))
     except (RuntimeError, OSError):

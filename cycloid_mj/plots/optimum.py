@@ -1,4 +1,4 @@
-"""What an optimisation found: the front of two objectives, or the way to the best of one; and each key beside it."""
+"""The result of an optimisation: Pareto front of two objectives or convergence of one, and the varied keys."""
 
 from typing import Any
 
@@ -11,13 +11,13 @@ from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.plots.explored import figure_words
 from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, styled
 
-MOST_KEYS = 6
-"""Keys that are drawn, a panel each."""
+MAX_KEYS = 6
+"""Keys with a panel."""
 
 POINT: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.5}
 LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("keeps all", {**POINT, "color": BLUE}),
-    ("breaks a limit", {**POINT, "color": SKY}),
+    ("feasible", {**POINT, "color": BLUE}),
+    ("infeasible", {**POINT, "color": SKY}),
     ("start", {**POINT, "color": GREY, "marker": "s", "markersize": 6.0}),
     ("best", {**POINT, "color": VERMILION, "marker": "*", "markersize": 11.0}),
 )
@@ -25,11 +25,11 @@ LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 @styled
 def tradeoff_figure(optimum: Optimum) -> Figure:
-    """Draw every point whose figures are known: objective over objective, or over the evaluations; then over each key.
+    """Draw every evaluated point: objective over objective or over the evaluations, and over each varied key.
 
-    The scale shows the points that keep all, and the start.
+    The axes cover the feasible points and the start.
     """
-    objectives, varied = optimum.task.objectives, optimum.task.ranges[:MOST_KEYS]
+    objectives, varied = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied) // 3)
     figure = sheet(3.0 + 1.9 * rows)
     grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
@@ -45,33 +45,34 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter(first, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         first.set(xlabel="evaluation", ylabel=_label(optimum, objectives[0].key))
-    breaks = len(optimum.feasible) < np.isfinite(y).sum()
-    legend_above(first, *(look for look in LOOKS if breaks or look is not LOOKS[1]))
-    for place, one in enumerate(varied):
-        axes = figure.add_subplot(grid[1 + place // 3, place % 3])
+    infeasible = len(optimum.feasible) < np.isfinite(y).sum()
+    legend_above(first, *(look for look in LOOKS if infeasible or look is not LOOKS[1]))
+    for number, one in enumerate(varied):
+        axes = figure.add_subplot(grid[1 + number // 3, number % 3])
         _scatter(
             axes, optimum, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float)
         )
-        axes.set(xlabel=_label(optimum, one.key), ylabel="" if place % 3 else _label(optimum, objectives[0].key))
+        axes.set(xlabel=_label(optimum, one.key), ylabel="" if number % 3 else _label(optimum, objectives[0].key))
     state(figure, optimum.words)
     return figure
 
 
 def _label(optimum: Optimum, key: str) -> str:
-    """Name a key of the design, or a figure, in words with its unit."""
+    """Return the axis label of a key of the design or of a figure, with its unit."""
     return in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
+    """Draw the points of an optimisation, with the start and the best one marked."""
     known = np.isfinite(x) & np.isfinite(y)
     good = np.zeros(len(x), dtype=bool)
     good[optimum.feasible] = True
     for rows, (_, look) in ((known & ~good, LOOKS[1]), (known & good, LOOKS[0])):
         axes.plot(x[rows], y[rows], **look)
     marked = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
-    for place, look in marked:
-        if known[place]:
-            axes.plot(x[place], y[place], **look)
+    for row, look in marked:
+        if known[row]:
+            axes.plot(x[row], y[row], **look)
     shown = known & good
     shown[0] |= known[0]
     for values, limit in ((x[shown], axes.set_xlim), (y[shown], axes.set_ylim)):

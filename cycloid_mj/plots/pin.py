@@ -1,4 +1,4 @@
-"""Ring pin 1 in its socket (the paper's Fig. 9)."""
+"""Motion of ring pin 1 in its socket (Fig. 9 of Hsieh 2014)."""
 
 from typing import Any
 
@@ -14,8 +14,8 @@ from cycloid_mj.plots.style import (
     BLUE,
     GREY,
     SIMULATED,
+    add_degree_axis,
     crank_axis,
-    degrees_beside,
     legend_above,
     sheet,
     square,
@@ -30,16 +30,16 @@ CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 
 @styled
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
-    """Draw the path of pin 1's centre within its clearance, its distance and its spin over a crank turn."""
+    """Draw the path of the centre of pin 1 within its clearance, its distance and its spin over a crank turn."""
     figure = sheet(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
     degrees = turn_degrees(motion)
-    place = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
+    part = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _path(axes["p"], position, _limit(motion.reducer, clearance, float(np.abs(position).max())), place)
+    _path(axes["p"], position, _limit(motion.reducer, clearance, float(np.abs(position).max())), part)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
         panel.plot(degrees, values, color=BLUE, linewidth=0.9)
         panel.set_title(title)
@@ -52,17 +52,17 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     distance.set_xlabel("")
     spin.axhline(0.0, color=BLACK, linewidth=0.5)
     spin.margins(y=0.1)
-    degrees_beside(spin)
+    add_degree_axis(spin)
     spin.set_ylabel(SIGNALS["pin_spin"].label)
     figure.align_ylabels([distance, spin])
     return figure
 
 
 def _limit(reducer: Reducer, clearance: float, reach: float) -> Array:
-    """Compute how far its seat lets a pin's centre go [um], shape (2, n): all round, or between the edges of a socket.
+    """Return the limit of the position of a pin's centre [um], shape (2, n), in a closed seat or an open socket.
 
-    On the socket's arc it is the circle of the clearance; beyond, the pin rolls over an edge and its centre runs on a
-    circle of its own radius about that, here as far as `reach`, or to where the pin is caught between both edges.
+    On the arc of the socket it is the circle of the clearance. Beyond, the pin rolls over an edge of the socket: its
+    centre moves on a circle of its own radius about the edge, drawn up to `reach` or to the contact with both edges.
     """
     design = reducer.design
     half = socket_half_angle(design) if design.ring.has_sockets else np.pi
@@ -75,10 +75,11 @@ def _limit(reducer: Reducer, clearance: float, reach: float) -> Array:
     return np.concatenate([(limit * [-1.0, 1.0])[::-1], limit]).T
 
 
-def _path(axes: Axes, position: Array, limit: Array, place: str) -> None:
+def _path(axes: Axes, position: Array, limit: Array, part: str) -> None:
+    """Draw a path [um] within its limit."""
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)
     axes.plot(0.0, 0.0, marker="+", markersize=7, color=BLACK, markeredgewidth=0.7)
     square(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
-    axes.set_title(f"Centre of {place} (dot: start)")
+    axes.set_title(f"Centre of {part} (dot: start)")

@@ -1,4 +1,4 @@
-"""Path and velocity of the point q of the gear (the paper's Figs 7 and 8)."""
+"""Path and velocity of the point q of the disc (Figs 7 and 8 of Hsieh 2014)."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +16,7 @@ from cycloid_mj.plots.style import (
     SIMULATED,
     THEORY,
     VERMILION,
-    centred,
+    centre_on_zero,
     crank_axis,
     keys,
     legend_above,
@@ -32,13 +32,13 @@ _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 
 @styled
 def path_figure(motion: Series) -> Figure:
-    """Draw the path of q over a crank turn with Eq. 16, where they differ most in um, and the difference (Fig. 7)."""
+    """Draw the path of q over a crank turn and Eq. 16, a detail at the largest error, and the error (Fig. 7)."""
     figure = sheet(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
     degrees, position = turn_degrees(motion), motion.q_position.at(motion.one_turn)
     worst = int(np.argmax(position.error_size))
     _path(axes["p"], position, motion.q)
-    _magnified(axes["n"], position, worst)
+    _detail(axes["n"], position, worst)
     _pointer(axes["p"], axes["n"], 1e3 * position.theory[worst])
     _path_error(axes["e"], degrees, position, worst)
     return figure
@@ -61,7 +61,7 @@ def velocity_figure(motion: Series) -> Figure:
     entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in parts]
     under = {"color": "#C9C9C9", "linewidth": 3.2}
     legend_above(top, *entries, ("closed form", under), ("simulation", {"color": BLACK, "linewidth": 0.9}))
-    centred(bottom, *(1e3 * part.error for _, part, _ in parts))
+    centre_on_zero(bottom, *(1e3 * part.error for _, part, _ in parts))
     bottom.set_ylabel("error [mm/s]")
     crank_axis(bottom, degrees)
     figure.align_ylabels()
@@ -73,14 +73,14 @@ def _path(axes: Axes, position: Compared, q: Array) -> None:
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
-    axes.set_xlabel("x from the initial gear centre [mm]")
+    axes.set_xlabel("x from the initial disc centre [mm]")
     axes.set_ylabel("y [mm]")
     axes.set_title(typeset(f"Path of q = ({1e3 * q[0]:.4g}, {1e3 * q[1]:.4g}) mm"))
     axes.legend(handles=keys(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
 
 
-def _magnified(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw the two paths about sample `worst` in um, each pair of samples joined."""
+def _detail(axes: Axes, position: Compared, worst: int) -> None:
+    """Draw both paths around sample `worst` [um], with a line between corresponding samples."""
     centre = position.theory[worst]
     theory, simulated = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
     steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
@@ -92,7 +92,7 @@ def _magnified(axes: Axes, position: Compared, worst: int) -> None:
     for start, end in zip(theory.T[close], simulated.T[close], strict=True):
         axes.plot(*zip(start, end, strict=True), **ERROR)
     square(axes, reach)
-    axes.set_title("where they differ most")
+    axes.set_title("largest difference")
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
     for spine in axes.spines.values():
@@ -100,7 +100,7 @@ def _magnified(axes: Axes, position: Compared, worst: int) -> None:
 
 
 def _pointer(axes: Axes, near: Axes, point: Array) -> None:
-    """Mark a point of the path and tie it to the magnified axes."""
+    """Mark a point of the path, and connect it with the axes of the detail."""
     axes.plot(*point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=1.0)
     for corner in ((0.0, 0.0), (0.0, 1.0)):
         axes.annotate(

@@ -1,4 +1,4 @@
-"""The figures of any result of the library, by name: what `result.plot()` shows in a notebook."""
+"""The figures of any result of the library, by name: `result.plot()` returns the first."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -30,12 +30,13 @@ from cycloid_mj.parts.export import Export
 from cycloid_mj.plots import figures
 from cycloid_mj.plots.bench import calibration_figure
 from cycloid_mj.plots.datasheet import datasheet_pictures
-from cycloid_mj.plots.explored import sweep_figure
+from cycloid_mj.plots.explored import figure_words, sweep_figure
 from cycloid_mj.plots.measure import curves_figure, measurement_figure
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
-from cycloid_mj.plots.style import BLUE, GREY, VERMILION, sheet, state, styled
+from cycloid_mj.plots.style import BLUE, GREY, VERMILION, state, styled
+from cycloid_mj.plots.style import sheet as empty_figure
 from cycloid_mj.plots.tolerance import tolerance_figures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.reducer import ReducedJoint
@@ -46,36 +47,37 @@ from cycloid_mj.stress.study import StressStudy
 Figures = Mapping[str, Figure]
 
 ROW, HEAD = 0.26, 1.1
-"""Height of a bar with its room, and of what stands above and below all bars [in]."""
+"""Height of a bar, and of title and axis label [in]."""
 
 POINTS = 201
-"""Of a curve over the torque."""
+"""Points of a curve over the torque."""
 
-TIGHTEST = 20
-"""Checks that are drawn."""
+MAX_CHECKS = 20
+"""Checks that are drawn, those with the smallest margins."""
 
-ANSWERED = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
-"""Figures of drives that are laid side by side."""
+SIZING_FIGURES = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
+"""Figures of drives that are compared."""
 
 
 def figure_of(result: object, name: str = "") -> Figure:
-    """Draw a result; where it has several figures, the one of that name, or the first.
+    """Return the figure of a result with a name; without a name, its first figure.
 
     Raises
     ------
     UsageError
-        The result has nothing to draw, or no figure of that name.
+        The result has no figures, or none of that name.
     """
-    drawn = figures_of(result)
-    if name and name not in drawn:
-        raise UsageError(f"a {type(result).__name__} has no figure {name!r}; it has {', '.join(drawn)}")
-    return drawn[name or next(iter(drawn))]
+    figures_by_name = figures_of(result)
+    if name and name not in figures_by_name:
+        available = ", ".join(figures_by_name)
+        raise UsageError(f"{type(result).__name__} has no figure {name!r}; available: {available}")
+    return figures_by_name[name or next(iter(figures_by_name))]
 
 
 @singledispatch
 def figures_of(result: object) -> Figures:
-    """Draw every figure of a result, by name; raise UsageError where it has none."""
-    raise UsageError(f"a {type(result).__name__} has nothing to draw; .to_frame() has its figures")
+    """Return the figures of a result by name; raise UsageError if it has none."""
+    raise UsageError(f"{type(result).__name__} has no figure; .to_frame() returns its values")
 
 
 figures_of.register(Run, figures)
@@ -107,11 +109,11 @@ def _of_loop(loop: MeasuredLoop) -> Figures:
 @figures_of.register
 @styled
 def _of_prediction(prediction: Prediction) -> Figures:
-    figure = sheet(2.8)
+    figure = empty_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
     for axes, loop, turn in zip(panels, prediction.loops, prediction.turns, strict=True):
         axes.plot(loop.torque, loop.deflection / DEGREE, ".", color=GREY, markersize=2.0, label="measured")
-        axes.plot(loop.torque, turn / DEGREE, color=BLUE, label="the reducer's")
+        axes.plot(loop.torque, turn / DEGREE, color=BLUE, label="model")
         axes.set_title(loop.name)
         axes.set_xlabel("torque at the output [N m]")
     panels[0].set_ylabel("deflection [deg]")
@@ -122,17 +124,17 @@ def _of_prediction(prediction: Prediction) -> Figures:
 
 @figures_of.register
 def _of_checks(checks: Checks) -> Figures:
-    tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[:TIGHTEST])
-    label = "how many times it may grow, or shrink, until it fails"
-    return {"margins": _bars(tightest, label, f"{checks.line[:120]}; what is below 1 fails", fails_below_1=True)}
+    tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[:MAX_CHECKS])
+    label = "margin: factor between value and limit [1]"
+    return {"margins": _bars(tightest, label, f"{checks.line[:120]}; below 1: not passed", fails_below_1=True)}
 
 
 @figures_of.register
 def _of_export(exported: Export) -> Figures:
-    drawn = {one.pair: 0.5 * (one.least + one.most) / one.asked for one in exported.clearances if one.asked}
-    if not drawn:
-        raise UsageError("these files have no clearances to draw; .to_frame() lists them")
-    return {"clearances": _bars(drawn, "clearance as drawn over that asked for", exported.line)}
+    ratios = {one.pair: 0.5 * (one.least + one.most) / one.asked for one in exported.clearances if one.asked}
+    if not ratios:
+        raise UsageError("Export has no clearances to draw; .to_frame() lists the files")
+    return {"clearances": _bars(ratios, "clearance of the exported parts / nominal clearance", exported.line)}
 
 
 @figures_of.register
@@ -166,44 +168,44 @@ def _of_stress(study: StressStudy) -> Figures:
 def _of_findings(findings: Findings) -> Figures:
     watts = {loss.pair: loss.friction_w + loss.normal_w for loss in findings.losses}
     condition = f"{findings.design}, {findings.condition_words}"
-    return {"losses": _bars(watts, "power that a kind of contact takes [W]", condition)}
+    return {"losses": _bars(watts, "loss by kind of contact [W]", condition)}
 
 
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
     margins = {item.name: item.margin(rating.life) for item in rating.items.values()}
     limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
-    condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; what is below 1 fails"
-    return {"margins": _bars(limited, "safety, or life over that asked for", condition, fails_below_1=True)}
+    condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
+    return {"margins": _bars(limited, "safety factor, or life / required life [1]", condition, fails_below_1=True)}
 
 
 @figures_of.register
-def _of_sheet(of: Sheet) -> Figures:
-    ratios = {one.name: one.value / one.reference for one in of.quantities.values() if one.reference}
-    return {"closed_form": _bars(ratios, "statics over the closed form", f"{of.design}, {of.condition}")}
+def _of_sheet(sheet: Sheet) -> Figures:
+    ratios = {one.name: one.value / one.reference for one in sheet.quantities.values() if one.reference}
+    return {"closed_form": _bars(ratios, "static equilibrium / closed form [1]", f"{sheet.design}, {sheet.condition}")}
 
 
 @figures_of.register
 @styled
 def _of_answer(answer: Answer) -> Figures:
     if not answer.drives:
-        raise UsageError(f"there is no drive to draw: {answer.refusal}")
-    keys = [key for key in ANSWERED if key in answer.drives[0].figures]
-    figure = sheet(2.2)
+        raise UsageError(f"no drive to draw: {answer.refusal}")
+    keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
+    figure = empty_figure(2.2)
     panels: Sequence[Axes] = figure.subplots(1, len(keys), squeeze=False)[0]
     titles = [drive.title for drive in answer.drives]
     for axes, key in zip(panels, keys, strict=True):
         axes.bar(range(len(titles)), [drive.figures[key] for drive in answer.drives], color=BLUE)
         axes.set_xticks(range(len(titles)), titles, rotation=40, ha="right")
-        axes.set_title(key)
+        axes.set_title(figure_words(key))
     state(figure, answer.line)
     return {"drives": figure}
 
 
 @styled
 def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
-    """Draw how far the output turns under a torque."""
-    figure = sheet(2.8)
+    """Draw the rotation of the output over the torque."""
+    figure = empty_figure(2.8)
     axes = figure.subplots()
     axes.plot(torque, turn, color=BLUE)
     axes.set_xlabel("torque at the output [N m]")
@@ -214,20 +216,20 @@ def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
 
 @styled
 def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
-    """Draw a line for each order."""
-    figure = sheet(2.4)
+    """Draw a vertical line for each order."""
+    figure = empty_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
     axes.set_xlabel("order [per crank turn]")
-    axes.set_ylabel("amplitude [as the values]")
+    axes.set_ylabel("amplitude [unit of the signal]")
     state(figure, condition)
     return figure
 
 
 @styled
 def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
-    """Draw a bar for each value, the first on top; of margins, from 1 on a logarithmic scale."""
-    figure = sheet(HEAD + ROW * len(values))
+    """Draw a bar for each value, the first on top; margins on a logarithmic scale, starting from 1."""
+    figure = empty_figure(HEAD + ROW * len(values))
     axes = figure.subplots()
     names, numbers = list(values), list(values.values())
     if fails_below_1:

@@ -1,4 +1,4 @@
-"""Figures to files, the same bytes every time."""
+"""Writers of figures; equal figures have identical files."""
 
 from collections.abc import Mapping, Sequence
 from io import BytesIO
@@ -18,26 +18,26 @@ METADATA: dict[str, dict[str, Any]] = {
     "svg": {"Date": None, "Creator": None},
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }
-"""What each format would say about when and by what it was written: nothing."""
+"""Metadata by format: no time and no program, so that files are reproducible."""
 
 RESOLUTION = 200
-"""Dots per inch of a PNG."""
+"""Resolution of PNG files [px/in]."""
 
 
 class FigureError(CycloidError):
-    """A figure that cannot be written."""
+    """A figure cannot be written."""
 
 
 @styled
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write figures as `folder`/name.format, all of them or none, making the folder; give the paths.
+    """Write figures as ``folder/name.format``, all or none, and return their paths; the folder is created.
 
     Parameters
     ----------
     figures
         Name -> figure.
     folder
-        Where to.
+        Folder of the files.
     formats
         Any of png (200 dpi), svg and pdf.
 
@@ -46,19 +46,19 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     UsageError
         A format is none of these.
     FigureError
-        The folder cannot be made.
+        The folder cannot be created.
     CycloidError
-        A file cannot be written; all that were there before are as they were.
+        A file cannot be written; existing files are unchanged.
     """
     unknown = [name for name in formats if name not in METADATA]
     if unknown:
-        raise UsageError(f"no figure format {unknown[0]!r}; there are {', '.join(METADATA)}")
+        raise UsageError(f"unknown figure format {unknown[0]!r}; available: {', '.join(METADATA)}")
     folder = Path(folder)
     try:
         make_folder(folder)
     except OSError as problem:
         raise FigureError(
-            f"cannot write figures to {folder}: {reason(problem)}; give a folder that can be written"
+            f"cannot write figures to {folder}: {reason(problem)}; choose a folder with write permission"
         ) from problem
     files = pictures(figures, folder, formats)
     write_whole(files)
@@ -66,18 +66,18 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
 
 
 def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = ("png",)) -> dict[Path, bytes]:
-    """Draw figures as `save` writes them, to be written together with other files: path -> content."""
+    """Return figures as `save` writes them, to be written together with other files: path -> content."""
     return {
-        folder / f"{name}.{form}": drawn(figure, form)
+        folder / f"{name}.{form}": encode_figure(figure, form)
         for name, figure in figures.items()
         for form in dict.fromkeys(formats)
     }
 
 
 @styled
-def drawn(figure: Figure, form: str) -> bytes:
-    """Encode a figure as the bytes of a file of a format; what is drawn first lays it out for all."""
-    for text in figure.findobj(Text):  # odd bytes of a file's name have no letters
+def encode_figure(figure: Figure, form: str) -> bytes:
+    """Encode a figure in a format; the first encoding fixes the layout of all further ones."""
+    for text in figure.findobj(Text):  # undecodable bytes of file names have no glyphs
         text.set_text(storable(text.get_text()))
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
@@ -88,7 +88,7 @@ def drawn(figure: Figure, form: str) -> bytes:
 @styled
 def document(pages: Sequence[Figure]) -> bytes:
     """Encode figures as the pages of one PDF file."""
-    from matplotlib.backends.backend_pdf import PdfPages  # loads what subsets fonts, half of what matplotlib costs
+    from matplotlib.backends.backend_pdf import PdfPages  # imports font subsetting, half the import time of matplotlib
 
     content = BytesIO()
     with PdfPages(content, metadata=METADATA["pdf"]) as file:

@@ -1,4 +1,4 @@
-"""The figure of an animation: parts and arrows that move, and bars of the load on the ring."""
+"""The figure of an animation: moving parts, force arrows, and bars of the load on the ring."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ from cycloid_mj.scene import ContactForces, Drawing, ring_outline
 from cycloid_mj.scene.pose import ring_places
 
 CHORD_ERROR = 1e-5
-"""Largest distance of a drawn chord from its curve [m]: a tenth of a pixel."""
+"""Chord error of outlines [m]: a tenth of a pixel."""
 
 WIDTH, HEIGHT = 6.4, 8.0
 """Size of the figure [in]."""
 
-LONGEST = 0.3
-"""Length of the largest force of a kind, as a share of the housing's radius."""
+MAX_ARROW = 0.3
+"""Length of the largest force arrow of a kind, relative to the outer radius of the housing."""
 
 FORCES = {
     "pin_gear": ("ring pins", VERMILION),
@@ -50,7 +50,7 @@ SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "z
 
 @dataclass(frozen=True, eq=False)
 class AnimatedFigure:
-    """The figure and everything on it that changes from frame to frame."""
+    """The figure, and its artists that change from frame to frame."""
 
     figure: Figure
     axes: Axes
@@ -64,18 +64,18 @@ class AnimatedFigure:
 
 @dataclass(frozen=True, eq=False)
 class Script:
-    """What happens on it, in n frames.
+    """The motion and the forces of n frames.
 
     Attributes
     ----------
-    design
-        The design.
+    reducer
+        The reducer.
     drawn
-        Where everything is.
+        Positions of all parts.
     acting
-        The forces.
+        Contact forces.
     ideal
-        Force on each ring pin by the closed form [N], shape (n, N); None for another ring.
+        Force on each ring pin by the closed form [N], shape (n, N); None for an internal gear.
     """
 
     reducer: Reducer
@@ -85,7 +85,7 @@ class Script:
 
 
 def set_stage(script: Script, width: int) -> AnimatedFigure:
-    """Draw everything once, `width` pixels wide."""
+    """Return the figure with a width [px], everything drawn once."""
     design, acting = script.reducer.design, script.acting
     reducer = Reducer(design)
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
@@ -97,7 +97,7 @@ def set_stage(script: Script, width: int) -> AnimatedFigure:
     parts = _parts(axes, reducer, script.drawn)
     arrows = {kind: _arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
-    lines = (str(condition(reducer)), *_followed(script.drawn, reducer))
+    lines = (str(condition(reducer)), *_view_words(script.drawn, reducer))
     figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
@@ -106,7 +106,7 @@ def set_stage(script: Script, width: int) -> AnimatedFigure:
 
 
 def show(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Set the stage for a frame."""
+    """Update the figure to a frame."""
     drawn = script.drawn
     _move(stage, GEAR, [drawn.gear[row]])
     _move(stage, OTHERS, _others(script, row))
@@ -120,21 +120,21 @@ def show(stage: AnimatedFigure, script: Script, row: int) -> None:
     _show_forces(stage, script, row)
 
 
-def _move(stage: AnimatedFigure, part: str, places: Any) -> None:
-    """Move copies of a part to their places: x [m], y [m] and perhaps an angle [rad]."""
-    for artists, (x, y, *angle) in zip(stage.parts[part], places, strict=False):
+def _move(stage: AnimatedFigure, part: str, poses: Any) -> None:
+    """Move copies of a part to poses: x [m], y [m] and optionally an angle [rad]."""
+    for artists, (x, y, *angle) in zip(stage.parts[part], poses, strict=False):
         moved = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
         for artist in artists:
             artist.set_transform(moved)
 
 
 def _show_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Set arrows and bars."""
+    """Update arrows and bars to a frame."""
     for kind, arrows in stage.arrows.items():
-        these = script.acting.of(kind)
-        arrows.set_offsets(1e3 * these.point[row])
-        idle = these.size[row] <= 0.0
-        arrows.set_UVC(*(np.ma.masked_array(part, idle) for part in these.force[row].T))
+        forces = script.acting.of(kind)
+        arrows.set_offsets(1e3 * forces.point[row])
+        idle = forces.size[row] <= 0.0
+        arrows.set_UVC(*(np.ma.masked_array(component, idle) for component in forces.force[row].T))
     if stage.bars is not None:
         for bar, size in zip(stage.bars, script.acting.of(*RING).size[row], strict=True):
             bar.set_height(size)
@@ -143,14 +143,15 @@ def _show_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
 
 
 def _title(reducer: Reducer, drawn: Drawing) -> str:
+    """Return the name of the design and the magnification of clearances."""
     return reducer.design.name + (
-        f",  gaps drawn {drawn.magnification:g} times as wide" if drawn.magnification > 1 else ""
+        f",  clearances magnified {drawn.magnification:g} times" if drawn.magnification > 1 else ""
     )
 
 
-def _followed(drawn: Drawing, reducer: Reducer) -> tuple[str, ...]:
-    """Say which of several discs is shown with its forces, and from where."""
-    disc = (f"gear {drawn.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
+def _view_words(drawn: Drawing, reducer: Reducer) -> tuple[str, ...]:
+    """Return which of several discs is shown with its forces, and the frame of the view."""
+    disc = (f"disc {drawn.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
     return (*disc, "seen from the ring") if reducer.design.output.turns_ring else disc
 
 
@@ -159,7 +160,7 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 
 def _others(script: Script, row: int) -> list[Array]:
-    """Compute the ideal poses of the discs that are not followed, shape (3,) each."""
+    """Return the ideal poses of the other discs, shape (3,) each."""
     gaps, mesh, ahead = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
@@ -168,7 +169,7 @@ def _others(script: Script, row: int) -> list[Array]:
 
 
 def _wall(axes: Axes, reducer: Reducer) -> Any:
-    """Draw the housing: a plain ring where pins and sockets are drawn on it, else the internal gear."""
+    """Draw the housing: a plain ring below the pins and sockets, or the internal gear."""
     housing = housing_solid(reducer, CHORD_ERROR).prisms[0]
     hole = housing.holes[0]
     if reducer.design.ring.kind == "pin":
@@ -177,6 +178,7 @@ def _wall(axes: Axes, reducer: Reducer) -> Any:
 
 
 def _set_ring(wall: Any, script: Script, row: int) -> None:
+    """Update the outline of an internal gear to a frame."""
     ring = sample_ring_by_sagitta(script.reducer.tooth_profile, CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, CHORD_ERROR)
@@ -184,7 +186,7 @@ def _set_ring(wall: Any, script: Script, row: int) -> None:
 
 
 def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]:
-    """Draw the parts from the back to the front, each copy in its own frame, as lists of what moves together."""
+    """Draw the parts from back to front, each copy in its own frame; return lists of artists that move together."""
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, drawn.radii, drawn.gaps.disc
     pinned = design.ring.kind == "pin"
@@ -199,9 +201,12 @@ def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]
         ],
         PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.mates)],
         GEAR: [
-            [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
+            [
+                _region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),
+                _disc(axes, mark, DARK, 3),
+            ]
         ],
-        OTHERS: [[_dashed(axes, reducer, other)] for other in _other_discs(reducer, disc)],
+        OTHERS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
         OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
         SHAFT: [
             [
@@ -213,20 +218,20 @@ def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]
     }
 
 
-def _dashed(axes: Axes, reducer: Reducer, disc: int) -> Any:
-    """Draw the outline of a disc that is not followed."""
+def _dashed_outline(axes: Axes, reducer: Reducer, disc: int) -> Any:
+    """Draw the outline of another disc."""
     outline = gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline
     look = {"facecolor": "none", "edgecolor": LOOKS["gear"]["edgecolor"], "linestyle": (0, (4, 2)), "zorder": 1.6}
     return axes.add_patch(PathPatch(_path([outline]), linewidth=0.5, **look))
 
 
 def _socket(axes: Axes, radius: float, half: float) -> Any:
-    """Draw a socket as far as it reaches round its pin, half of it on either side of +x, outwards."""
+    """Draw the arc of a socket of a half angle [rad] about +x, which points outward."""
     return axes.add_patch(PathPatch(Path(1e3 * arc(radius, -half, half, CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK))
 
 
 def _pin(axes: Axes, radius: float) -> list[Any]:
-    """Draw a pin with a line on it, so that its rotation shows."""
+    """Draw a pin with a line that shows its rotation."""
     (line,) = axes.plot([0.0, 0.8e3 * radius], [0.0, 0.0], color=LOOKS["pins"]["edgecolor"], linewidth=0.8, zorder=2.1)
     return [_disc(axes, (0.0, 0.0, radius), LOOKS["pins"], 2), line]
 
@@ -240,22 +245,22 @@ def _path(rings: Sequence[Array]) -> Path:
 
 
 def _disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any], order: float) -> Any:
-    """Draw a circle: x, y and radius [m]."""
+    """Draw a circle of x, y and radius [m]."""
     x, y, radius = (1e3 * length for length in circle)
     return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **look))
 
 
-def _arrows(axes: Axes, reducer: Reducer, these: ContactForces) -> Any:
-    """Draw the arrows of one kind, tips at the contacts, to one scale of their own."""
-    largest = max(float(these.size.max(initial=0.0)), 1e-9)
+def _arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
+    """Draw the force arrows of one kind with a common scale, tips at the contacts."""
+    largest = max(float(forces.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
-        *(1e3 * these.point[0]).T,
-        *these.force[0].T,
-        color=FORCES[these.kinds[0]][1],
+        *(1e3 * forces.point[0]).T,
+        *forces.force[0].T,
+        color=FORCES[forces.kinds[0]][1],
         pivot="tip",
         angles="xy",
         scale_units="xy",
-        scale=largest / (LONGEST * 1e3 * reducer.design.housing.outer_radius),
+        scale=largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius),
         units="width",
         width=0.005,
         minlength=0.1,
@@ -264,20 +269,20 @@ def _arrows(axes: Axes, reducer: Reducer, these: ContactForces) -> Any:
 
 
 def _legend(figure: Figure, acting: ContactForces) -> None:
-    """Name the colours of the arrows, with the largest force of each kind."""
+    """Add a legend of the arrows with the largest force of each kind."""
     entries = [
-        Patch(color=colour, label=f"{name}: up to {acting.of(kind).size.max():.4g} N")
+        Patch(color=colour, label=f"{name}: at most {acting.of(kind).size.max():.4g} N")
         for kind, (name, colour) in FORCES.items()
         if kind in acting.kinds
     ]
     if entries:
-        title = "force on the gear (arrows of each kind have a scale of their own)"
-        place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.262)}
-        figure.legend(handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **place)
+        title = "forces on the disc (separate scale for each kind)"
+        anchor: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.262)}
+        figure.legend(handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **anchor)
 
 
 def _load_axes(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
-    """Draw the force on each pin or lobe of the ring as bars, and the closed form as steps above them."""
+    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line."""
     if not ring.names:
         return None, None
     axes = figure.add_axes((0.095, 0.06, 0.88, 0.125))

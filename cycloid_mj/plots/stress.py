@@ -23,10 +23,10 @@ Entries = list[tuple[str, dict[str, Any]]]
 GEARS = (GEAR, *gears(4))
 TITLES = {
     "shaft": "eccentric shaft",
-    **{name: " ".join(["cycloid", *name.split("_")]) for name in GEARS},
+    **{name: " ".join(["cycloid", *name.replace("gear", "disc").split("_")]) for name in GEARS},
     **{"ring": "ring", "output": "output", "pin_1": "pin 1"},
 }
-"""What a part is called; the ring is a pinwheel or an internal gear, of several discs each is a part."""
+"""Names of the parts; the ring has pins or is an internal gear, each of several discs is a part."""
 NUMBERS = {"shaft": 12, **dict.fromkeys(GEARS, 13), "ring": 14, "output": 15, "pin_1": 16}
 RANGE: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 0.8}
 MARK: dict[str, Any] = {"linestyle": "", "markersize": 4.0}
@@ -34,9 +34,9 @@ COLOUR_MAP, EDGE = "turbo", "#134A73"
 SIDE = np.array([[0.45, 0.0, -0.89], [0.15, 0.97, 0.2]])
 FRONT = np.array([[0.94, 0.0, -0.34], [0.12, 0.94, 0.32]])
 BACK = np.array([[-0.94, 0.0, -0.34], [0.12, 0.94, -0.32]])
-"""Rows: what points right and up on the page where a solid part is drawn, before orthogonalisation."""
+"""Rows: directions of the part that point right and up in its picture, before orthogonalisation."""
 VIEWS = {"shaft": SIDE, "output": BACK}
-"""Views of solid parts; of others the front."""
+"""Views of solid parts; the default is the front."""
 
 PANEL = 2.9
 """Height of a row of maps or grids [in]."""
@@ -44,9 +44,9 @@ PANEL = 2.9
 
 @styled
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
-    """Draw the largest stress of a part against the crank angle: away from the contacts, and below them by Hertz.
+    """Draw the largest stress of a part over the crank angle: in bulk, and below the contacts by Hertz.
 
-    The paper's range of each of its designs is dashed where they run as there, without load.
+    Dashed: the range of Hsieh 2014 for its designs, if they run without load as there.
     """
     drawn = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
     figure = sheet(4.0)
@@ -68,21 +68,26 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     top.set_xlabel("")
     entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in drawn]
     if any(each.published(part) for _, each, _ in drawn):
-        entries.append(("the paper's range", {"color": GREY, **RANGE}))
+        entries.append(("range of Hsieh 2014", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure
 
 
 @styled
 def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
-    """Draw the von Mises stress on every part at its crank angle; colours end at the largest bulk stress there.
+    """Draw the von Mises stress of every part at its crank angle; the colours end at its largest bulk stress.
 
-    The `condition` is the design with its load.
+    Parameters
+    ----------
+    maps
+        Part -> nodal stress.
+    condition
+        Design and load, for the title.
     """
     figure, panels = _panels(list(maps), f"{condition}: von Mises stress")
     for axes, (part, drawn) in zip(panels, maps.items(), strict=False):
         top = float(drawn.von_mises[drawn.bulk].max()) / MEGAPASCAL
-        image = _coloured(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
+        image = _draw_map(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
         axes.set_title(f"{TITLES[part]} at {np.degrees(drawn.angle):.0f} deg:\nat most {top:.3g} MPa in bulk")
     return figure
@@ -90,14 +95,14 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
 
 @styled
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
-    """Draw the grid of every part, and of a planar gear also a lobe of it, magnified."""
+    """Draw the grid of every part, and a magnified lobe of a planar disc."""
     magnified = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
     names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified else [part])]
     figure, panels = _panels(names, f"{design}: grids of quadratic elements")
     for axes, name in zip(panels, names, strict=False):
         part = name.partition(",")[0]
         grid = grids[part]
-        _meshed(axes, grid, 0.25 if part == name else 0.5)
+        _draw_grid(axes, grid, 0.25 if part == name else 0.5)
         axes.set_title(f"{TITLES[part]}, {grid.unknowns} unknowns" if part == name else f"{TITLES[part]}, magnified")
         if part != name:
             _magnify(axes, grid)
@@ -106,7 +111,7 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 
 @styled
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
-    """Draw the largest bulk stress of every part against the unknowns of the grid, relative to the finest."""
+    """Draw the largest bulk stress of every part over the number of unknowns, relative to the finest grid."""
     figure = sheet(3.4)
     axes = figure.subplots()
     marks = dict(zip(TITLES, "osspPXD^v", strict=True))
@@ -125,8 +130,8 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     axes.set_xscale("log")
     axes.margins(x=0.05)
     axes.set_xlabel("unknowns")
-    axes.set_ylabel("largest bulk stress, off the finest grid's [%]")
-    axes.set_title(f"Refinement: one more step may change a maximum by {100 * BOUND:g} % (grey)")
+    axes.set_ylabel("largest bulk stress relative to the finest grid [%]")
+    axes.set_title(f"Mesh refinement; allowed change per refinement: {100 * BOUND:g} % (grey)")
     parts = dict.fromkeys(part.part for each in findings for part in each.parts)
     entries: Entries = [(each.design, {"color": _color(number)}) for number, each in enumerate(findings)]
     entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
@@ -135,13 +140,13 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
 
 
 def maxima_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
-    """Build the figure of the maxima of each part, by name."""
+    """Return the figures of the maxima of each part, by name."""
     parts = [part for part in TITLES if any(part in each for each in findings)]
     return {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
 
 
 def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
-    """Build the figures that need no grid by name: maxima of each part, and the refinement."""
+    """Return the figures that need no grid, by name: maxima of each part, and mesh refinement."""
     return maxima_figures(findings) | {"stress_refinement": refinement_figure(findings)}
 
 
@@ -154,6 +159,7 @@ def _color(number: int) -> str:
 
 
 def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
+    """Return a figure with a panel [mm] for each name."""
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
     figure = sheet(PANEL * rows + 0.4)
@@ -169,18 +175,19 @@ def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
     return figure, panels
 
 
-def _coloured(axes: Axes, drawn: StressMap, values: Array, top: float) -> Any:
-    """Colour a part by nodal values, smoothly within each element."""
+def _draw_map(axes: Axes, drawn: StressMap, values: Array, top: float) -> Any:
+    """Draw nodal values as colours, interpolated within each element."""
     look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
     if drawn.points.shape[1] == 2:
         flat = _flat(drawn.points / MILLIMETRE, drawn.cells)
         return axes.tripcolor(flat, values, **look)
-    points, faces, _ = _seen(drawn.points, drawn.cells, drawn.part)
+    points, faces, _ = _project(drawn.points, drawn.cells, drawn.part)
     axes.set_axis_off()
     return axes.tripcolor(_flat(points, faces), values, **look)
 
 
-def _meshed(axes: Axes, grid: Grid, width: float) -> None:
+def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
+    """Draw the edges of a grid with a line width [pt]; of a solid its visible faces."""
     points, cells = grid.points, grid.cells
     look: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
@@ -188,14 +195,14 @@ def _meshed(axes: Axes, grid: Grid, width: float) -> None:
         lines = points[np.unique(ends, axis=0)] / MILLIMETRE
         axes.add_collection(LineCollection(list(lines), colors=EDGE, **look))
     else:
-        seen, faces, _ = _seen(points, cells, grid.part)
+        seen, faces, _ = _project(points, cells, grid.part)
         axes.add_collection(PolyCollection(list(seen[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look))
         axes.set_axis_off()
     axes.autoscale_view()
 
 
 def _magnify(axes: Axes, grid: Grid) -> None:
-    """Show the lobes at +y only."""
+    """Limit the axes to the lobes at +y."""
     top = grid.points[:, 1].max()
     half = 0.09 * top
     axes.set_xlim(-1.3 * half / MILLIMETRE, 1.3 * half / MILLIMETRE)
@@ -208,12 +215,12 @@ def _flat(points: Array, cells: Integers) -> Triangulation:
 
 
 def _quarters(cells: Integers) -> Integers:
-    """Cut quadratic triangles (m, 6) into four flat ones each, (4 m, 3): corners, then the middles 01, 12, 02."""
+    """Split quadratic triangles (m, 6) into four linear ones each, (4 m, 3); midside nodes on edges 01, 12, 02."""
     return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
 
 
-def _seen(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
-    """Project a solid's surface onto the page [mm]: nodes (n, 2), faces that look at the reader, farthest first."""
+def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
+    """Project the surface of a solid [mm]: nodes (n, 2), visible faces from far to near, and their depth."""
     view = VIEWS.get(part, FRONT)
     right = view[0] / np.linalg.norm(view[0])
     up = view[1] - (view[1] @ right) * right
@@ -230,9 +237,9 @@ def _seen(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, A
 
 
 def _surface(cells: Integers) -> tuple[Integers, Integers]:
-    """Compute the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite to each.
+    """Return the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite each.
 
-    Middles of a tetrahedron lie on its edges 01, 12, 02, 03, 13, 23.
+    Midside nodes of a tetrahedron are on its edges 01, 12, 02, 03, 13, 23.
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])

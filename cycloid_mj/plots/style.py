@@ -1,7 +1,7 @@
-"""How every figure looks: one style, one palette, and the axes that the figures share.
+"""Style of all figures: settings, palette, and common axes and legends.
 
-The palette is Okabe and Ito's, made for colour-blind readers; theory is broad and light under a thin dark simulation,
-so that the two also differ in grey.
+The palette is that of Okabe and Ito for colour-blind readers. Theory is a broad light line under the thin dark line of
+the simulation, so that both also differ in greyscale.
 """
 
 import re
@@ -34,7 +34,7 @@ ERROR: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
 BOTH = (("closed form", THEORY), ("simulation", SIMULATED))
 
 WIDTH = 6.5
-"""Width of a figure [in]: a page's text."""
+"""Width of a figure [in]: the text width of a page."""
 
 SCREEN_DPI, PIXEL_RATIO = 110, 2
 """Size of a figure in a notebook [px/in], and pixels of its picture for each of these: screens are that fine."""
@@ -69,7 +69,7 @@ STYLE: dict[str, Any] = {
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Let a function draw in the house style and leave matplotlib's own settings as they were."""
+    """Decorate a drawing function: it uses the style of the package without changing settings of matplotlib."""
 
     @wraps(draw)
     def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -92,28 +92,28 @@ class NotebookFigure(Figure):
 
 
 def sheet(height: float) -> Figure:
-    """Build an empty figure of the page's width and a height [in]."""
+    """Return an empty figure of the width of a page and a height [in]."""
     return NotebookFigure(figsize=(WIDTH, height), layout="constrained")
 
 
 def state(figure: Figure, condition: str) -> None:
-    """Name above a figure, in small, what was run and under what condition."""
+    """Add design and condition above a figure in small type."""
     figure.suptitle(condition, x=0.008, ha="left", fontsize=7.5, color=GREY)
 
 
 def turn_degrees(motion: Series) -> Array:
-    """Crank angle [deg] of one turn's samples, from the start of that turn, shape (n,)."""
+    """Return the crank angle of the samples of one turn [deg], from the start of that turn, shape (n,)."""
     angle = np.degrees(motion.crank_angle[motion.one_turn])
     return angle - 360.0 * np.trunc(angle[0] / 360.0 + np.copysign(1e-6, angle[0]))
 
 
-def degrees_beside(axes: Axes) -> None:
-    """Add a scale in deg/s on the right of a speed in rad/s."""
+def add_degree_axis(axes: Axes) -> None:
+    """Add an axis in deg/s on the right of a speed in rad/s."""
     axes.secondary_yaxis("right", functions=(np.degrees, np.radians)).set_ylabel("[deg/s]")
 
 
 def crank_axis(axes: Axes, degrees: Array) -> None:
-    """Make x the crank angle [deg] over the given span, with ticks at multiples of 45 deg if that is a turn or so."""
+    """Set up x as the crank angle [deg], with ticks at multiples of 45 deg if it covers about a turn."""
     low, high = float(np.floor(degrees.min() + 1e-3)), float(np.ceil(degrees.max() - 1e-3))
     axes.set_xlabel("crank angle [deg]")
     axes.set_xlim(low, max(high, low + 1.0))
@@ -121,15 +121,15 @@ def crank_axis(axes: Axes, degrees: Array) -> None:
         axes.xaxis.set_major_locator(MultipleLocator(45))
 
 
-def centred(axes: Axes, *errors: Array) -> None:
-    """Scale an axis of errors alike to both sides of zero, and draw a line at zero."""
+def centre_on_zero(axes: Axes, *errors: Array) -> None:
+    """Scale an axis of errors symmetrically about zero, and draw a line at zero."""
     reach = max(float(np.max(np.abs(error), initial=0.0)) for error in errors)
     axes.set_ylim(-1.15 * (reach or 1.0), 1.15 * (reach or 1.0))
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
 
 
 def square(axes: Axes, reach: float) -> None:
-    """Make both axes micrometres, of the same reach to all sides of the origin."""
+    """Set up both axes in micrometres from -reach to reach."""
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.set(xlabel=f"x [{MICROMETRE}]", ylabel=f"y [{MICROMETRE}]")
     for axis in (axes.xaxis, axes.yaxis):
@@ -137,31 +137,31 @@ def square(axes: Axes, reach: float) -> None:
 
 
 def typeset(text: str) -> str:
-    """Put true minus signs before the numbers of a text."""
+    """Replace hyphens before numbers in a text by minus signs."""
     return re.sub(r"(?<![\w)])-(?=[\d.])|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", text)
 
 
 def in_words(key: str, unit: str = "") -> str:
-    """Say a column's name in words, with its unit: ``clearance.cam_um`` in um is ``clearance: cam [um]``."""
-    of, _, name = key.rpartition(".")
+    """Return the name of a column in words with its unit: ``clearance.cam_um`` in um is ``clearance: cam [um]``."""
+    table, _, name = key.rpartition(".")
     ending = unit_suffix(unit)
     for end in (ending, ending.replace("_", "_per_")):
         name = name.removesuffix(f"_{end}")
     label = name.replace("_", " ") + (f" [{unit}]" if unit else "")
-    return f"{of.replace('_', ' ')}: {label}" if of else label
+    return f"{table.replace('_', ' ')}: {label}" if table else label
 
 
-def folded(words: str, width: int) -> str:
-    """Break a label into lines of at most so many letters."""
+def wrap_label(words: str, width: int) -> str:
+    """Break a label into lines of at most `width` characters."""
     return "\n".join(wrap(words, width))
 
 
 def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
-    """List the entries of a legend from labels and looks."""
+    """Return the handles of a legend from labels and line styles."""
     return [Line2D([], [], label=label, **look) for label, look in entries]
 
 
 def legend_above(axes: Axes, *entries: tuple[str, dict[str, Any]]) -> None:
-    """Put a legend in one line above the axes, at the right."""
-    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
-    axes.legend(handles=keys(*entries), ncols=len(entries), **place)
+    """Add a one-line legend above the axes on the right."""
+    anchor: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+    axes.legend(handles=keys(*entries), ncols=len(entries), **anchor)

@@ -1,4 +1,4 @@
-"""What tolerances do: which of them to tighten first, and how the figures of the samples are distributed."""
+"""Figures of tolerance studies: error budget, and distributions of the figures over the samples."""
 
 import math
 from collections.abc import Mapping
@@ -11,21 +11,23 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.constraints import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.figures import figure as row_of
-from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, folded, keys, sheet, state, styled
+from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled, wrap_label
 
-MOST_BINS = 60
+MAX_BINS = 60
+"""Bins of a histogram."""
+
 NAME_WIDTH = 34
-"""Letters of a line of a figure's name."""
+"""Characters of a line of a title."""
 
 CONSTANT_RTOL = 1e-9
 """Relative spread up to which a figure counts as constant: rounding errors of the balance."""
 
-REACH = 0.001
-"""Share of the samples at either end that a histogram may leave out: jams and outliers are far away."""
+OUTLIER_SHARE = 0.001
+"""Share of the samples at either end that a histogram leaves out."""
 
 
 def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
-    """Build the figures of a study by name: the error budget where there is one, and the distributions."""
+    """Return the figures of a study by name: the error budget, if there is one, and the distributions."""
     drawn = {"distributions": distributions_figure(tolerances)}
     if any(np.isfinite(share.total) for share in tolerances.budget):
         drawn = {"budget": budget_figure(tolerances), **drawn}
@@ -34,33 +36,33 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @styled
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the shares of the tolerances in the variance, the one to tighten first on top."""
+    """Draw the share of each tolerance in the variance, the largest on top."""
     figure = sheet(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
-    place = np.arange(len(tolerances.budget))
+    rows = np.arange(len(tolerances.budget))
     total = np.array([share.total for share in tolerances.budget])
     ends = np.array([share.ci95 for share in tolerances.budget])
-    axes.barh(place, total, height=0.66, color=SKY)
-    axes.barh(place, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
+    axes.barh(rows, total, height=0.66, color=SKY)
+    axes.barh(rows, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
     reach = np.maximum(np.abs(ends - total[:, np.newaxis]).T, 0.0)
-    axes.errorbar(total, place, xerr=reach, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
-    axes.set_yticks(place, [share.source.replace("_", " ") for share in tolerances.budget])
+    axes.errorbar(total, rows, xerr=reach, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
+    axes.set_yticks(rows, [share.source.replace("_", " ") for share in tolerances.budget])
     axes.invert_yaxis()
     axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
     axes.grid(visible=False, axis="y")
-    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {row_of(tolerances.budget_of).name}")
+    axes.set(xlabel="share of the variance [1]", title=f"Error budget: {row_of(tolerances.budget_of).name}")
     looks = (
-        ("total, with 95 % confidence", {"color": SKY, "linewidth": 6}),
-        ("alone", {"color": BLUE, "linewidth": 3}),
+        ("total effect, 95 % confidence interval", {"color": SKY, "linewidth": 6}),
+        ("first-order effect", {"color": BLUE, "linewidth": 3}),
     )
     figure.legend(handles=keys(*looks), loc="outside lower left", ncols=len(looks))
-    state(figure, f"{tolerances.design}, over the samples that do not jam")
+    state(figure, f"{tolerances.design}, jammed samples excluded")
     return figure
 
 
 @styled
 def distributions_figure(tolerances: Tolerances) -> Figure:
-    """Draw a histogram of every figure over the samples that do not jam, with what was asked of it."""
+    """Draw a histogram of every figure over the samples that do not jam, with its limits."""
     keys_of = list(tolerances.figures)
     rows = -(-len(keys_of) // 3)
     figure = sheet(1.75 * rows + 0.4)
@@ -74,25 +76,26 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
             tolerances.figures[key][~tolerances.jams],
             [limit for limit in tolerances.limits if limit.key == key],
         )
-    state(figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jams left out")
+    state(figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jammed samples excluded")
     return figure
 
 
 def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    axes.set_title(folded(row_of(key).name, NAME_WIDTH), fontsize=8.0)
+    """Draw the histogram of a figure, or its value in words if it is constant."""
+    axes.set_title(wrap_label(row_of(key).name, NAME_WIDTH), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
     unit = row_of(key).unit
     axes.set_xlabel("" if unit == "1" else f"[{unit}]")
     axes.locator_params(axis="x", nbins=3)
     values = values[np.isfinite(values)]
-    low, high = np.quantile(values, [REACH, 1.0 - REACH]) if values.size else (math.nan, math.nan)
+    low, high = np.quantile(values, [OUTLIER_SHARE, 1.0 - OUTLIER_SHARE]) if values.size else (math.nan, math.nan)
     if not high - low > CONSTANT_RTOL * max(abs(low), abs(high)):
         words = f"constant: {low:.4g}" if values.size else "no value"
         axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
         axes.set_xticks([])
         return
-    axes.hist(values, bins=min(MOST_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
+    axes.hist(values, bins=min(MAX_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
     for limit in limits:
         axes.axvline(limit.bound, color=VERMILION, linewidth=1.2)
         axes.set_title(str(limit), fontsize=8.0, color=VERMILION)

@@ -1,4 +1,4 @@
-"""Dimensioned drawing of a reducer: front view from the output, and the section through its axis, in mm."""
+"""Dimensioned drawing of a reducer [mm]: front view from the output, and section through its axis."""
 
 import math
 from collections.abc import Iterator
@@ -20,19 +20,19 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 
 CHORD_ERROR = 5e-6
-"""Largest distance of a drawn chord from its curve [m]."""
+"""Chord error of outlines [m]."""
 
 AXIS: dict[str, Any] = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""}
 PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "shaft"}
-"""Hatching of a cut part, and its look."""
+"""Hatching of a part in the section, and its style."""
 
 STEP = 0.19
-"""Distance of dimension lines from each other and from what they measure, over the housing's radius."""
+"""Distance between dimension lines, and from the part, relative to the outer radius of the housing."""
 
 
 def draw_views(axes: Axes, reducer: Reducer) -> None:
-    """Draw both views side by side, at one scale and height, the crank's cam up."""
+    """Draw both views next to each other with the same scale, the eccentricity upward."""
     outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
     z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     shift = outer * (1.0 + 4.0 * STEP) - min(z)
@@ -47,21 +47,21 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
 
 
 def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
-    """Draw ring, pins, the last disc, output pins and cam, with what is said of each."""
+    """Draw ring, pins, last disc, output pins and cam with their dimensions."""
     design = reducer.design
     solids, ring, output, mm = parts(reducer, CHORD_ERROR), design.ring, design.output, MILLIMETRES
     here, name = np.zeros(3), gears(design.gear.discs)[-1]
     centre = _centres(reducer)[-1]
     draw_region(axes, solids[HOUSING].prisms[0], "ring", here)
-    for place in ring_places(reducer) if ring.kind == "pin" else ():
-        draw_disc(axes, place, ring.pin_radius, "pins")
+    for pin in ring_places(reducer) if ring.kind == "pin" else ():
+        draw_disc(axes, pin, ring.pin_radius, "pins")
         if ring.has_sleeves:
-            draw_disc(axes, place, sleeve_core_radius(reducer), "ring")
+            draw_disc(axes, pin, sleeve_core_radius(reducer), "ring")
     draw_region(axes, solids[name].prisms[0], "gear", np.array([*centre, 0.0]))
-    for place in output_centres(reducer):
-        draw_disc(axes, place, output.pin_radius, "output")
+    for pin in output_centres(reducer):
+        draw_disc(axes, pin, output.pin_radius, "output")
         if output.has_roller_parts:
-            draw_disc(axes, place, pin_radius(reducer), "output")
+            draw_disc(axes, pin, pin_radius(reducer), "output")
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
     draw_disc(axes, here[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):
@@ -81,7 +81,7 @@ def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
 
 
 def _pin_angle(reducer: Reducer) -> float:
-    """Compute the angle of the output pin that is nearest to 50 deg, counter-clockwise from +x [rad]."""
+    """Return the angle of the output pin nearest to 50 deg, counter-clockwise from +x [rad]."""
     angles = math.pi / 2 - 2.0 * math.pi * np.arange(reducer.design.output.pins) / reducer.design.output.pins
     return float(min(angles, key=lambda angle: abs(angle - math.radians(50.0))))
 
@@ -94,42 +94,42 @@ def _pins_label(reducer: Reducer) -> str:
 
 
 def _centres(reducer: Reducer) -> list[Array]:
-    """Compute the centre of each disc [m], the crank at 0: its own eccentric up, turned by its phase."""
+    """Return the centre of each disc at crank angle 0 [m], shape (2,) each."""
     up = np.array([[0.0, reducer.design.gear.eccentricity]])
     return [turned(up, phase)[0] for phase in reducer.phases]
 
 
 def _section(axes: Axes, reducer: Reducer, shift: float) -> None:
     """Draw what the plane of the cam's eccentricity cuts, and the axis."""
-    for name, prism, centre, plane in _placed(reducer):
+    for name, prism, centre, plane in _prisms(reducer):
         part = family(name)
         look = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
         for low, high in cut(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
             axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **look))
-    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed(reducer) for end in (prism.z0, prism.z1)]
+    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _prisms(reducer) for end in (prism.z0, prism.z1)]
     beyond = 0.08 * (max(ends) - min(ends))
     axes.plot((min(ends) - beyond, max(ends) + beyond), (0.0, 0.0), **AXIS)
     outer = MILLIMETRES * reducer.design.housing.outer_radius
     axes.text(0.5 * (min(ends) + max(ends)), outer * (1.0 + 2.2 * STEP), "section", **{**TEXT, "fontsize": 7.0})
 
 
-def _placed(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
-    """Yield each prism with its part's name, where the part's frame stands [m], and how far along z [m]."""
+def _prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
+    """Yield each prism with the name of its part and the position of the part's frame: (x, y) and z [m]."""
     design = reducer.design
     discs = dict(
         zip(gears(design.gear.discs), zip(_centres(reducer), design.gear.disc_planes, strict=True), strict=True)
     )
     for name, solid in body_solids(reducer).items():
-        places = [discs.get(name, (np.zeros(2), 0.0))]
+        origins = [discs.get(name, (np.zeros(2), 0.0))]
         if name == PIN:
-            places = [(place, 0.0) for place in ring_places(reducer)]
-        for centre, plane in places:
+            origins = [(pin, 0.0) for pin in ring_places(reducer)]
+        for centre, plane in origins:
             yield from ((name, prism, centre, plane) for prism in solid.prisms)
 
 
 def _lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
-    """Dimension along the axis, below the section: stack of discs, output disc, and over all."""
+    """Draw the dimensions along the axis below the section: stack of discs, output disc, total length."""
     mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     solids = body_solids(reducer)
     disc = solids[OUTPUT].prisms[0]
@@ -140,13 +140,13 @@ def _lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
         ((min(ends), max(ends)), 3, 0.0),
     )
     for (low, high), row, begin in rows:
-        at, text = -outer * (1.0 + row * STEP), f"{high - low:.4g}"
+        level, text = -outer * (1.0 + row * STEP), f"{high - low:.4g}"
         begins = (begin, begin) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _reach(disc))
-        along(axes, (low + shift, high + shift), at, begins, text, upright=False)
+        along(axes, (low + shift, high + shift), level, begins, text, upright=False)
 
 
 def _diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: tuple[float, float]) -> None:
-    """Dimension across the axis: the input journal at the left, cam bore, output disc and ring at the right."""
+    """Draw the diameters: input journal on the left, output disc and housing on the right."""
     mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]
     left = ends[0] + shift
@@ -154,9 +154,10 @@ def _diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: t
     right = ends[1] + shift
     reach = mm * _reach(disc)
     for radius, begin, row in ((reach, mm * disc.z1 + shift, 1.3), (outer, half + shift, 2.8)):
-        at = right + row * STEP * outer
-        along(axes, (-radius, radius), at, (begin, begin), f"Ø{2 * radius:.4g}", upright=True)
+        level = right + row * STEP * outer
+        along(axes, (-radius, radius), level, (begin, begin), f"Ø{2 * radius:.4g}", upright=True)
 
 
 def _reach(prism: Prism) -> float:
+    """Return the largest radius of a prism [m]."""
     return float(np.linalg.norm(prism.outline, axis=1).max())

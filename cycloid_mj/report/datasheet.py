@@ -5,8 +5,8 @@ import re
 from markupsafe import Markup
 
 from cycloid_mj.life.datasheet import Datasheet
-from cycloid_mj.plots.datasheet import datasheet_pictures, written
-from cycloid_mj.plots.save import drawn
+from cycloid_mj.plots.datasheet import datasheet_pictures, format_value
+from cycloid_mj.plots.save import encode_figure
 from cycloid_mj.report.page import environment
 
 
@@ -18,13 +18,17 @@ def datasheet_page(sheet: Datasheet) -> str:
         environment()
         .get_template("datasheet.html")
         .render(
-            title=f"cycloid_mj: data sheet of {design.name}", sheet=sheet, design=design, written=written, **pictures
+            title=f"cycloid_mj: data sheet of {design.name}",
+            sheet=sheet,
+            design=design,
+            format_value=format_value,
+            **pictures,
         )
     )
 
 
 def _drawn(sheet: Datasheet) -> dict[str, str]:
-    return {name: drawn(figure, "svg").decode() for name, figure in datasheet_pictures(sheet).items()}
+    return {name: encode_figure(figure, "svg").decode() for name, figure in datasheet_pictures(sheet).items()}
 
 
 def _inline(svg: str) -> str:

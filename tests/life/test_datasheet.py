@@ -25,7 +25,7 @@ from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.prism import Prism
-from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, written
+from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, format_value
 from cycloid_mj.plots.save import document
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.datasheet import datasheet_page
@@ -204,12 +204,12 @@ def test_the_page_stands_alone_and_has_every_number(sheet) -> None:
     assert page.count("<svg") == len(datasheet_pictures(sheet)) == 2
     assert "prefers-color-scheme: dark" in page
     for one in told(sheet).values():
-        assert f'<td class="value">{written(one)}</td>' in page, one
+        assert f'<td class="value">{format_value(one)}</td>' in page, one
 
 
 def test_values_are_written_without_powers_of_ten() -> None:
     def of(value: float) -> str:
-        return written(Quantity("", "", value, ""))
+        return format_value(Quantity("", "", value, ""))
 
     assert [of(value) for value in (0.01234, 3.0, 123.4, 999.9, 12345.0, math.nan)] == [
         *("0.0123", "3", "123", "1000", "12340"),

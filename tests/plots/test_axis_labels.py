@@ -20,7 +20,7 @@ DRAW = [
     for path in sorted((ROOT / place).rglob("*.py"))
     if "_gallery" not in path.parts
 ]
-NUMBERS = {"evaluation", "unknowns", "samples", "number of the pin", "order of the crank", "order: cycles a crank turn"}
+NUMBERS = {"evaluation", "unknowns", "samples", "number of the pin", "order: cycles per crank turn", "number of claims"}
 """What is counted, and has no unit."""
 
 RATIOS = ("rms of ", "{} (1 on +y")

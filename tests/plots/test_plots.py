@@ -340,7 +340,7 @@ def test_a_png_has_200_dots_per_inch(drawn, tmp_path):
 
 def test_what_cannot_be_written_is_said(drawn, tmp_path):
     some = {"input": drawn["fig5_input"]}
-    with pytest.raises(UsageError, match=r"no figure format 'bmp'; there are png, svg, pdf"):
+    with pytest.raises(UsageError, match=r"unknown figure format .bmp.; available: png, svg, pdf"):
         save(some, tmp_path, ("bmp",))
     (tmp_path / "file").write_text("")
     with pytest.raises(FigureError, match="cannot write figures to") as caught:
@@ -441,7 +441,7 @@ def test_forces_start_where_the_pins_touch_the_gear(design):
 def test_a_run_is_drawn_at_the_asked_crank_angle_of_its_last_turn(design):
     run = loaded(design)
     figure = mechanism(Reducer(design), run, crank_angle=1.0)
-    written, time = re.fullmatch(r"crank at (\S+) deg, (\S+) s", figure.axes[0].get_title()).groups()
+    written, time = re.fullmatch(r"crank angle (\S+) deg, (\S+) s", figure.axes[0].get_title()).groups()
     assert abs(float(written) - math.degrees(1.0)) < 0.6  # half a sample
     sample = int(np.argmin(np.abs(run.time - float(time))))
     assert 0 <= run["crank_angle"][-1] - run["crank_angle"][sample] < 2 * math.pi
