@@ -15,7 +15,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import is_held_once, rated_torque
-from cycloid_mj.parts.export.casing import covers_fit
+from cycloid_mj.parts.export.casing import casing, covers_fit
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.sizing.climb import GUESS, Budget, Step, climbed
 from cycloid_mj.sizing.process import PROCESSES
@@ -142,11 +142,16 @@ class Answer(Presented):
 
     @property
     def refusal(self) -> str:
-        """What goes, and what the rest would need, in a sentence."""
-        needs = ", or ".join(way.words for way in self.ways) or "more than a change of size, discs or material"
+        """What is not feasible and why, and changes with which it was found to be."""
+        found = ", or ".join(way.words for way in self.ways)
+        remedy = (
+            f"{self.asked.torque:g} N m is feasible with {found}"
+            if found
+            else f"no change of size, discs or material was found that makes {self.asked.torque:g} N m feasible"
+        )
         if not self.most:
-            return f"{self.asked.torque:g} N m do not go here: {self.limit}; it needs {needs}"
-        return f"{self.most:g} N m at most here by {self.limit}; {self.asked.torque:g} N m needs {needs}"
+            return f"not feasible: {self.limit}; {remedy}"
+        return f"not feasible: the limit is {self.most:g} N m ({self.limit}); {remedy}"
 
 
 Listed = Callable[[Requirement, Step], Iterator[SizedDrive]]
@@ -241,9 +246,22 @@ def _longer(asked: Requirement) -> Way | None:
         step = _held(free, Budget())[0]
     if not step:
         return None
-    longer = free.but(length=math.ceil(drive_length(step[1].reducer)) / MILLIMETRES)
+    reducer = step[1].reducer
+    longer = free.but(length=math.ceil(drive_length(reducer)) / MILLIMETRES)
     held = _held(longer, Budget())[0]
-    return Way(f"{words}a length of {MILLIMETRES * longer.length:g} mm", longer) if held else None
+    length = f"{words}a length of {MILLIMETRES * longer.length:g} mm (a drive was found with {length_parts(reducer)})"
+    return Way(length, longer) if held else None
+
+
+def length_parts(reducer: Reducer) -> str:
+    """State what the length of a drive is made of, along its axis."""
+    low, high = casing(reducer).ends
+    half = 0.5 * reducer.design.gear.stack_width
+    discs = "disc" if reducer.design.gear.discs == 1 else "discs"
+    return (
+        f"{MILLIMETRES * (-half - low):.3g} mm of motor flange and input bearings, "
+        f"{MILLIMETRES * 2.0 * half:.3g} mm of {discs}, {MILLIMETRES * (high - half):.3g} mm of output and its bearings"
+    )
 
 
 def _is_exact(asked: Requirement) -> bool:

@@ -22,7 +22,7 @@ from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import Answer, SizedDrive, answered, best_ratio
+from cycloid_mj.sizing.answer import Answer, SizedDrive, Way, answered, best_ratio, length_parts
 from cycloid_mj.sizing.proportions import Proportions, rounded, shaped
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement, required
@@ -106,7 +106,7 @@ def test_too_much_is_refused_with_ways_that_work() -> None:
     assert not refused.drives
     assert 0.0 < refused.most < TOO_MUCH.torque
     assert refused.ways
-    assert f"{refused.most:g} N m at most here by" in refused.refusal
+    assert f"not feasible: the limit is {refused.most:g} N m (" in refused.refusal
     require_kept(refused, ways=1)
 
 
@@ -269,14 +269,14 @@ def test_no_parts_in_stock_is_told_with_what_goes() -> None:
 def test_too_little_room_for_parts_in_stock_is_told_with_a_length_too() -> None:
     refused = answered(Requirement(5, 0.0926, 13.6, length=0.0425))
     (way,) = refused.ways
-    assert re.fullmatch(r"\d+ mm and a length of \d+ mm", way.words)
+    assert re.fullmatch(r"\d+ mm and a length of \d+ mm \(a drive was found with .*\)", way.words)
     assert way.asked.diameter > 0.0926
     assert way.asked.length > 0.0425
 
 
 def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() -> None:
     refused = answered(Requirement(5, 0.05, 100.0))
-    assert re.search(r"needs (\d+ mm and )?\d+ rpm", refused.refusal), refused.refusal
+    assert re.search(r"feasible with (\d+ mm and )?\d+ rpm", refused.refusal), refused.refusal
     require_kept(refused)
 
 
@@ -284,7 +284,7 @@ def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() 
 @pytest.mark.parametrize("diameter", [0.03, 0.06])
 def test_far_too_much_for_a_size_needs_a_larger_one_and_a_slow_crank(diameter: float) -> None:
     refused = answered(Requirement(5, diameter, 500.0))
-    assert re.search(r"needs \d+ rpm and \d+ mm", refused.refusal), refused.refusal
+    assert re.search(r"feasible with \d+ rpm and \d+ mm", refused.refusal), refused.refusal
     require_kept(refused, ways=1)
 
 
@@ -427,6 +427,20 @@ def test_the_command_writes_three_files_and_their_figures(tmp_path: Path, monkey
     assert "mine.toml" in capsys.readouterr().err
 
 
+def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
+    """A drive of 55.9 mm exists where "it needs a length of 68 mm" was printed: what was found is no least length."""
+    asked = TOO_MUCH.but(length=0.05)
+    reducer = Reducer(PRESETS["pin"])
+    parts = [float(number) for number in re.findall(r"([\d.]+) mm of", length_parts(reducer))]
+    assert sum(parts) == pytest.approx(drive_length(reducer), abs=0.2)
+    assert parts[1] == 10.0
+    refused = Answer(asked, (), 0.0, "no gear fits", (Way("a length of 68 mm", asked),))
+    assert refused.refusal == f"not feasible: no gear fits; {asked.torque:g} N m is feasible with a length of 68 mm"
+    hopeless = Answer(asked, (), 1.0, "pitting")
+    assert "no change of size, discs or material was found that makes" in hopeless.refusal
+    assert "needs" not in refused.refusal + hopeless.refusal
+
+
 def test_a_way_out_of_a_range_of_ratios_keeps_the_best_of_them(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["design", "new", "mine", "--ratio-range", "19:21", "--diameter-mm", "40", "--torque-nm", "40"]
@@ -442,10 +456,10 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
     asked = ["--ratio", "20", "--diameter-mm", "40", "--torque-nm", "40"]
     assert main(["design", "new", "mine", *asked]) == 1
     said = capsys.readouterr().err
-    assert "N m at most here by" in said
+    assert "not feasible: the limit is" in said
     assert main(["design", "new", "mine", *asked, "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
-    assert f"{told['most']:g} N m at most" in said
+    assert f"the limit is {told['most']:g} N m" in said
     assert all(way["flags"] and way["words"] in said for way in told["ways"])
     assert not list(tmp_path.iterdir())
 
