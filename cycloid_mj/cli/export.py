@@ -157,7 +157,15 @@ def export(
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.parts import fuse
-    from cycloid_mj.parts.export import bill, bill_csv, cam_bearing, drive_files, stl_bytes, threemf_bytes, widened
+    from cycloid_mj.parts.export import (
+        bill,
+        bill_csv,
+        cam_bearing,
+        drive_files,
+        stl_bytes,
+        threemf_bytes,
+        widen_clearances,
+    )
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
     from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings, prints_plastic
@@ -175,11 +183,11 @@ def export(
     seat = round(bore / 2.0 / MILLIMETRES, 9)
     files_and_clearances = exported(design, format_, chord_error, offset, motor, polylines=polylines)
     sizes = _casing(reducer, motor) if plate or assembly else None
-    printed = laid_out(widened(reducer, offset), chord_error, seat, sizes) if plate else None
+    printed = laid_out(widen_clearances(reducer, offset), chord_error, seat, sizes) if plate else None
     items = bill(reducer, seat, sizes) if plate else ()
     parts = dict(files_and_clearances.files)
     if sizes:
-        parts |= drive_files(widened(reducer, offset), format_, sizes, chord_error, seat, polylines=polylines)
+        parts |= drive_files(widen_clearances(reducer, offset), format_, sizes, chord_error, seat, polylines=polylines)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}

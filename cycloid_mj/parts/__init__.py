@@ -1,7 +1,7 @@
-"""Every part of the reducer as exact extruded outlines: its sections for CAD, its mass, its watertight mesh.
+"""The parts of the reducer as exact extruded outlines, with sections for CAD, mass properties and watertight meshes.
 
-Each part is told once, by contours that draw themselves by curves and by polygons. The parts follow from a ``Design``
-alone; what does not fit together is refused here, in the words of the design file.
+Contours are the single source of each part and provide its curves and polygons. The parts follow from a ``Design``;
+parts that do not fit together are refused here, with the keys of the design file.
 """
 
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
@@ -12,7 +12,15 @@ from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.mesh import Mesh, mesh
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
 from cycloid_mj.parts.part import Part, PartSection, Stretch
-from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, laid_out, part_sections, parts
+from cycloid_mj.parts.parts import (
+    body_solids,
+    carried,
+    crank_solid,
+    crank_stretches,
+    lay_out_parts,
+    part_sections,
+    parts,
+)
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
@@ -35,7 +43,7 @@ __all__ = [
     "fuse",
     "gear_solid",
     "housing_solid",
-    "laid_out",
+    "lay_out_parts",
     "mass_chord_error",
     "mass_properties",
     "mesh",

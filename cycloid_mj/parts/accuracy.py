@@ -4,24 +4,24 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.reducer import Reducer
 
 VISUAL_CHORD_ERROR = 5e-6
-"""For meshes that are looked at [m]: a few thousand triangles a part."""
+"""Chord error of meshes for viewing [m]: a few thousand triangles per part."""
 
 MASS_CHORD_ERROR = 5e-7
-"""For mass properties, as a share of the thinnest radius of the design."""
+"""Chord error for mass properties, relative to the thinnest radius of the design."""
 
 
 def mass_chord_error(reducer: Reducer) -> float:
     """Compute the chord error for mass properties [m].
 
-    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is slighter than
-    the thinnest of pins and shaft: each volume is right to 1e-6.
+    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is
+    thinner than the thinnest of pins and shaft, so that volumes are accurate to 1e-6.
     """
     design = reducer.design
     return MASS_CHORD_ERROR * min(design.ring.pin_radius, design.output.pin_radius, design.shaft.radius)
 
 
 def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
-    """Compute the chord error that a part is drawn with [m]: the asked one, or that for mass properties if None.
+    """Return the chord error of a drawing [m]: the requested one, or that for mass properties if None.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Masses of the bodies of a simulation, and the inertia of what turns with the output."""
+"""Masses of the bodies of a simulation, and the inertia of the parts that rotate with the output."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from cycloid_mj.reducer.bodies import Role
 
 
 def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
-    """Map part to its mass properties; a ring that turns has those of its pins too, where they are no bodies."""
+    """Return mass properties by part; a rotating ring includes its pins if these are not bodies."""
     return _moving_masses(reducer.shape)
 
 
@@ -26,14 +26,14 @@ def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
 
 
 def output_inertia(reducer: Reducer) -> float:
-    """Compute the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
+    """Compute the inertia of the loaded member about the axis [kg m2]: the carrier or the ring."""
     return float(moving_masses(reducer)[reducer.mechanism.turning].inertia[2, 2])
 
 
 def turning_inertia(reducer: Reducer) -> float:
-    """Compute the inertia of what turns with the output at a locked crank [kg m2]: carrier and discs, or the ring.
+    """Compute the inertia that rotates with the output at a locked crank [kg m2]: carrier and discs, or the ring.
 
-    Pins or sleeves of a ring that are bodies count with it, as if they did not turn in it.
+    Pins or sleeves of a ring that are bodies are included as if they were fixed in it.
     """
     return _turning_inertia(reducer.shape)
 
@@ -48,7 +48,7 @@ def _turning_inertia(reducer: Reducer) -> float:
 
 
 def _with_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
-    """Add all pins, which stand evenly around the axis: each adds its own inertia, and its mass on the pin circle."""
+    """Add all pins, evenly spaced about the axis, by their own inertia and their mass on the pin circle."""
     count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
     around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(

@@ -1,4 +1,4 @@
-"""Closed contours, each told once: as exact curves for CAD, and as a polygon for meshes, masses and pictures."""
+"""Closed contours, as exact curves for CAD and as polygons for meshes, masses and pictures."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -9,22 +9,22 @@ from typing import Protocol
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.curve import Circle, Curve, turned_curve
-from cycloid_mj.parts.polygon import circle, turned
+from cycloid_mj.parts.curve import Circle, Curve, rotate_curve
+from cycloid_mj.parts.polygon import circle, rotate_points
 
 SAME_RADIUS = 1e-9
-"""Radii that differ by less are the same [m]: rounding makes 1e-17, and nothing is manufactured to a nanometre."""
+"""Difference below which two radii are equal [m]; rounding errors are 1e-17."""
 
 
 class Contour(Protocol):
     """A closed contour in the plane of a part, counter-clockwise."""
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List its curves, which follow each other; a lobe or a root is made of so many splines."""
+        """Return its consecutive curves, with `splines` splines per lobe or root."""
         ...
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw it by chords that leave it by no more than so much [m], (n, 2) [m]."""
+        """Return it as a polygon (n, 2) [m] with a chord error [m]."""
         ...
 
 
@@ -32,8 +32,8 @@ class Contour(Protocol):
 class CircleContour:
     """A full circle [m].
 
-    Its polygon has the angles of a circle of `polygon_radius` [m], if that is given: circles about one centre with the
-    same angles do not cross, however little their radii differ.
+    Its polygon has the vertex angles of a circle of `polygon_radius` [m] if that is not None: concentric polygons with
+    equal angles do not cross, however close their radii are.
     """
 
     radius: float
@@ -45,7 +45,7 @@ class CircleContour:
         return (Circle(self.centre, self.radius),)
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, the vertices on the circle, the first of them towards +x."""
+        """Return its polygon, with vertices on the circle and the first one towards +x."""
         if not self.polygon_radius:
             return circle(self.radius, chord_error, self.centre)
         return np.array(self.centre) + self.radius / self.polygon_radius * circle(self.polygon_radius, chord_error)
@@ -53,25 +53,25 @@ class CircleContour:
 
 @dataclass(frozen=True)
 class TurnedContour:
-    """A contour turned counter-clockwise about the origin by an angle [rad]."""
+    """A contour rotated counter-clockwise about the origin by an angle [rad]."""
 
     contour: Contour
     angle: float
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List the curves, turned."""
-        return tuple(turned_curve(curve, -self.angle) for curve in self.contour.curves(splines))
+        """Return the rotated curves."""
+        return tuple(rotate_curve(curve, -self.angle) for curve in self.contour.curves(splines))
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw the polygon, turned."""
-        return turned(self.contour.polygon(chord_error), self.angle)
+        """Return the rotated polygon."""
+        return rotate_points(self.contour.polygon(chord_error), self.angle)
 
 
 def with_matching_circles(contours: Sequence[Contour], chord_error: float) -> Sequence[Contour]:
-    """Return contours of one part whose polygons of a chord error [m] do not cross where their circles do not.
+    """Return contours of a part whose polygons of a chord error [m] cross only if their circles do.
 
-    Circles about one centre whose radii differ by rounding alone get the first of these radii: faces that coincide
-    must coincide exactly. Circles that are closer to each other than chords may leave them get the same angles.
+    Concentric circles whose radii differ by rounding get equal radii, so that coincident faces coincide exactly.
+    Circles closer to each other than the chord error get equal vertex angles.
     """
     centres: dict[tuple[float, float], set[float]] = defaultdict(set)
     for contour in contours:
@@ -90,21 +90,21 @@ def with_matching_circles(contours: Sequence[Contour], chord_error: float) -> Se
     return [matched.get((one.centre, one.radius), one) if type(one) is CircleContour else one for one in contours]
 
 
-def _groups(values: Sequence[float], apart: float) -> list[list[float]]:
-    """Split rising values where neighbours differ by more than `apart`."""
-    ends = [0, *(np.flatnonzero(np.diff(values) > apart) + 1).tolist(), len(values)]
+def _groups(values: Sequence[float], distance: float) -> list[list[float]]:
+    """Split increasing values where neighbours differ by more than a distance."""
+    ends = [0, *(np.flatnonzero(np.diff(values) > distance) + 1).tolist(), len(values)]
     return [list(values[low:high]) for low, high in pairwise(ends)]
 
 
 def circle_of(contour: Contour) -> Circle | None:
-    """Return the circle that a contour is, or None if it has another shape."""
+    """Return a contour as a circle, or None if it has another shape."""
     if isinstance(contour, TurnedContour):
         inner = circle_of(contour.contour)
-        turned_inner = turned_curve(inner, -contour.angle) if inner else None
+        turned_inner = rotate_curve(inner, -contour.angle) if inner else None
         return turned_inner if isinstance(turned_inner, Circle) else None
     return Circle(contour.centre, contour.radius) if isinstance(contour, CircleContour) else None
 
 
 def circles_at(radius: float, centres: Array) -> tuple[CircleContour, ...]:
-    """Place equal circles of a radius [m] at centres (n, 2) [m]."""
+    """Return equal circles of a radius [m] at centres (n, 2) [m]."""
     return tuple(CircleContour(radius, (float(x), float(y))) for x, y in centres)

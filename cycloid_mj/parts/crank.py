@@ -1,4 +1,4 @@
-"""Dimensions of the crank: its stretches along z, its shoulders, its bearings."""
+"""Dimensions of the crank: stretches along z, shoulders and bearings."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,12 +12,12 @@ from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
 from cycloid_mj.reducer import Reducer, once
 
 STATIONS = 41
-"""Sections along each journal at which the nominal stress is looked for."""
+"""Number of sections of each journal at which nominal stress is evaluated."""
 
 
 @dataclass(frozen=True)
 class Shoulder:
-    """A step of the shaft: its name, its place `z` along the shaft, and the `outer` radius that it steps up to [m]."""
+    """A step of the shaft: its name, its position `z` and the `outer` radius of its larger side [m]."""
 
     name: str
     z: float
@@ -26,9 +26,9 @@ class Shoulder:
 
 @dataclass(frozen=True)
 class ShaftDimensions:
-    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings.
+    """Dimensions of the shaft [m]: radii, eccentricity, and positions along z of ends, counterweight, cams, bearings.
 
-    The crank of several discs has no counterweight: its place has no length. `phases` are those of the cams [rad].
+    The crank of several discs has no counterweight (of length 0). `phases` are those of the cams [rad].
     """
 
     radius: float
@@ -44,23 +44,23 @@ class ShaftDimensions:
 
     @property
     def weighted(self) -> bool:
-        """Whether it has a counterweight."""
+        """True if it has a counterweight."""
         return self.counterweight[1] > self.counterweight[0]
 
     @property
     def straddles(self) -> bool:
-        """Whether it goes on beyond its last cam."""
+        """True if it continues beyond its last cam."""
         return self.far_end > self.cams[-1][1]
 
     @property
     def cam_centres(self) -> Array:
-        """Middles of the cams in the shaft's frame [m], shape (D, 2)."""
+        """Centres of the cams in the frame of the shaft [m], shape (D, 2)."""
         phases = np.array(self.phases)
         return self.eccentricity * np.stack([-np.sin(phases), np.cos(phases)], axis=1) + 0.0
 
     @property
     def shoulders(self) -> tuple[Shoulder, ...]:
-        """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cams, at their lowest."""
+        """Shoulders at the counterweight, as a full disc, and at the lowest side of the cams."""
         lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
         shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
         shoulders = shoulders if self.weighted else []
@@ -73,7 +73,7 @@ class ShaftDimensions:
 
     @property
     def stations(self) -> Array:
-        """Places (s,) [m] along the journals where nominal stress is looked for, those of the shoulders first."""
+        """Positions (s,) [m] along the journals at which nominal stress is evaluated, shoulders first."""
         stretches = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
         stretches += [(before[1], after[0]) for before, after in pairwise(self.cams)]
         stretches += [(self.cams[-1][1], self.far_end)] if self.straddles else []
@@ -83,7 +83,7 @@ class ShaftDimensions:
 
 @once
 def shaft_measures(reducer: Reducer) -> ShaftDimensions:
-    """Measure a design's balanced crank, without the spacers of a built-up one."""
+    """Return the dimensions of the balanced crank, without the spacers of an assembled one."""
     design = reducer.design
     along = crank_stretches(reducer)
     journal, weight = along[JOURNAL], along.get(COUNTERWEIGHT)

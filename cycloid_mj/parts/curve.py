@@ -1,4 +1,4 @@
-"""Exact plane curves for CAD: circles, arcs, lines, and cubic splines that follow a flank to a stated error."""
+"""Plane curves for CAD: circles, arcs, lines, and cubic splines that follow a flank within a tolerance."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 SPLINE_ERROR = 1e-8
-"""How far a spline may leave its flank [m]: a hundredth of a clearance of 1 um."""
+"""Largest distance of a spline from its flank [m]: 1 % of a clearance of 1 um."""
 
-_FIRST_SPANS, _MOST_SPANS = 8, 4096
+_FIRST_SPANS, _MAX_SPANS = 8, 4096
 _CHECKS = 8
 _GRID = 8192
-_LEAST_DENSITY = 1e-3
+_MIN_DENSITY = 1e-3
 
 
 @dataclass(frozen=True)
 class SmoothCurve:
-    """A smooth curve by its parameter, as vectorised functions.
+    """A smooth parametric curve, as vectorised functions.
 
-    `points` (n, 2) [m], `arc_length` [m] (rising), unit `tangents` (n, 2), and the signed `curvature` [1/m].
+    `points` (n, 2) [m], `arc_length` [m] (increasing), unit `tangents` (n, 2), and the signed `curvature` [1/m].
     """
 
     points: Callable[[Array], Array]
@@ -36,7 +36,7 @@ class SmoothCurve:
 
 @dataclass(frozen=True)
 class Circle:
-    """A whole circle [m]."""
+    """A full circle [m]."""
 
     centre: tuple[float, float]
     radius: float
@@ -68,7 +68,7 @@ class Spline:
     controls: Array
 
     def points(self, count: int) -> Array:
-        """Compute `count` points along it, both ends included, (count, 2) [m]."""
+        """Compute `count` points along it, including both ends, shape (count, 2) [m]."""
         from scipy.interpolate import BSpline
 
         parameter = np.linspace(self.knots[0], self.knots[-1], count)
@@ -79,39 +79,40 @@ Curve = Circle | Arc | LineSegment | Spline
 
 
 def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
-    """List cubic splines, end to end, that keep within ``SPLINE_ERROR`` of a flank from parameter `low` to `high`.
+    """Fit consecutive cubic splines to a flank from parameter `low` to `high`, within ``SPLINE_ERROR``.
 
     Raises
     ------
     DesignError
-        No spline of a reasonable number of spans follows the flank.
+        The splines need more than `_MAX_SPANS` spans.
     """
     spans = _FIRST_SPANS
-    while pieces * spans <= _MOST_SPANS:
+    while pieces * spans <= _MAX_SPANS:
         nodes = _nodes(flank, low, high, pieces * spans)
         stretches = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
-        fits = [_interpolated(flank, stretch) for stretch in stretches]
+        fits = [_interpolate(flank, stretch) for stretch in stretches]
         if max(_deviation(flank, *fit) for fit in zip(fits, stretches, strict=True)) <= SPLINE_ERROR:
             return tuple(Spline(fit.t, fit.c) for fit in fits)
         spans *= 2
-    raise DesignError(f"no spline of {_MOST_SPANS} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
+    raise DesignError(f"no spline of {_MAX_SPANS} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Find parameters that share the spline's error equally: it goes with h^4 and the fourth derivative by arc length.
+    """Compute parameters that distribute the error of the spline evenly: it is proportional to h^4 r''''.
 
-    In the moving frame of the curve that derivative is (-3 kappa kappa', kappa'' - kappa^3).
+    In the moving frame of the curve the fourth derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
     """
     t = np.linspace(low, high, _GRID)
     s, kappa = flank.arc_length(t), flank.curvature(t)
     slope = np.gradient(kappa, s)
     fourth = np.hypot(3.0 * kappa * slope, np.gradient(slope, s) - kappa**3)
-    density = np.maximum(fourth, _LEAST_DENSITY * fourth.max()) ** 0.25
+    density = np.maximum(fourth, _MIN_DENSITY * fourth.max()) ** 0.25
     share = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
     return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
 
 
-def _interpolated(flank: SmoothCurve, nodes: Array) -> "BSpline":
+def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":
+    """Interpolate the flank at nodes by a clamped cubic spline."""
     from scipy.interpolate import make_interp_spline
 
     ends: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
@@ -119,14 +120,14 @@ def _interpolated(flank: SmoothCurve, nodes: Array) -> "BSpline":
 
 
 def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
-    """Compute how far a spline leaves its flank across the tangent [m]."""
+    """Compute the largest distance of a spline from its flank, normal to the tangent [m]."""
     t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
     away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
     return float(np.abs(away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]).max())
 
 
-def turned_curve(curve: Curve, angle: float) -> Curve:
-    """Turn a curve clockwise about the origin by an angle [rad]."""
+def rotate_curve(curve: Curve, angle: float) -> Curve:
+    """Rotate a curve clockwise about the origin by an angle [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     turn = np.array([[cos, -sin], [sin, cos]])
 

@@ -1,21 +1,21 @@
-"""What the plane x = 0, through the axis, cuts out of a prism: rectangles along z."""
+"""Section of a prism by the plane x = 0 through the axis: rectangles along z."""
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts.prism import Prism
 
-ASIDE = 1e-9
-"""How far beside x = 0 the plane stands [m]: a vertex or an edge on it then counts once."""
+PLANE_OFFSET = 1e-9
+"""Offset of the plane from x = 0 [m], so that a vertex or an edge on it counts once."""
 
 
 def cut(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """List from where to where along y [m] a prism reaches in the plane x = 0, whose frame stands at a centre [m].
+    """Return the intervals along y [m] of a prism, whose frame is at a centre [m], in the plane x = 0.
 
-    Between each two crossings with its outline and holes, in order, there is material or none in turn.
+    Successive crossings with its outline and holes bound material and gaps in turn.
     """
     x, y = centre
-    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - ASIDE, y])) for ring in _rings(prism)]))
+    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - PLANE_OFFSET, y])) for ring in _rings(prism)]))
     return [(float(low), float(high)) for low, high in zip(crossings[::2], crossings[1::2], strict=True)]
 
 

@@ -1,4 +1,4 @@
-"""Refuse a design whose parts do not fit into each other, in the words of the design file."""
+"""Errors of designs whose parts do not fit into each other, with the keys of the design file."""
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.units import MILLIMETRE

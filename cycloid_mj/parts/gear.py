@@ -1,4 +1,4 @@
-"""A cycloid gear: its profile, its bore and the holes of the output pins."""
+"""A cycloid disc: its profile, its bore and the holes of the output pins."""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from cycloid_mj.geometry.modification import (
 )
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
-from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, turned_curve
+from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, rotate_curve
 from cycloid_mj.parts.fit import require_above, require_below
 from cycloid_mj.parts.output import output_centres
 from cycloid_mj.parts.part import Part, Stretch
@@ -28,15 +28,14 @@ __all__ = ["gear_outline", "gear_part", "gear_profile", "gear_solid", "profile_o
 from cycloid_mj.base.array import Array
 
 ROUNDING = 1e-9
-"""Relative; a hole of exactly output pin + eccentricity passes."""
+"""Relative rounding allowance: a hole of exactly output pin + eccentricity passes."""
 
 
 def gear_part(reducer: Reducer, disc: int = 0) -> Part:
-    """Lay out a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+    """Return a cycloid disc in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
-    The teeth of a disc that is ahead on the crank are turned back, clockwise, against its holes. Its profile is the
-    modified one; its holes are where the design has them, without errors. Each clearance is taken from the gear
-    (profile and holes) or added to its bore.
+    The teeth of a disc ahead on the crank are rotated clockwise against its holes. The profile is the modified one; the
+    holes have no errors. Clearances are subtracted from the disc (profile and holes) or added to its bore.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     Raises
     ------
     DesignError
-        The profile is undercut, bore, holes and valleys meet, or the output pins cannot orbit in the holes.
+        The profile is undercut, bore, holes and valleys overlap, or the output pins cannot orbit in the holes.
     """
     design = reducer.design
     _require_room(reducer)
@@ -61,25 +60,25 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
 
 
 def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
-    """Draw `gear_part` with a chord error [m], that for mass properties when left out."""
+    """Return `gear_part` as prisms with a chord error [m]; by default that for mass properties."""
     chord_error = drawing_error(reducer, chord_error)
     return gear_part(reducer, disc).solid(chord_error)
 
 
 @dataclass(frozen=True)
 class GearContour:
-    """The outline of the gear with its clearance and modification, valley 1 on +y."""
+    """The outline of the disc with its clearance and modification, valley 1 on +y."""
 
     reducer: Reducer
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw it lobe by lobe; see `gear_outline`."""
+        """Return its polygon, lobe by lobe; see `gear_outline`."""
         return gear_outline(self.reducer, chord_error)[::-1]
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List splines lobe by lobe, each from the middle of one valley to that of the next.
+        """Return splines lobe by lobe, each from the middle of a valley to that of the next.
 
-        Flanks that are turned towards the middle of their lobe are splines of their own.
+        Flanks rotated towards the middle of their lobe are separate splines.
         """
         return _teeth_curves(self.reducer, splines)
 
@@ -100,15 +99,15 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         up, down = (-ends.valley, pitch / 2.0 - ends.tip), (pitch / 2.0 + ends.tip, pitch + ends.valley)
         stretches = [(*up, -rotation), (*down, rotation)]
     lobe = [
-        turned_curve(curve, turn)
+        rotate_curve(curve, turn)
         for low, high, turn in stretches
         for curve in fit_splines(backwards, low, high, splines)
     ]
-    return tuple(turned_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
+    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the gear's outline with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
+    """Compute the outline of the disc with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
 
     Raises
     ------
@@ -122,10 +121,7 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
 
 
 def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
-    """Compute the area of a disc's cross-section as `gear_solid` draws it [m2], without drawing it: by one lobe's edge.
-
-    Errors as there.
-    """
+    """Compute the cross-section area of `gear_solid` [m2] from the outline of one lobe."""
     _require_room(reducer)
     chord_error = drawing_error(reducer, chord_error)
     inside = _area_inside(reducer, chord_error)
@@ -142,7 +138,7 @@ def _hole_radius(reducer: Reducer) -> float:
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:
-    """Compute the area inside of `gear_outline` [m2]: lobes are alike, but for those of a turned profile."""
+    """Compute the area inside of `gear_outline` [m2]; all lobes are equal unless the profile is rotated."""
     if reducer.design.modification.rotation:
         return -signed_area(gear_outline(reducer, chord_error))
     teeth, offset = reducer.gear_profile, reducer.profile_offset
@@ -152,7 +148,7 @@ def _area_inside(reducer: Reducer, chord_error: float) -> float:
 
 
 def _require_room(reducer: Reducer) -> None:
-    """Raise DesignError unless bore, holes and valleys stay apart and the output pins have room to orbit."""
+    """Raise DesignError unless bore, holes and valleys are separate and the output pins can orbit in the holes."""
     design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance
     orbit = (output.pin_radius + gear.eccentricity) * (1 - ROUNDING)

@@ -1,4 +1,4 @@
-"""What the cycloid gear rolls in: the pins and the housing with their sockets, or the internal gear."""
+"""The ring: pins and the housing with their sockets, or the internal gear."""
 
 import math
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour, circles_at
-from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, fit_splines, turned_curve
+from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, fit_splines, rotate_curve
 from cycloid_mj.parts.fit import require_above, require_below
 from cycloid_mj.parts.part import Part, Stretch
-from cycloid_mj.parts.polygon import arc, turned
+from cycloid_mj.parts.polygon import arc, rotate_points
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
-SLIT = 1e-3
-"""Share of the ring's width that both its halves leave between them, so that they turn."""
+SLIT_SHARE = 1e-3
+"""Gap between the halves of a ring relative to its width, so that they can rotate."""
 
 
 def pin_part(reducer: Reducer) -> Part:
-    """Lay out one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
+    """Return a ring pin, centred at the origin: a cylinder through all discs, or its sleeve.
 
-    That of a ring in two halves is as long as one of them.
+    In a ring of two halves it is as long as one of them.
 
     Raises
     ------
@@ -40,17 +40,17 @@ def pin_part(reducer: Reducer) -> Part:
 
 
 def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Draw `pin_part` with a chord error [m], that for mass properties when left out."""
+    """Return `pin_part` as a prism with a chord error [m]; by default that for mass properties."""
     return pin_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
-    """Compute the radius of the pressed-in pin inside a sleeve [m]: the bore's less the clearance.
+    """Compute the radius of the pin pressed in inside a sleeve [m]: that of the bore less the clearance.
 
     Raises
     ------
     DesignError
-        The sleeve leaves no room for it.
+        The wall of the sleeve is too thick.
     """
     design = reducer.design
     thickness, room = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve
@@ -59,10 +59,10 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 
 
 def housing_part(reducer: Reducer) -> Part:
-    """Lay out the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
+    """Return the housing in the frame of the reducer axis: the ring without its pins, or the internal gear.
 
-    Of two halves it has a stretch each, the one next to the motor first, turned as they are. The pinwheel of sleeved
-    pins comes with the pressed-in ones, which both end plates hold (not drawn).
+    Two halves are one stretch each, the one next to the motor first, rotated as they are. The housing of sleeved pins
+    includes the pressed-in pins, which both end plates (not drawn) support.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def housing_part(reducer: Reducer) -> Part:
     Raises
     ------
     DesignError
-        The housing is too thin, or its sockets cannot hold the pins.
+        The housing is too thin, or its sockets do not retain the pins.
     """
     design = reducer.design
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
@@ -85,22 +85,22 @@ def housing_part(reducer: Reducer) -> Part:
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Draw `housing_part` with a chord error [m], that for mass properties when left out."""
+    """Return `housing_part` as prisms with a chord error [m]; by default that for mass properties."""
     return housing_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
-    """List where the ring, or each of its halves, begins and ends along the axis [m], and its turn [rad]."""
+    """Return the ends along the axis [m] and the rotation [rad] of the ring, or of each of its halves."""
     design = reducer.design
     half = design.gear.stack_width / 2
     if design.ring.halves == 1:
         return [(-half, half, 0.0)]
-    (one, other), slit = design.ring.ahead, SLIT * half
+    (one, other), slit = design.ring.ahead, SLIT_SHARE * half
     return [(-half, -slit, one), (slit, half, other)]
 
 
 def _cores(reducer: Reducer) -> list[Stretch]:
-    """List the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
+    """Return the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; empty without sleeves."""
     design = reducer.design
     if not design.ring.has_sleeves:
         return []
@@ -131,10 +131,10 @@ def _internal_gear(reducer: Reducer) -> Contour:
 
 @dataclass(frozen=True)
 class PinwheelContour:
-    """The wall of a pinwheel with so many open sockets, socket 1 on +y.
+    """The wall of a ring with open sockets, socket 1 on +y.
 
-    Each is an arc of a `radius` [m] about a pin's `centre` [m] from the axis, as far as a `half_angle` [rad] to both
-    sides; the lands between them have the radius of the `wall` [m].
+    A socket is an arc of a `radius` [m] about its pin, at the distance `centre` [m] from the axis, of a `half_angle`
+    [rad] to both sides; the lands between sockets have the radius `wall` [m].
     """
 
     centre: float
@@ -144,40 +144,42 @@ class PinwheelContour:
     teeth: int
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw one pitch of it, turned as often as it has sockets."""
+        """Return its polygon: one pitch, rotated for all sockets."""
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
         edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
         land = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
         one = np.concatenate([socket, land])
-        return np.concatenate([turned(one, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)])
+        return np.concatenate(
+            [rotate_points(one, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)]
+        )
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List sockets and lands in turn, as arcs."""
+        """Return sockets and lands in turn, as arcs."""
         half, up, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
         edge = math.atan2(self.radius * math.sin(half), self.centre + self.radius * math.cos(half))
         socket = Arc((0.0, self.centre), self.radius, up - half, up + half)
         land = Arc((0.0, 0.0), self.wall, up + edge, up + pitch - edge)
-        return tuple(turned_curve(curve, -i * pitch) for i in range(self.teeth) for curve in (socket, land))
+        return tuple(rotate_curve(curve, -i * pitch) for i in range(self.teeth) for curve in (socket, land))
 
 
 @dataclass(frozen=True)
 class InternalGearContour:
-    """The outline of the double-enveloping internal gear; the clearance is the cycloid gear's."""
+    """The outline of the double-enveloping internal gear; the clearance is in the cycloid disc."""
 
     reducer: Reducer
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw it root by root."""
+        """Return its polygon, root by root."""
         return envelope.sample_ring_by_sagitta(self.reducer.tooth_profile, chord_error).points[::-1]
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List splines for each root and one arc for the lobe after it."""
+        """Return splines for each root and one arc for the lobe after it."""
         return _internal_curves(self.reducer, splines)
 
 
 @once
 def _internal_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """List splines and arcs; Sigma from B0 to 2 pi - B0 is the whole root counter-clockwise of lobe 1."""
+    """Return splines and arcs; Sigma from B0 to 2 pi - B0 is the full root counter-clockwise of lobe 1."""
     gear = reducer.tooth_profile
     pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), gear.best_phase
     lobe = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
@@ -188,5 +190,5 @@ def _internal_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         curvature=lambda B: -1.0 / envelope.Sigma(gear, B).radius,
     )
     root = fit_splines(flank, B0, 2.0 * math.pi - B0, splines)
-    following = turned_curve(lobe, -pitch)
-    return tuple(turned_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, following))
+    following = rotate_curve(lobe, -pitch)
+    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, following))

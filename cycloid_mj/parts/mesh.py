@@ -17,10 +17,10 @@ from cycloid_mj.parts.prism import Prism, Solid
 Faces = npt.NDArray[np.int32]
 
 VOLUME_TOLERANCE = 1e-9
-"""Relative; triangulations of one polygon differ by rounding only, a wrong one by whole triangles."""
+"""Relative tolerance of volumes: correct triangulations of a polygon differ by rounding, wrong ones by triangles."""
 
-SHAKE = 1e-11
-"""Relative to the size of the part; well above rounding, and its slivers well below VOLUME_TOLERANCE."""
+PERTURBATION = 1e-11
+"""Perturbation of vertices relative to the size of the part: above rounding, its slivers below VOLUME_TOLERANCE."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Mesh:
         self.faces.setflags(write=False)
 
 
-@lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
+@lru_cache(maxsize=12)  # the parts of one design, which own their outlines
 def mesh(part: Prism | Solid) -> Mesh:
-    """Build the mesh of a prism, or of a solid: one closed surface for each of its prisms.
+    """Return the mesh of a prism, or of a solid as one closed surface per prism.
 
     Raises
     ------
@@ -55,13 +55,13 @@ def mesh(part: Prism | Solid) -> Mesh:
 
 
 def _prism_mesh(prism: Prism, name: str) -> Mesh:
-    """Two caps and the side walls; every ring runs with the material on its left."""
+    """Return two caps and the side walls; each ring has the material on its left."""
     rings = [prism.outline, *(hole[::-1] for hole in prism.holes)]
-    place = crossing(rings)
-    if place is not None:
-        raise crossed(name, place)
+    point = crossing(rings)
+    if point is not None:
+        raise crossing_error(name, point)
     points = np.concatenate(rings)
-    cap = triangulated(points, rings)
+    cap = triangulate(points, rings)
     _check_cap(cap, points, prism, name)
     faces = np.concatenate([cap[:, ::-1], cap + len(points), _walls(rings)])
     check_watertight(faces, name)
@@ -70,24 +70,24 @@ def _prism_mesh(prism: Prism, name: str) -> Mesh:
     return Mesh(np.concatenate([bottom, top]), faces.astype(np.int32))
 
 
-def crossed(name: str, place: Array) -> DesignError:
+def crossing_error(name: str, point: Array) -> DesignError:
     """Return the error of a part whose outlines cross or touch at a point (2,) [m]."""
-    x, y = place * MILLIMETRES
+    x, y = point * MILLIMETRES
     return DesignError(
         f"{name}: two of its outlines touch or cross near x = {x:.6g} mm, y = {y:.6g} mm, so the part is not one "
         "piece; change the dimensions of the features that meet there"
     )
 
 
-def triangulated(points: Array, rings: list[Array]) -> Integers:
-    """Compute the cap's triangles (m, 3), counter-clockwise.
+def triangulate(points: Array, rings: list[Array]) -> Integers:
+    """Triangulate a cap (m, 3), counter-clockwise.
 
-    The earcut drops a vertex that lies exactly between its neighbours, which leaves the mesh open: it gets the
-    vertices shaken, far below every feature, so that no three are in line.
+    The library omits a vertex exactly between its neighbours, which would leave the mesh open. A perturbation far below
+    the size of any feature avoids three vertices in line.
     """
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
-    shake = SHAKE * np.ptp(points) * np.random.default_rng(0).uniform(-1.0, 1.0, points.shape)
-    return mapbox_earcut.triangulate_float64(points + shake, ends).reshape(-1, 3).astype(np.int64)
+    perturbation = PERTURBATION * np.ptp(points) * np.random.default_rng(0).uniform(-1.0, 1.0, points.shape)
+    return mapbox_earcut.triangulate_float64(points + perturbation, ends).reshape(-1, 3).astype(np.int64)
 
 
 def _walls(rings: list[Array]) -> Integers:
@@ -101,7 +101,7 @@ def _walls(rings: list[Array]) -> Integers:
 
 
 def _check_cap(cap: Integers, points: Array, prism: Prism, name: str) -> None:
-    """Refuse a cap whose triangles overlap or leave a gap: their areas, all positive, add up to the region's."""
+    """Raise DesignError if the triangles of a cap overlap or leave gaps: the sum of areas must equal the region."""
     a, b, c = points[cap].transpose(1, 2, 0)
     covered = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).sum() / 2
     area = region_moments(prism).area
@@ -113,7 +113,7 @@ def _check_cap(cap: Integers, points: Array, prism: Prism, name: str) -> None:
 
 
 def check_watertight(faces: Integers, name: str) -> None:
-    """Refuse a mesh in which some edge is not passed exactly once in each direction."""
+    """Raise DesignError unless each edge of a mesh is traversed exactly once in each direction."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     size = int(faces.max()) + 1
     there = np.sort(start * size + end)

@@ -1,4 +1,4 @@
-"""The output disc with its pins, the rollers on them, and where they stand."""
+"""The output disc with its pins, their rollers and positions."""
 
 import numpy as np
 
@@ -13,20 +13,20 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 RIM = 0.5
-"""Width of the disc outside its pins, as a share of their radius."""
+"""Width of the disc outside its pins relative to their radius."""
 
 
 def output_centres(reducer: Reducer) -> Array:
-    """Compute the centres of the output pins, and of the gear's holes, (n, 2) [m]: the first on +y, then clockwise."""
+    """Compute the centres of output pins and of disc holes (n, 2) [m]: the first on +y, then clockwise."""
     output = reducer.design.output
     return output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
 
 
 def output_part(reducer: Reducer) -> Part:
-    """Lay out the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
+    """Return the output disc behind the cycloid discs (+z) with its pins, in the frame of the output axis.
 
-    Where both ends of the pins are held, a second disc lies before the gear; the crank with its cams fits through it.
-    Pins under rollers that are parts of their own (`roller_part`) are as thick as their cores.
+    If both ends of the pins are supported, there is a second disc before the cycloid discs, through which the crank
+    with its cams fits. Pins under separate rollers (`roller_part`) have the radius of their cores.
     """
     design = reducer.design
     gear, output, half = design.gear, design.output, design.gear.stack_width / 2
@@ -42,21 +42,20 @@ def output_part(reducer: Reducer) -> Part:
 
 
 def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Draw `output_part` with a chord error [m], that for mass properties when left out."""
+    """Return `output_part` as prisms with a chord error [m]; by default that for mass properties."""
     return output_part(reducer).solid(drawing_error(reducer, chord_error))
 
 
 def pin_radius(reducer: Reducer) -> float:
-    """Compute the radius of an output pin as it is drawn [m]: of its core under a roller that is a part of its own."""
+    """Return the radius of a drawn output pin [m]: that of its core under a separate roller."""
     design = reducer.design
     return design.output.core_radius if design.output.has_roller_parts else design.output.pin_radius
 
 
 def roller_part(reducer: Reducer) -> Part:
-    """Lay out the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
+    """Return the roller of an output pin in a disc, in its own frame: a tube of the material of the pins.
 
-    It is as wide as the disc, and its bore has the radius of the core: needles between the two weigh as if they filled
-    their room.
+    It is as wide as the disc and its bore has the radius of the core: needles between them are taken as solid.
     """
     design = reducer.design
     output, half = design.output, design.gear.face_width / 2

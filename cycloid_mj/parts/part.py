@@ -1,4 +1,4 @@
-"""A part as it is told: stretches along z of exact outlines. Its solid and its sections for CAD are views of them."""
+"""A part as stretches of exact outlines along z, from which its solid and its sections for CAD follow."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -11,9 +11,9 @@ from cycloid_mj.parts.prism import Prism, Solid
 
 @dataclass(frozen=True)
 class PartSection:
-    """One stretch of a part: closed loops of curves from `z0` to `z1` [m], the first its outline, the others its holes.
+    """A section of a part: closed loops of curves from `z0` to `z1` [m], the outline first, then its holes.
 
-    The curves of a loop follow each other counter-clockwise, and the first runs that way itself.
+    The curves of a loop are consecutive and counter-clockwise; so is the direction of the first curve.
     """
 
     name: str
@@ -24,7 +24,7 @@ class PartSection:
 
 @dataclass(frozen=True)
 class Stretch:
-    """One stretch of a part: an outline with holes, from `z0` to `z1` [m]."""
+    """A stretch of a part: an outline with holes, from `z0` to `z1` [m]."""
 
     name: str
     outline: Contour
@@ -33,19 +33,19 @@ class Stretch:
     z1: float
 
     def prism(self, chord_error: float) -> Prism:
-        """Draw it by polygons, whose chords leave its curves by no more than so much [m]."""
+        """Return it as a prism of polygons with a chord error [m]."""
         holes = tuple(hole.polygon(chord_error) for hole in self.holes)
         return Prism(self.outline.polygon(chord_error), holes, self.z0, self.z1)
 
     def section(self, splines: int) -> PartSection:
-        """Draw it by curves, with so many splines to each lobe of the gear and each root of the internal gear."""
+        """Return it as curves, with `splines` splines per lobe of a disc or root of the internal gear."""
         loops = tuple(outline.curves(splines) for outline in (self.outline, *self.holes))
         return PartSection(self.name, loops, self.z0, self.z1)
 
 
 @dataclass(frozen=True)
 class Part:
-    """One part of the reducer: stretches that share no volume, of one density [kg/m3]."""
+    """A part of the reducer: stretches without common volume, of one density [kg/m3]."""
 
     name: str
     stretches: tuple[Stretch, ...]
@@ -62,9 +62,9 @@ class Part:
         return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in stretches), self.density)
 
     def sections(self, splines: int) -> tuple[PartSection, ...]:
-        """Draw it by curves; see `Stretch.section`."""
+        """Return the part as curves; see `Stretch.section`."""
         return tuple(stretch.section(splines) for stretch in self.stretches)
 
     def of(self, stretches: Iterable[Stretch], name: str = "") -> "Part":
-        """Return a part of the same material with other stretches, and another name if one is given."""
+        """Return a part of the same material with other stretches and, unless empty, another name."""
         return replace(self, name=name or self.name, stretches=tuple(stretches))

@@ -15,8 +15,8 @@ from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import crank_part, crank_parts, shaft_solid, stretches
 from cycloid_mj.reducer import Reducer, once
 
-LIGHTER = 0.25
-"""Share of the way to white from one disc to the next."""
+TINT = 0.25
+"""Step towards white from one disc to the next."""
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity from 0 to 1."""
@@ -31,77 +31,77 @@ COLOURS: Mapping[str, Colour] = {
     names.SPACER: (0.62, 0.52, 0.34, 1.0),
     names.ROLLER: (0.72, 0.84, 0.74, 1.0),
 }
-"""Part by its family -> colour where it moves: in MuJoCo, and in the viewer."""
+"""Colours by family of parts, in MuJoCo and in viewers."""
 
-KEPT = 8
-"""Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
+CACHED_DESIGNS = 8
+"""Number of designs whose parts are cached (about 2 MB each), enough for a comparison."""
 
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Draw housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
+    """Return housing, shaft, disc, pin (one of N, if the ring has pins) and output as solids, each in its own frame.
 
-    The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
-    ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
-    Rollers that are parts of their own are one ``output_roller`` of D times the output pins.
+    The pin of a sleeved ring is the sleeve; the pressed-in pins belong to the housing. With D discs there are
+    ``gear_1`` to ``gear_D`` in the frames of the discs, ``cam_1`` to ``cam_D`` in that of the shaft, and one
+    ``spacer`` of D - 1. Separate rollers are one ``output_roller`` of D times the output pins.
 
     Parameters
     ----------
     reducer
         The reducer.
     chord_error
-        Largest distance of a chord from its curve [m]; right for mass properties when left out.
+        Largest distance of a chord from its curve [m]; by default that for mass properties.
     """
     return dict(_parts(reducer.shape, chord_error))
 
 
 def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
-    """Build the sections of the parts for CAD, as `parts` draws their solids, by so many splines to a lobe or root.
+    """Return the sections of the parts for CAD, with `splines` splines per lobe or root.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be manufactured.
     """
-    return {name: part.sections(splines) for name, part in laid_out(reducer).items()}
+    return {name: part.sections(splines) for name, part in lay_out_parts(reducer).items()}
 
 
-def laid_out(reducer: Reducer, chord_error: float | None = None) -> dict[str, Part]:
-    """Lay out the parts by name, see `parts`; the crank balances as it is drawn with the chord error [m]."""
+def lay_out_parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Part]:
+    """Return the parts by name, see `parts`; the crank is balanced for polygons of the chord error [m]."""
     return dict(_laid_out(reducer.shape, chord_error))
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
-    """Build what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
+    """Return one solid per body, named by its main part: as `parts`, with all parts that move together joined.
 
-    The shaft is the whole crank then, and the output has its rollers, after its own prisms.
+    The shaft is then the entire crank, and the output has its rollers, after its own prisms.
     """
     whole = {
-        by: make(reducer.shape)
-        for by, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
-        if carried(reducer, by)
+        body: make(reducer.shape)
+        for body, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
+        if carried(reducer, body)
     }
-    borne = {part for by in whole for part, _ in carried(reducer, by).values()}
-    return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in borne}
+    included = {part for body in whole for part, _ in carried(reducer, body).values()}
+    return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in included}
 
 
-def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
-    """Collect what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
+def carried(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
+    """Return the parts that shaft or output carry in addition to their own: cams and spacers, or rollers.
 
-    Name of each copy -> its part, and its place (x, y, z) in the frame of what carries it, shape (3,) [m].
+    For the name of each copy: its part, and its position in the frame of the carrying part, shape (3,) [m].
     """
     gear = reducer.design.gear
-    if by == names.SHAFT and gear.discs > 1:
+    if body == names.SHAFT and gear.discs > 1:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
         middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
         return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
-    if by == names.OUTPUT and reducer.design.output.has_roller_parts:
+    if body == names.OUTPUT and reducer.design.output.has_roller_parts:
         return roller_places(reducer)
     return {}
 
 
 def roller_places(reducer: Reducer) -> dict[str, tuple[str, Array]]:
-    """Place a roller on each output pin in each disc, as `carried` does."""
+    """Return the rollers of all output pins in all discs, as `carried` does."""
     places = [
         np.array([*centre, plane]) for plane in reducer.design.gear.disc_planes for centre in output_centres(reducer)
     ]
@@ -110,12 +110,12 @@ def roller_places(reducer: Reducer) -> dict[str, tuple[str, Array]]:
 
 
 def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:
-    """Lay out the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
+    """Return the stretches of the entire crank by name, balanced for mass properties; errors as ``shaft.stretches``."""
     return _stretches(reducer.shape)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
-    """Draw the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
+    """Return the entire crank as in `body_solids`, without other parts; errors as ``shaft.stretches``."""
     return _whole_crank(reducer.shape)
 
 
@@ -161,10 +161,10 @@ def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
     return {name: part.solid(fine) for name, part in _laid_out(reducer, chord_error).items()}
 
 
-def tinted(colour: Colour, part: str) -> Colour:
-    """Return the colour of a part by its name, from that of all its like: each disc is lighter than the one before."""
+def tint(colour: Colour, part: str) -> Colour:
+    """Return the colour of a part from that of its family: each disc is lighter than the one before."""
     if names.family(part) != names.GEAR:
         return colour
     red, green, blue, opacity = colour
-    share = LIGHTER * (names.number_of(part) - 1)
+    share = TINT * (names.number_of(part) - 1)
     return red + share * (1.0 - red), green + share * (1.0 - green), blue + share * (1.0 - blue), opacity

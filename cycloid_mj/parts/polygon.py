@@ -42,20 +42,20 @@ def _moments(vertices: bytes) -> AreaMoments:
 
 
 def signed_area(polygon: Array) -> float:
-    """Compute the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
+    """Compute the area [m2] of a polygon (n, 2) [m], exactly; negative for a clockwise polygon."""
     (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
     return float(_sums((x * v - u * y)[np.newaxis])[0]) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Compute points on an arc about the origin, both ends included.
+    """Compute points on an arc about the origin, including both ends.
 
     Parameters
     ----------
     radius
         Radius of the arc [m].
     start, end
-        Its polar angles from +x, counter-clockwise [rad].
+        Polar angles from +x, counter-clockwise [rad].
     chord_error
         Largest distance of a chord from the arc (the sagitta) [m].
     """
@@ -66,13 +66,13 @@ def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
 def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0, 0.0)) -> Array:
     """Compute a circle as a counter-clockwise polygon (n, 2) [m] with its vertices on the circle.
 
-    Its area falls short of the circle's by 4/3 chord_error / radius, relatively (to first order).
+    Its area is smaller than that of the circle by the share 4/3 chord_error / radius (to first order).
     """
     return np.array(centre) + arc(radius, 0.0, 2 * math.pi, chord_error)[:-1]
 
 
-def turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) counter-clockwise about the origin by an angle [rad]."""
+def rotate_points(points: Array, angle: float) -> Array:
+    """Rotate points (n, 2) counter-clockwise about the origin by an angle [rad]."""
     if not angle:
         return points
     cos, sin = math.cos(angle), math.sin(angle)
@@ -80,33 +80,33 @@ def turned(points: Array, angle: float) -> Array:
 
 
 def within(points: Array, loop: Array) -> Mask:
-    """Tell which points (n, 2) lie within a closed polygon (m, 2), by the crossings of rays along x."""
+    """Return which points (n, 2) are inside a closed polygon (m, 2), by ray casting along x."""
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
     across = (ay > y) != (by > y)
-    at = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
-    inside: Mask = (across & (x < at)).sum(axis=1) % 2 == 1
+    crossing_x = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
+    inside: Mask = (across & (x < crossing_x)).sum(axis=1) % 2 == 1
     return inside
 
 
 def crossing(rings: Sequence[Array]) -> Array | None:
     """Compute a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
 
-    Edges that follow each other share a vertex and do not count. The sweep along x tests only pairs of edges whose
-    bounding boxes overlap.
+    Consecutive edges share a vertex and are not tested. A sweep along x tests only pairs of edges with overlapping
+    bounding boxes.
     """
     start = np.concatenate(rings)
     end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
     following = _following(rings)
     i, j = _overlapping_pairs(np.minimum(start, end), np.maximum(start, end))
-    apart = (following[i] != j) & (following[j] != i)
-    i, j = i[apart], j[apart]
-    meets = _sides_differ(start[i], end[i], start[j], end[j]) & _sides_differ(start[j], end[j], start[i], end[i])
-    return (start[i[meets][0]] + end[i[meets][0]]) / 2 if meets.any() else None
+    separate = (following[i] != j) & (following[j] != i)
+    i, j = i[separate], j[separate]
+    intersect = _sides_differ(start[i], end[i], start[j], end[j]) & _sides_differ(start[j], end[j], start[i], end[i])
+    return (start[i[intersect][0]] + end[i[intersect][0]]) / 2 if intersect.any() else None
 
 
 def _sums(values: Array) -> Array:
-    """Sum each row of values (k, n) as with twice the digits: what a sum of two leaves out is a number too (Knuth)."""
+    """Sum each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
     left_out = np.zeros(len(values))
     while (half := values.shape[1] // 2) > 0:
         a, b, odd = values[:, :half], values[:, half : 2 * half], values[:, 2 * half :]
@@ -118,13 +118,13 @@ def _sums(values: Array) -> Array:
 
 
 def _segments(radius: float, span: float, chord_error: float) -> int:
-    """Chords that keep the sagitta radius (1 - cos(step / 2)); at least 8 to a turn."""
+    """Return the number of chords for a sagitta radius (1 - cos(step / 2)); at least 8 per turn."""
     step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
     return max(1, math.ceil(abs(span) / step))
 
 
 def _following(rings: Sequence[Array]) -> npt.NDArray[np.intp]:
-    """Index of the edge after each edge, in the concatenation of the rings."""
+    """Return the index of the next edge of each edge, in the concatenation of the rings."""
     first = np.cumsum([0, *(len(ring) for ring in rings)])
     return np.concatenate(
         [start + np.roll(np.arange(len(ring)), -1) for start, ring in zip(first, rings, strict=False)]
@@ -132,7 +132,7 @@ def _following(rings: Sequence[Array]) -> npt.NDArray[np.intp]:
 
 
 def _overlapping_pairs(low: Array, high: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Index pairs (i, j), each pair once, of boxes low..high (n, 2) that overlap or touch."""
+    """Return index pairs (i, j) of boxes low..high (n, 2) that overlap or touch, each pair once."""
     order = np.argsort(low[:, 0])
     low, high = low[order], high[order]
     rank = np.arange(len(order))
@@ -144,7 +144,7 @@ def _overlapping_pairs(low: Array, high: Array) -> tuple[npt.NDArray[np.intp], n
 
 
 def _sides_differ(a: Array, b: Array, p: Array, q: Array) -> Mask:
-    """Tell for each row whether p and q do not lie strictly on one side of the line a b."""
+    """Return for each row whether p and q are not strictly on one side of the line a b."""
     return _side(a, b, p) * _side(a, b, q) <= 0.0
 
 

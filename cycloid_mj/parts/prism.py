@@ -1,4 +1,4 @@
-"""The two values of the room: a prism of one outline with holes, and a solid that is a stack of prisms."""
+"""A prism of one outline with holes, and a solid as a stack of prisms."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class Prism:
     outline
         Counter-clockwise polygon (n, 2) [m]; the last vertex joins the first.
     holes
-        Counter-clockwise polygons (m, 2) [m] inside the outline, apart from each other.
+        Counter-clockwise polygons (m, 2) [m] inside the outline, without common points.
     z0, z1
         The two faces [m], z0 < z1.
 
@@ -33,8 +33,8 @@ class Prism:
     z1: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outline", _locked(self.outline))
-        object.__setattr__(self, "holes", tuple(_locked(hole) for hole in self.holes))
+        object.__setattr__(self, "outline", _read_only(self.outline))
+        object.__setattr__(self, "holes", tuple(_read_only(hole) for hole in self.holes))
         if not self.z0 < self.z1:
             raise DesignError(f"a prism from z0 = {self.z0} m to z1 = {self.z1} m has no height; z0 must be below z1")
 
@@ -46,19 +46,19 @@ class Prism:
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """One part of the reducer: prisms that share no volume, of one density [kg/m3]."""
+    """A part of the reducer: prisms without common volume, of one density [kg/m3]."""
 
     name: str
     prisms: tuple[Prism, ...]
     density: float
 
 
-def _locked(polygon: Array) -> Array:
+def _read_only(polygon: Array) -> Array:
     """Return a read-only copy of a polygon, counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
         raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")
-    # a plain sum tells its sign: `polygon.signed_area` keeps twice the digits, for volumes, and takes as much longer
+    # a plain sum suffices for the sign; `polygon.signed_area` has twice the digits, for volumes
     (x, y), (u, v) = copy.T, np.roll(copy, -1, axis=0).T
     area = float(np.sum(x * v - u * y)) / 2
     if not area > 0.0:

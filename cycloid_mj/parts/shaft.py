@@ -20,43 +20,43 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
-"""Stretches of the crank, with those of ``names.CAM`` and ``names.SPACER``; what lies between discs is numbered."""
+"""Stretches of the crank, next to ``names.CAM`` and ``names.SPACER``; those between discs are numbered."""
 
 
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
-    """Lay out the whole crank, all that turns with the input, frame of the reducer axis, crank at 0 (cam 1 towards +y).
+    """Return the entire crank in the frame of the reducer axis, at crank angle 0 (cam 1 towards +y).
 
-    Of one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
-    their crank is built up of a plain shaft, a cam for each disc and a spacer in each gap, which guides the discs.
+    For one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
+    their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs.
 
     Parameters
     ----------
     reducer
         The reducer.
     chord_error
-        That of the polygons that are to balance [m]; right for mass properties when left out.
+        Chord error of the balanced polygons [m]; by default that for mass properties.
 
     Raises
     ------
     DesignError
-        No counterweight of this radius balances the gear within the shaft's length, or the shaft is too thick for cams.
+        No counterweight of this radius balances the disc within the shaft length, or the shaft is too thick for cams.
     """
     density = reducer.design.material_of("shaft").density
     return Part(names.SHAFT, tuple(stretches(reducer, chord_error).values()), density)
 
 
 def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
-    """Draw `crank_part` with a chord error [m], that for mass properties when left out."""
+    """Return `crank_part` as prisms with a chord error [m]; by default that for mass properties."""
     chord_error = drawing_error(reducer, chord_error)
     return crank_part(reducer, chord_error).solid(chord_error)
 
 
 def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Stretch]:
-    """Lay out the stretches of the crank by name; see `crank_part`.
+    """Return the stretches of the crank by name; see `crank_part`.
 
-    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; or
-    journal, cam 1, neck with the spacer around it, cam 2, ...; and where the shaft straddles the discs, a journal
-    beyond them, for the bearing in the output's hub.
+    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam in the disc; or
+    journal, cam 1, neck with the spacer around it, cam 2, ...; and for a straddled shaft a journal beyond the discs,
+    for the bearing in the hub of the output.
     """
     if reducer.design.gear.discs == 1:
         laid = _with_counterweight(reducer, drawing_error(reducer, chord_error))
@@ -66,7 +66,7 @@ def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str
 
 
 def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
-    """List the parts that the crank of several discs is built up of: shaft, spacer (in its own frame), and the cams.
+    """Return the parts of the crank of several discs: shaft, spacer (in its own frame) and cams.
 
     Raises
     ------
@@ -87,28 +87,28 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
 
 @dataclass(frozen=True)
 class JournalContour(CircleContour):
-    """The circle of the shaft, drawn as two half circles, the upper one first: the counterweight shares that."""
+    """The circle of the shaft as two half circles, the upper one first, which the counterweight shares."""
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw it half by half."""
+        """Return its polygon, half by half."""
         halves = (arc(self.radius, start, start + math.pi, chord_error)[:-1] for start in (0.0, math.pi))
         return np.concatenate(list(halves))
 
 
 @dataclass(frozen=True)
 class CounterweightContour:
-    """The outline of the counterweight: the lower half disc, joined to the whole shaft in its middle, the `journal`."""
+    """The outline of the counterweight: the lower half disc joined to the full circle of the shaft, the `journal`."""
 
     radius: float
     journal: JournalContour
 
     def polygon(self, chord_error: float) -> Array:
-        """Draw the half disc first."""
+        """Return its polygon, the half disc first."""
         lower, journal = arc(self.radius, math.pi, 2 * math.pi, chord_error), self.journal.polygon(chord_error)
         return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """List both arcs, and the edges between them."""
+        """Return both arcs and the edges between them."""
         outer, inner = self.radius, self.journal.radius
         return (
             Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
@@ -119,7 +119,7 @@ class CounterweightContour:
 
 
 def _with_counterweight(reducer: Reducer, chord_error: float) -> list[Stretch]:
-    """Lay out the crank of one disc."""
+    """Return the crank of one disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
     journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
@@ -137,7 +137,7 @@ def _with_counterweight(reducer: Reducer, chord_error: float) -> list[Stretch]:
 
 
 def _of_several(reducer: Reducer) -> list[Stretch]:
-    """Lay out the crank of several discs, which needs no counterweight: their static moments add up to nothing."""
+    """Return the crank of several discs, which is balanced without a counterweight."""
     design = reducer.design
     gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
     room = gear.bore_radius - gear.eccentricity
@@ -157,9 +157,9 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
 
 
 def spacer_radius(reducer: Reducer) -> float:
-    """Find the outer radius of the spacer between two discs [m]: midway from what their bores reach to the output pins.
+    """Compute the outer radius of the spacer between two discs [m]: midway from their bores to the output pins.
 
-    Both discs then run on it all round, wherever the crank is.
+    Both discs are then guided over the full circumference at all crank angles.
     """
     design = reducer.design
     gear, output = design.gear, design.output
@@ -168,9 +168,9 @@ def spacer_radius(reducer: Reducer) -> float:
 
 
 def bearing_width(reducer: Reducer, journal: float) -> float:
-    """Find the width [m] of each bearing on a journal [m] before the counterweight: as given, or its radius if it fits.
+    """Return the width [m] of each bearing on a journal [m] before the counterweight.
 
-    Where that is longer than a third of the journal, it is the third.
+    It is the width of the design, or else the radius of the shaft, at most a third of the journal.
     """
     return reducer.design.shaft.bearing_width or min(reducer.design.shaft.radius, journal / 3.0)
 
@@ -178,10 +178,9 @@ def bearing_width(reducer: Reducer, journal: float) -> float:
 def bearing_seats(
     reducer: Reducer, along: Mapping[str, Stretch] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Compute where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
+    """Return the ends along z of the two bearings of the crank [m]: the far one from the discs, then the near one.
 
-    `along` are its stretches, if they are laid out already. A shaft that straddles the discs has the far one beyond
-    them.
+    `along` are the stretches of the crank, if already known. The far bearing of a straddled shaft is beyond the discs.
     """
     shaft, along = reducer.design.shaft, along or stretches(reducer)
     start, end = along[JOURNAL].z0, min(along[JOURNAL].z1, reducer.near_face)
@@ -193,7 +192,7 @@ def bearing_seats(
 
 
 def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Stretch]:
-    """Lay out the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
+    """Return the journal beyond the discs, up to the bearing in the hub of the output; empty if overhung."""
     if reducer.design.shaft.mounting == "overhang":
         return []
     half = reducer.design.gear.stack_width / 2
@@ -201,7 +200,7 @@ def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Str
 
 
 def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:
-    """Solve the balance of static moments about the axis, over the shaft's density [m4], for its thickness t [m].
+    """Solve the balance of static moments about the axis, over the density of the shaft [m4], for the thickness t [m].
 
     t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.
     """

@@ -1,4 +1,4 @@
-"""The mesh of a solid as one closed surface: prisms that stand on each other, without the faces that they cover."""
+"""The mesh of a solid as one closed surface: stacked prisms without their common faces."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts.inertia import mass_properties
-from cycloid_mj.parts.mesh import VOLUME_TOLERANCE, Mesh, check_watertight, crossed, triangulated
+from cycloid_mj.parts.mesh import VOLUME_TOLERANCE, Mesh, check_watertight, crossing_error, triangulate
 from cycloid_mj.parts.polygon import crossing, signed_area, within
 from cycloid_mj.parts.prism import Prism, Solid
 
@@ -16,14 +16,14 @@ NONE = np.empty((0, 2), dtype=np.int64)
 
 
 def fuse(solid: Solid) -> Mesh:
-    """Build the mesh of a solid as one closed surface; prisms that touch nothing remain surfaces of their own.
+    """Return the mesh of a solid as one closed surface; separate prisms remain separate surfaces.
 
-    Outlines that stand on each other may share edges if their vertices there are the very same numbers.
+    Stacked outlines may share edges if their vertices there are bit-equal.
 
     Raises
     ------
     DesignError
-        Outlines that stand on each other cross or touch, or the mesh is not watertight or has not the solid's volume.
+        Stacked outlines cross or touch, the mesh is not watertight, or its volume is not that of the solid.
     """
     rings = [ring for prism in solid.prisms for ring in _rings(prism)]
     points, numbers = np.unique(np.concatenate(rings) + 0.0, axis=0, return_inverse=True)
@@ -31,7 +31,9 @@ def fuse(solid: Solid) -> Mesh:
     edges = [np.concatenate([_edges(next(loops)) for _ in _rings(prism)]) for prism in solid.prisms]
     levels = sorted({z for prism in solid.prisms for z in (prism.z0, prism.z1)})
     layers = [
-        np.concatenate([NONE, *(own for own, one in zip(edges, solid.prisms, strict=True) if _spans(one, low, high))])
+        np.concatenate(
+            [NONE, *(own for own, prism in zip(edges, solid.prisms, strict=True) if _spans(prism, low, high))]
+        )
         for low, high in pairwise(levels)
     ]
     faces, count = [], len(points)
@@ -51,7 +53,7 @@ def fuse(solid: Solid) -> Mesh:
 
 
 def _rings(prism: Prism) -> tuple[Array, ...]:
-    """List outline and holes, the material on their left."""
+    """Return outline and holes with the material on their left."""
     return (prism.outline, *(hole[::-1] for hole in prism.holes))
 
 
@@ -64,48 +66,48 @@ def _spans(prism: Prism, low: float, high: float) -> bool:
 
 
 def _caps(points: Array, below: Integers, above: Integers, name: str) -> Iterator[Integers]:
-    """Yield triangles (m, 3) at a height: facing up where there is material below it alone, down where above alone.
+    """Yield triangles (m, 3) at a height: facing up with material only below it, down with material only above it.
 
-    Edges (n, 2) that regions have in common bound neither difference, and cancel.
+    Common edges (n, 2) of both regions bound neither difference and cancel.
     """
     codes = [edges @ np.array([len(points), 1]) for edges in (below, above)]
     own = [edges[~np.isin(code, other)] for edges, code, other in zip((below, above), codes, codes[::-1], strict=True)]
-    loops = _chained(points, np.concatenate([own[0], own[1][:, ::-1]]), name)
-    place = crossing([points[loop] for loop in loops]) if loops else None
-    if place is not None:
-        raise crossed(name, place)
-    holders = [
+    loops = _chain_loops(points, np.concatenate([own[0], own[1][:, ::-1]]), name)
+    point = crossing([points[loop] for loop in loops]) if loops else None
+    if point is not None:
+        raise crossing_error(name, point)
+    enclosing = [
         [j for j, other in enumerate(loops) if j != i and within(points[loop[:1]], points[other])[0]]
         for i, loop in enumerate(loops)
     ]
     for i, loop in enumerate(loops):
-        if len(holders[i]) % 2:
+        if len(enclosing[i]) % 2:
             continue
-        holes = [loops[j] for j, held in enumerate(holders) if i in held and len(held) == len(holders[i]) + 1]
+        holes = [loops[j] for j, outer in enumerate(enclosing) if i in outer and len(outer) == len(enclosing[i]) + 1]
         up = signed_area(points[loop]) > 0.0
-        rings = [one if up else one[::-1] for one in (loop, *holes)]
-        cap = np.concatenate(rings)[triangulated(points[np.concatenate(rings)], [points[ring] for ring in rings])]
+        rings = [ring if up else ring[::-1] for ring in (loop, *holes)]
+        cap = np.concatenate(rings)[triangulate(points[np.concatenate(rings)], [points[ring] for ring in rings])]
         yield cap if up else cap[:, ::-1]
 
 
-def _chained(points: Array, edges: Integers, name: str) -> list[Integers]:
-    """Chain edges (n, 2) to closed loops."""
+def _chain_loops(points: Array, edges: Integers, name: str) -> list[Integers]:
+    """Join edges (n, 2) to closed loops."""
     following = dict(edges.tolist())
     if len(following) < len(edges):
         first, times = np.unique(edges[:, 0], return_counts=True)
-        raise crossed(name, points[first[times > 1][0]])
+        raise crossing_error(name, points[first[times > 1][0]])
     loops = []
     while following:
-        start, at = following.popitem()
+        start, vertex = following.popitem()
         loop = [start]
-        while at != start:
-            loop.append(at)
-            at = following.pop(at)
+        while vertex != start:
+            loop.append(vertex)
+            vertex = following.pop(vertex)
         loops.append(np.array(loop))
     return loops
 
 
 def _volume(shape: Mesh) -> float:
-    """Compute the volume within a closed surface [m3], by the divergence theorem."""
+    """Compute the volume of a closed surface [m3] by the divergence theorem."""
     a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
     return float(np.sum(np.cross(a, b) * c) / 6.0)

@@ -13,7 +13,7 @@ from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gea
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.parts.cut import cut
-from cycloid_mj.parts.polygon import turned
+from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.plots.dimension import TEXT, along, leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_region
 from cycloid_mj.reducer import Reducer
@@ -96,7 +96,7 @@ def _pins_label(reducer: Reducer) -> str:
 def _centres(reducer: Reducer) -> list[Array]:
     """Return the centre of each disc at crank angle 0 [m], shape (2,) each."""
     up = np.array([[0.0, reducer.design.gear.eccentricity]])
-    return [turned(up, phase)[0] for phase in reducer.phases]
+    return [rotate_points(up, phase)[0] for phase in reducer.phases]
 
 
 def _section(axes: Axes, reducer: Reducer, shift: float) -> None:

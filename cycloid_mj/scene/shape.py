@@ -8,7 +8,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
 from cycloid_mj.parts import Mesh, Solid, carried, fuse, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
-from cycloid_mj.parts.parts import Colour, tinted
+from cycloid_mj.parts.parts import Colour, tint
 from cycloid_mj.reducer import Reducer
 
 CHORD_ERROR = 1e-5
@@ -66,4 +66,4 @@ def _piece(name: str, solid: Solid, place: Array) -> Piece:
     """Return a solid as a piece at a position, shape (3,) [m]."""
     shape = fuse(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
-    return Piece(name, placed, tinted(COLOURS[family(name)], name))
+    return Piece(name, placed, tint(COLOURS[family(name)], name))

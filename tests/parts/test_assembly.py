@@ -38,10 +38,10 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.casing import NEMA
 from cycloid_mj.parts.export.casing_parts import casing_parts
-from cycloid_mj.parts.export.printing import made_parts, separate_parts
+from cycloid_mj.parts.export.printing import manufactured_parts, separate_parts
 from cycloid_mj.parts.export.round_part import RoundPart
-from cycloid_mj.parts.parts import tinted
-from cycloid_mj.parts.polygon import area_moments, turned
+from cycloid_mj.parts.parts import tint
+from cycloid_mj.parts.polygon import area_moments, rotate_points
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.proportions import Proportions, shaped
 from cycloid_mj.sizing.requirement import Requirement
@@ -117,7 +117,7 @@ def placed(place: Place, prism: Prism) -> Prism:
     """Move a prism to its place."""
     x, y, z = place.origin
     move = np.array([x, y])
-    loops = [turned(loop, place.angle) + move for loop in (prism.outline, *prism.holes)]
+    loops = [rotate_points(loop, place.angle) + move for loop in (prism.outline, *prism.holes)]
     return Prism(loops[0], tuple(loops[1:]), prism.z0 + z, prism.z1 + z)
 
 
@@ -309,7 +309,7 @@ def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_
     assert placed["output_pin"] == placed["output_roller"] == output.pins
     bores = [loop[0].radius for loop in sections["output"][0].loops[1:]]
     assert bores.count(output.root_radius) == output.pins
-    made = made_parts(reducer, 1e-6, 0.0, sizes)["output"].solid.prisms[0]
+    made = manufactured_parts(reducer, 1e-6, 0.0, sizes)["output"].solid.prisms[0]
     sizes_made = [np.ptp(hole[:, 0]) / 2.0 for hole in made.holes]
     assert np.isclose(sizes_made, output.root_radius, rtol=0.0, atol=1e-6).sum() == output.pins
     (line,) = [one for one in bill(reducer, 0.0, sizes) if one.item == "output_pin"]
@@ -348,7 +348,7 @@ def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp
             place = expected[at]
             assert (drive, part) == (reducer.design.name, place.part)
             assert gmsh.model.getColor(*solid)[:3] == pytest.approx(
-                [255.0 * value for value in tinted(COLOURS[family(part)], part)[:3]], abs=1.0
+                [255.0 * value for value in tint(COLOURS[family(part)], part)[:3]], abs=1.0
             )
             volume += 1e-9 * gmsh.model.occ.getMass(*solid)
             low, high = np.reshape(gmsh.model.occ.getBoundingBox(*solid), (2, 3)) * 1e-3

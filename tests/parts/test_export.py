@@ -33,7 +33,7 @@ from cycloid_mj.parts.curve import (
     LineSegment,
     SmoothCurve,
     fit_splines,
-    turned_curve,
+    rotate_curve,
 )
 from cycloid_mj.parts.export import (
     Format,
@@ -52,9 +52,9 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export import clearance as measured
 from cycloid_mj.parts.export.casing import motor_bore
 from cycloid_mj.parts.export.casing_parts import bored_shaft, casing_parts
-from cycloid_mj.parts.export.printing import made_parts, separate_parts
+from cycloid_mj.parts.export.printing import manufactured_parts, separate_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
-from cycloid_mj.parts.mesh import triangulated
+from cycloid_mj.parts.mesh import triangulate
 from cycloid_mj.parts.polygon import arc, area_moments, circle
 from cycloid_mj.reducer import Reducer
 
@@ -211,7 +211,7 @@ def test_splines_converge_with_the_fourth_power() -> None:
     deviations = []
     for spans in (16, 32):
         nodes = np.linspace(0.0, 6.0, spans + 1)
-        deviations.append(curve._deviation(wave, curve._interpolated(wave, nodes), nodes))
+        deviations.append(curve._deviation(wave, curve._interpolate(wave, nodes), nodes))
     assert deviations[0] / deviations[1] == pytest.approx(16.0, rel=0.15)
     pieces = fit_splines(wave, 0.0, 6.0, 3)
     assert len(pieces) == 3
@@ -221,11 +221,11 @@ def test_splines_converge_with_the_fourth_power() -> None:
 
 def test_curves_turn_clockwise() -> None:
     quarter = np.pi / 2.0
-    assert turned_curve(Circle((0.0, 1.0), 0.5), quarter).centre == pytest.approx((1.0, 0.0))  # type: ignore[union-attr]
-    line = turned_curve(LineSegment((0.0, 1.0), (0.0, 2.0)), quarter)
+    assert rotate_curve(Circle((0.0, 1.0), 0.5), quarter).centre == pytest.approx((1.0, 0.0))  # type: ignore[union-attr]
+    line = rotate_curve(LineSegment((0.0, 1.0), (0.0, 2.0)), quarter)
     assert isinstance(line, LineSegment)
     assert line.end == pytest.approx((2.0, 0.0))
-    arc = turned_curve(Arc((0.0, 0.0), 1.0, 0.0, 1.0), quarter)
+    arc = rotate_curve(Arc((0.0, 0.0), 1.0, 0.0, 1.0), quarter)
     assert isinstance(arc, Arc)
     assert (arc.start, arc.end) == pytest.approx((-quarter, 1.0 - quarter))
 
@@ -255,7 +255,7 @@ def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
 ) -> None:
     """A triangle of a cap is lost."""
     module = importlib.import_module("cycloid_mj.parts.union")
-    monkeypatch.setattr(module, "triangulated", lambda points, rings: triangulated(points, rings)[:-1])
+    monkeypatch.setattr(module, "triangulate", lambda points, rings: triangulate(points, rings)[:-1])
     out = tmp_path / "parts"
     arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "20", "--out", str(out)]
     assert main(arguments) == 1
@@ -617,7 +617,7 @@ def test_every_made_part_of_a_whole_drive_is_a_file(file_format: Format) -> None
     """Covers and flange too; the solids have the volumes of the meshes."""
     reducer = Reducer(PRESETS["printed"])
     sizes = casing(reducer)
-    made = made_parts(reducer, CHORD_ERROR, 0.0, sizes)
+    made = manufactured_parts(reducer, CHORD_ERROR, 0.0, sizes)
     files = drive_files(reducer, file_format, sizes)
     assert set(files) == {f"{name}.{file_format}" for name in made} >= {f"motor_cover.{file_format}"}
     if file_format == "step":

@@ -38,13 +38,13 @@ from cycloid_mj.parts.export import (
     read_stl,
     stl_bytes,
     threemf_bytes,
-    widened,
+    widen_clearances,
 )
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import CLEARANCES, THINNEST, coupon, print_warnings, thinnest_wall
-from cycloid_mj.parts.export.printing import made_parts, printed_parts
+from cycloid_mj.parts.export.printable import CLEARANCES, MIN_WALL, coupon, print_warnings, thinnest_wall
+from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
 from cycloid_mj.parts.export.supports import BESIDE, BRIDGED, LEDGE, UNDER, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
@@ -103,14 +103,16 @@ BOUGHT = {
 def laid(request: pytest.FixtureRequest) -> tuple[str, Design, PrintPlate, np.ndarray]:
     """Return a design by its name, its plate with the offset, and the triangles of the plate's STL [m]."""
     design = DESIGNS[request.param]
-    found = plate(widened(Reducer(design), OFFSET), CHORD_ERROR)
+    found = plate(widen_clearances(Reducer(design), OFFSET), CHORD_ERROR)
     return request.param, design, found, 1e-3 * read_stl(stl_bytes(found.mesh, 1e3))
 
 
 def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     """Boxes are apart; each triangle is in one; each box has its part's volume, closed, and stands on z = 0."""
     _, design, found, triangles = laid
-    solids = {name: part.solid for name, part in printed_parts(widened(Reducer(design), OFFSET), CHORD_ERROR).items()}
+    solids = {
+        name: part.solid for name, part in printed_parts(widen_clearances(Reducer(design), OFFSET), CHORD_ERROR).items()
+    }
     for one, other in combinations(found.places, 2):
         apart = np.maximum(np.subtract(one.low, other.high), np.subtract(other.low, one.high))[:2].max()
         assert apart > GAP - 1e-12
@@ -170,20 +172,20 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
     for name, one in pairs.items():
         assert one.asked == getattr(free.clearance, name)
         assert (one.least, one.most) == pytest.approx((one.asked + OFFSET,) * 2, abs=2e-8)
-    wide = widened(Reducer(sleeved), OFFSET)
+    wide = widen_clearances(Reducer(sleeved), OFFSET)
     assert sleeve_core_radius(wide) == pytest.approx(sleeve_core_radius(Reducer(sleeved)), rel=1e-12)
     bores = [
         np.linalg.norm(parts(one, CHORD_ERROR)["pin"].prisms[0].holes[0], axis=1).mean()
         for one in (Reducer(sleeved), wide)
     ]
     assert bores[1] - bores[0] == pytest.approx(OFFSET, rel=1e-9)
-    assert widened(Reducer(free), 0.0) == Reducer(free)
+    assert widen_clearances(Reducer(free), 0.0) == Reducer(free)
 
 
 @pytest.mark.parametrize(("name", "offset"), [("pin", 1.1e-3), ("sleeved", 7.6e-4)])
 def test_an_offset_that_is_too_much_is_refused(name: str, offset: float) -> None:
     with pytest.raises(DesignError, match=rf"offset of {1e6 * offset:g} um is too much for the design"):
-        widened(Reducer(DESIGNS[name]), offset)
+        widen_clearances(Reducer(DESIGNS[name]), offset)
 
 
 def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_discs() -> None:
@@ -243,7 +245,7 @@ def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
     (bearing,) = [item for item in bill(Reducer(design)) if item.item == "cam_bearing"]
     seat = design.gear.eccentricity + design.shaft.radius
     assert f"bore {2e3 * seat:g} x" in bearing.size
-    shaft = fuse(made_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
+    shaft = fuse(manufactured_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
     assert trimesh.Trimesh(shaft.vertices, shaft.faces, process=False).body_count == 1
 
 
@@ -350,7 +352,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     for solid in drawn.values():
         shape = fuse(solid)
         assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
-    assert thinnest_wall(block) > THINNEST
+    assert thinnest_wall(block) > MIN_WALL
 
 
 def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -360,7 +362,7 @@ def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = casing(reducer)
     laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
     assert not list(print_warnings(reducer, laid, CHORD_ERROR, sizes))
-    monkeypatch.setattr("cycloid_mj.parts.export.printable.THINNEST", 2e-3)
+    monkeypatch.setattr("cycloid_mj.parts.export.printable.MIN_WALL", 2e-3)
     assert any("output_cover has a wall of" in text for text in print_warnings(reducer, laid, CHORD_ERROR, sizes))
     assert not list(
         print_warnings(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None)

@@ -15,7 +15,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.geometry import profile
 from cycloid_mj.life import rate
 from cycloid_mj.parts.export import export, read_stl
-from cycloid_mj.parts.housing import SLIT
+from cycloid_mj.parts.housing import SLIT_SHARE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.robot.identification import play_of
@@ -126,7 +126,7 @@ def test_each_half_of_a_ring_is_a_part(kind: str) -> None:
     whole, halves = (export(one, "stl").files for one in (design, halved(design, 10.0).design))
     assert set(halves) - set(whole) == {"housing_1.stl", "housing_2.stl"}
     volumes = [volume_of(halves["housing_1.stl"]), volume_of(whole["housing.stl"])]
-    assert volumes[0] == pytest.approx(0.5 * (1.0 - SLIT) * volumes[1], rel=1e-6)
+    assert volumes[0] == pytest.approx(0.5 * (1.0 - SLIT_SHARE) * volumes[1], rel=1e-6)
     assert halves["gear.stl"] == whole["gear.stl"]
 
 

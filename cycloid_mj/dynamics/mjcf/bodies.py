@@ -12,7 +12,7 @@ from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.parts import MassProperties, carried
-from cycloid_mj.parts.parts import COLOURS, Colour, tinted
+from cycloid_mj.parts.parts import COLOURS, Colour, tint
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 
@@ -84,7 +84,7 @@ def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
 
 def colour(part: str) -> Colour:
     """Return the colour of a part by its name."""
-    return tinted(COLOURS[names.family(part)], part)
+    return tint(COLOURS[names.family(part)], part)
 
 
 def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:

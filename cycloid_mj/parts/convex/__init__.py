@@ -1,7 +1,7 @@
 """Convex pieces for MuJoCo's collision: sliced working surfaces, CoACD for the rest, and their measured quality.
 
-A concave flank cannot be the union of few convex bodies and be exact. So the working surfaces are cut by curvature
-before CoACD sees them; what is behind them carries no contact between the parts, and is CoACD's.
+A concave flank cannot be represented exactly by a few convex bodies. The working surfaces are therefore sliced by
+curvature; the material behind them carries no contact and is decomposed by CoACD.
 """
 
 from cycloid_mj.parts.convex.bearing import gear_bore, gear_holes, pin_sockets
@@ -46,12 +46,11 @@ __all__ = [
 
 
 def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
-    """List every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
+    """Return all sliced working surfaces of a design: teeth, bore and holes of the discs, and their mating surfaces.
 
-    Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
-    elsewhere on each.
+    Discs of another size have teeth of their own; all discs have the holes of the first one, at their own positions.
 
-    Errors are those of `ring_lobes`.
+    Raises the errors of `ring_lobes`.
     """
     ring: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":

@@ -1,8 +1,8 @@
-"""Round holes around round parts, as flat facets: the gear's bore and holes, and the sockets of free pins.
+"""Round holes around round parts as flat facets: bore and holes of the disc, and the sockets of free pins.
 
-What the part in the hole feels is its play, R - r to every side. Flat facets at the distance R from the axis leave it
-a polygon of that inner radius to move in, which differs from the circle by (R - r)(1/cos(pi/n) - 1) only: nothing to
-speak of where the play is a clearance, however coarse the facets. The error is balanced to both sides.
+The motion of the part in the hole depends on the radial play R - r. Facets at the distance R from the axis bound it by
+a polygon that differs from the circle by (R - r)(1/cos(pi/n) - 1), which is negligible for a play of the size of a
+clearance, even with few facets. The error is balanced to both sides.
 """
 
 import math
@@ -22,9 +22,9 @@ from cycloid_mj.reducer.sockets import socket_half_angle
 
 @dataclass(frozen=True)
 class Hole:
-    """One of some equal holes: radii of the hole and of the part in it [m], half its opening angle [rad].
+    """A group of equal holes: radii of hole and of the part in it [m], half the opening angle [rad].
 
-    `turns` are the clockwise angles [rad] of the holes' middles, and `centres` (n, 2) [m] their axes.
+    `turns` are the clockwise angles [rad] of the holes, `centres` (n, 2) [m] their axes.
     """
 
     name: str
@@ -36,14 +36,14 @@ class Hole:
 
 
 def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Build the gear's bore, gear frame: `member` is 1."""
+    """Return the bore of the disc in the frame of the disc; `member` is 1."""
     cam = reducer.design.gear.bore_radius
     hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
     return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Build the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
+    """Return the manufactured holes of a disc, in its frame; `member` is the hole, 1 on +y, clockwise."""
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + reducer.design.clearance.output
@@ -53,7 +53,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Build the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
+    """Return the manufactured sockets of free pins, in the frame of the reducer; `member` is the pin, as for holes."""
     design = reducer.design
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
@@ -64,7 +64,7 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:
-    """Count the facets of a whole turn that keep the play within the error asked for."""
+    """Return the number of facets per turn that keeps the error of the play within the settings."""
     play = hole.radius - hole.inner_radius
     needed = math.pi / math.acos(1.0 / (1.0 + 2.0 * settings.play_error / play))
     return max(settings.fewest_facets, math.ceil(needed))

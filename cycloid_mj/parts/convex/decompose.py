@@ -9,7 +9,7 @@ from cycloid_mj.parts.convex.surface import ConvexSurface, prism
 
 
 def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
-    """List the convex hulls that CoACD fills a watertight mesh with, in the order of their centroids.
+    """Decompose a watertight mesh by CoACD; return the convex hulls in the order of their centroids.
 
     CoACD keeps vertices in single precision, on a grid of about 1e-4 of the mesh's size.
     """
@@ -31,7 +31,7 @@ def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
 
 
 def require_single(surface: ConvexSurface, settings: CoacdSettings) -> None:
-    """Raise DesignError unless CoACD, too, takes every slice of a surface as one convex body."""
+    """Raise DesignError unless CoACD keeps each slice of a surface as one convex body."""
     for number in range(len(surface.slices)):
         parts = len(coacd_pieces(mesh(prism(surface, number)), settings))
         if parts != 1:

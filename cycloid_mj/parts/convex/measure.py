@@ -1,4 +1,4 @@
-"""How well free-form pieces, CoACD's, fill a prism: measured in three dimensions along the normals of its walls."""
+"""Quality of the decomposition of a prism by CoACD, measured in three dimensions along the normals of its walls."""
 
 import math
 
@@ -11,17 +11,17 @@ from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, quality
 from cycloid_mj.parts.inertia import region_moments
 
 SPACING = 1e-4
-"""Distance of the points on the walls of a prism along whose normals it is measured [m]."""
+"""Spacing of the measured points on the walls of a prism [m]."""
 
 DEPTH, REACH = 1e-4, 5e-2
-"""Where the walk along a normal begins below the wall, and where it ends above it [m]."""
+"""Start below the wall and end above it of the search along a normal [m]."""
 
 GRID = 1e-4
-"""CoACD's grid as a share of the mesh's size: cracks of that width between its pieces are no gaps."""
+"""Grid of CoACD relative to the size of the mesh: cracks of that width are not counted as gaps."""
 
 
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
-    """Measure convex pieces along normals at half the height of the prism that they fill.
+    """Measure convex pieces along the wall normals at half the height of their prism.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     ends = fill(at, out, bodies, DEPTH, REACH, seam=GRID * float(np.ptp(region.outline)))
     volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
     true_volume = region_moments(region).area * region.height
-    return quality(np.minimum(ends, free_way(region, points, normals)), len(pieces), volume / true_volume - 1.0)
+    return quality(np.minimum(ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0)
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
@@ -53,8 +53,8 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
     return np.concatenate(points), np.concatenate(normals)
 
 
-def free_way(region: Prism, points: Array, normals: Array) -> Array:
-    """Find how far each normal runs before it meets the prism's material again, at most ``REACH`` [m], shape (k,)."""
+def free_distance(region: Prism, points: Array, normals: Array) -> Array:
+    """Compute the distance along each normal to the next material of the prism, at most ``REACH`` [m], shape (k,)."""
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)
     edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])

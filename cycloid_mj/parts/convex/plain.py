@@ -1,4 +1,4 @@
-"""Plain CoACD, nothing sliced before: what it makes of the teeth, measured, so that anybody can see why they are."""
+"""CoACD without slicing, measured, which shows why the teeth are sliced."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Plain:
-    """CoACD's pieces of a whole part, and their quality along the true normals of its teeth."""
+    """The pieces of an entire part by CoACD, and their quality along the normals of its teeth."""
 
     part: str
     pieces: tuple[Mesh, ...]
@@ -22,13 +22,13 @@ class Plain:
 
 
 def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
-    """Decompose the whole cycloid gear by CoACD; takes about a minute."""
+    """Decompose the entire cycloid disc by CoACD; takes about a minute."""
     seen = profile.sample(reducer.gear_profile, SAMPLES, reducer.profile_offset)
     return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
 def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
-    """Decompose the whole internal gear of a nonpin design by CoACD; takes about a minute."""
+    """Decompose the entire internal gear of a nonpin design by CoACD; takes about a minute."""
     seen = envelope.sample_ring(reducer.tooth_profile, SAMPLES)
     return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 

@@ -1,4 +1,4 @@
-"""How well convex pieces fill a part: measured along the true normals of its surface."""
+"""Quality of a convex decomposition, measured along the normals of the true surface."""
 
 import math
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from cycloid_mj.parts.convex.surface import ConvexSurface, placed_outline
 from cycloid_mj.parts.polygon import area_moments
 
 SEAM = 1e-11
-"""Width of a gap that is rounding only [m]."""
+"""Width of gaps that are due to rounding [m]."""
 
 _PARALLEL = 1e-12
 
 
 @dataclass(frozen=True)
 class Quality:
-    """How far the union of convex pieces leaves the true surface, along its normals.
+    """Deviation of the union of convex pieces from the true surface, along its normals.
 
     Attributes
     ----------
@@ -32,9 +32,9 @@ class Quality:
     max_underfill, rms_underfill
         Short of the surface, into the material [m].
     volume_error
-        Volume of the pieces, each counted, over the true volume, less 1.
+        Sum of the volumes of the pieces relative to the true volume, less 1.
     samples
-        Normals that were measured.
+        Number of measured normals.
     """
 
     parts: int
@@ -91,11 +91,11 @@ def fill(
     bodies
         Convex bodies, of the same dimension.
     start
-        Depth below the surface at which the walk outwards begins [m]: a gap between there and the surface is found.
+        Depth below the surface at which the outward search starts [m]; gaps above it are detected.
     reach
-        Where it ends above the surface [m].
+        Height above the surface at which the search ends [m].
     seam
-        Bodies with less between them are taken as touching [m].
+        Gaps up to this width are ignored [m].
     """
     sample, low, high = _intervals(points, normals, bodies, max(start, reach))
     end = np.full(len(points), -start)
@@ -114,7 +114,7 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     Raises
     ------
     DesignError
-        It is worse than its bound.
+        The deviation exceeds its bound.
     """
     outlines = [placed_outline(surface, place) for place in surface.places]
     start, reach = 0.5 * surface.depth, surface.depth
@@ -126,7 +126,7 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 
 
 def quality(ends: Array, parts: int, volume_error: float) -> Quality:
-    """Summarise where the pieces end along each normal [m], shape (k,)."""
+    """Summarise the ends of the pieces along the normals [m], shape (k,)."""
     over, under = np.maximum(ends, 0.0), np.maximum(-ends, 0.0)
     return Quality(
         parts=parts,
@@ -140,7 +140,7 @@ def quality(ends: Array, parts: int, volume_error: float) -> Quality:
 
 
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
-    """Raise DesignError if a decomposition leaves its surface by more than the bounds [m]."""
+    """Raise DesignError if a decomposition deviates from its surface by more than the bounds [m]."""
     for what, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
         if not value <= bound:
             raise DesignError(
@@ -152,7 +152,7 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
 def _intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], reach: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-    """Return where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
+    """Return the intervals of the normal lines inside the bodies: index of the line, start and end [m]."""
     intervals = []
     for body in bodies:
         near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + reach)

@@ -1,4 +1,4 @@
-"""What is left of each part behind its working surfaces, by sectors: CoACD cuts one sector, and it serves for all."""
+"""The material behind the working surfaces, by sectors: CoACD decomposes one sector, which is repeated."""
 
 import math
 from dataclasses import dataclass, replace
@@ -20,16 +20,16 @@ from cycloid_mj.parts.polygon import arc
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
 
-CUTS = 4
-"""How often a sector is cut, each time with half the threshold, until its pieces are within its bound."""
+MAX_DECOMPOSITIONS = 4
+"""Maximum number of decompositions of a sector, each with half the threshold, to meet its bound."""
 
 
 @dataclass(frozen=True)
 class Sector:
-    """A part's region, or a `count`-th of it that is turned about z for the others; in the part's frame, on +y.
+    """One of `count` equal sectors of a part about z, in the frame of the part, on +y.
 
-    Its pieces may leave it by `bound` [m]: the depth of the slices before it, so that they do not come through. All
-    discs have the gear's sectors, those `of_teeth` as their teeth are turned.
+    Its pieces may deviate by `bound` [m], the depth of the slices before it, so that they do not protrude. All discs
+    have the sectors of the first disc; those `of_teeth` rotate with their teeth.
     """
 
     part: str
@@ -49,7 +49,7 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """List what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
+    """Return the sectors of disc, housing, shaft and output behind their sliced surfaces, spacers included."""
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
     crank = [stretch for name, stretch in stretches(reducer, error).items() if family(name) != SPACER]
@@ -66,15 +66,15 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Decompose a sector into convex pieces by CoACD, and measure them; pieces that leave it too far are cut finer.
+    """Decompose a sector into convex pieces by CoACD, with a finer threshold if they exceed the bound.
 
     Raises
     ------
     DesignError
-        They leave the sector by more than its bound.
+        The pieces deviate by more than the bound of the sector.
     """
     shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
-    for _ in range(CUTS):
+    for _ in range(MAX_DECOMPOSITIONS):
         pieces = coacd_pieces(shape, coacd)
         measured = pieces_quality(sector.region, pieces, *walls)
         if measured.max_overfill <= sector.bound:
@@ -85,7 +85,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
+    """Return the hub with one hole, and the band below one valley; raise DesignError if the band does not fit."""
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0

@@ -1,26 +1,26 @@
-"""How finely the parts are cut into convex pieces; every number that a decomposition depends on, the seed included."""
+"""Settings of the convex decomposition: all numbers that it depends on, including the seed."""
 
 from dataclasses import dataclass
 
 from cycloid_mj.base.errors import DesignError
 
 TOLERANCE = 1.2
-"""A decomposition may be worse than its asked error by this factor (float32 vertices, chords of the parallel curve)."""
+"""Allowed ratio of measured to requested error (float32 vertices, chords of the parallel curve)."""
 
 OVERLAP = 0.1
-"""Neighbouring slices overlap by this share of the chord error: single precision must not leave cracks between them."""
+"""Overlap of neighbouring slices relative to the chord error, against cracks in single precision."""
 
 
 @dataclass(frozen=True)
 class CoacdSettings:
-    """CoACD's own settings and defaults, by its names; its preprocessing is always off (the meshes are watertight).
+    """Settings of CoACD with its names and defaults; preprocessing is off, as the meshes are watertight.
 
     Attributes
     ----------
     threshold
         Concavity at which CoACD stops cutting, relative to the size of the mesh.
     seed
-        Of its tree search: the same seed gives the same parts, another one others.
+        Random seed of the tree search.
     resolution, mcts_nodes, mcts_iterations, mcts_max_depth
         Samples of a mesh, and the width, length and depth of the tree search.
     """
@@ -34,31 +34,31 @@ class CoacdSettings:
 
 
 REST = CoacdSettings(threshold=0.03, mcts_nodes=10, mcts_iterations=60)
-"""For sectors of a part: a finer threshold than CoACD's default, and a shorter search."""
+"""Settings for sectors of a part: a finer threshold than the default, and a shorter search."""
 
 
 @dataclass(frozen=True)
 class ConvexSettings:
-    """How the working surfaces are sliced, and the rest of the parts with them.
+    """Settings of the slices of working surfaces and of the remaining material.
 
     Attributes
     ----------
     chord_error
         Largest distance of a slice of a concave flank from the profile [m], the same to both sides.
     hull_chord_error
-        The same for a convex stretch of a flank, which is a single hull however many vertices it has [m].
+        The same for a convex part of a flank, which is one hull with any number of vertices [m].
     hulls
-        Hulls that half a convex lobe is made of: more are quicker in collision, but where two meet both carry.
+        Number of hulls of half a convex lobe: more are faster in collision, but adjacent hulls share contacts.
     play_error
         Largest error of the play between a round part and the facets of the hole around it [m].
     fewest_facets
-        Facets to a full turn of a hole, at least; more where ``play_error`` asks for it.
+        Minimum number of facets per turn of a hole; ``play_error`` can require more.
     depth
-        Thickness of the slices as a share of the pin radius; less where a wall is thin.
+        Thickness of the slices relative to the pin radius; less for thin walls.
     rest_chord_error
-        Chord error of what has no working surface [m].
+        Chord error of the remaining material [m].
     coacd
-        CoACD's settings for that rest, and for the check that each slice is one convex body.
+        Settings of CoACD for the remaining material and for the check that slices are convex.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The value of the room: a working surface as few convex slices, each placed many times."""
+"""A working surface as a few convex slices, each placed many times."""
 
 from dataclasses import dataclass
 
@@ -19,11 +19,11 @@ class Slice:
     outline
         Counter-clockwise convex polygon (n, 2) [m].
     width
-        Width of its working face [m]; infinite for a hull that carries a whole contact alone.
+        Width of its working face [m]; infinite for a hull that carries a full contact.
     curvature
-        Relative curvature of the contact there [1/m]: the part's plus its mate's, convex positive.
+        Relative curvature of the contact [1/m]: that of the part plus that of its mate, convex positive.
     radius, play
-        Of a facet of a round hole: the hole's radius, and by how much it exceeds that of the part in it [m]; else 0.
+        For a facet of a round hole its radius and the radial play of the part in it [m]; otherwise 0.
     """
 
     outline: Array
@@ -35,9 +35,9 @@ class Slice:
 
 @dataclass(frozen=True)
 class SlicePlacement:
-    """Where a slice stands: mirrored at x = 0 first, turned clockwise about z by `angle` [rad], moved to `centre` [m].
+    """Position of a slice: mirrored at x = 0, rotated clockwise about z by `angle` [rad], moved to `centre` [m].
 
-    `slice` is its index; `member` the lobe, hole or socket it belongs to, from 1, clockwise from +y.
+    `slice` is its index; `member` the lobe, hole or socket that it belongs to, from 1, clockwise from +y.
     """
 
     slice: int
@@ -49,26 +49,26 @@ class SlicePlacement:
 
 @dataclass(frozen=True)
 class ConvexSurface:
-    """One working surface of a part, as convex slices of its whole width: a disc's own, or that of ring and pins.
+    """A working surface of a part (disc, ring or pins) as convex slices of its full width.
 
     Attributes
     ----------
     name
         ``teeth``, ``lobe``, ``bore``, ``hole`` or ``socket``.
     slices, places
-        The slices, and where they stand in the part's frame.
+        The slices, and their positions in the frame of the part.
     half_width
         The slices reach from -half_width to half_width along z [m].
     points, normals
         Points (k, 2) [m] of the true surface, equally spaced, and its unit normals out of the material.
     strip_area
-        True area between the surface and the slices' far ends [m2].
+        True area between the surface and the far ends of the slices [m2].
     depth
-        Least thickness of the slices along the normal [m].
+        Minimum thickness of the slices along the normal [m].
     overfill_bound, underfill_bound
-        How far the slices may leave the true surface, out of the material and into it [m].
+        Allowed deviation of the slices from the true surface, out of the material and into it [m].
     disc
-        Index of the one disc whose surface it is, where that differs from the first disc's; 0: of all others.
+        Index of the disc if its surface differs from that of the first disc; 0 for all others.
     """
 
     name: str
@@ -85,25 +85,25 @@ class ConvexSurface:
 
     @property
     def key(self) -> str:
-        """Its name among all surfaces of a design, in files, too: ``teeth``, and ``gear_2_teeth`` where they differ."""
+        """Its name among all surfaces of a design, also in files: ``teeth``, or ``gear_2_teeth`` if they differ."""
         return names.column(names.numbered(names.GEAR, self.disc + 1), self.name) if self.disc else self.name
 
 
 def prism(surface: ConvexSurface, number: int) -> Prism:
-    """Build the solid of slice `number` in its own frame."""
+    """Return slice `number` as a prism in its own frame."""
     return Prism(surface.slices[number].outline, (), -surface.half_width, surface.half_width)
 
 
 def placed_outline(surface: ConvexSurface, place: SlicePlacement) -> Array:
-    """Compute the outline of a placed slice, counter-clockwise, in the part's frame (n, 2) [m]."""
+    """Compute the outline of a placed slice, counter-clockwise, in the frame of the part (n, 2) [m]."""
     points = surface.slices[place.slice].outline
     if place.mirrored:
         points = (points * [-1.0, 1.0])[::-1]
-    return turned(points, place.angle) + place.centre
+    return rotate_clockwise(points, place.angle) + place.centre
 
 
-def turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) clockwise about the origin by an angle [rad]."""
+def rotate_clockwise(points: Array, angle: float) -> Array:
+    """Rotate points (n, 2) clockwise about the origin by an angle [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return points @ np.array([[cos, -sin], [sin, cos]])
 
@@ -111,7 +111,7 @@ def turned(points: Array, angle: float) -> Array:
 def convex_slice(
     name: str, outline: Array, width: float, curvature: float, radius: float = 0.0, play: float = 0.0
 ) -> Slice:
-    """Return a slice, its outline made counter-clockwise.
+    """Return a slice with a counter-clockwise outline.
 
     Raises
     ------

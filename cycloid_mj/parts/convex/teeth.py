@@ -1,8 +1,8 @@
-"""The flanks of the cycloid gear and of the internal gear, cut by curvature into convex slices.
+"""The flanks of the cycloid disc and of the internal gear, sliced by curvature into convex bodies.
 
-Where a flank is concave (as seen from the material), each chord is the face of one quadrilateral; its two vertices lie
-below the profile by as much as its middle lies above. Where it is convex, few polygons of many vertices serve. Half a
-pitch is cut, and mirrored and turned for the others.
+On a concave flank (as seen from the material) each chord is the face of a quadrilateral, whose vertices are below the
+profile by as much as its middle is above. A convex flank is a few polygons of many vertices. Half a pitch is sliced,
+then mirrored and rotated.
 """
 
 import itertools
@@ -15,24 +15,24 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
-from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice, turned
+from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice, rotate_clockwise
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.reducer import Reducer
 
 SAMPLES = 5000
-"""Points of a surface, along whose normals its slices are measured."""
+"""Number of points of a surface at which its slices are measured."""
 
 _MESH_GRID = 512
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Build the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
+    """Return the manufactured flanks of a disc in its frame, valley 1 on +y; `member` is a valley and the next lobe.
 
     Raises
     ------
     DesignError
-        The gear is undercut, its flanks are turned or waved, or a slice is not convex.
+        The disc is undercut, its flanks are rotated or have waves, or a slice is not convex.
     """
     if reducer.design.modification.rotation:
         raise DesignError(
@@ -70,7 +70,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Build the flanks of the internal gear, ring frame, lobe 1 on +y, `member` the lobe, half a pitch to each side."""
+    """Return the flanks of the internal gear in its frame, lobe 1 on +y; `member` is a lobe."""
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
@@ -95,18 +95,18 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
-    """Find the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
+    """Compute the far ends of the slices of a disc over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
 
-    Chords leave them by `chord_error` [m].
+    The chord error is `chord_error` [m].
     """
     gear, offset = reducer.gear_profile, reducer.profile_offset
     return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Compute the far ends of the internal gear's slices over one pitch, clockwise, lobe 1 in the middle, (n, 2) [m].
+    """Compute the far ends of the slices of the internal gear over one pitch, clockwise, about lobe 1, (n, 2) [m].
 
-    At the given `nodes` of the phase B (from the junction to pi), or else by `chord_error` [m].
+    They are at `nodes` of the phase B (from the junction to pi), or else have a `chord_error` [m].
     """
     gear = reducer.tooth_profile
     left = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
@@ -114,7 +114,7 @@ def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_
 
 
 def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
-    """Parameters t from the middle of valley 1 to the inflection, where chords leave the flank by `chord_error`."""
+    """Compute parameters t from the middle of valley 1 to the inflection, with chords of an error `chord_error`."""
     inflection = profile.inflection_phase(gear) / gear.lobes
     return _sagitta(gear, offset, 0.0, inflection, chord_error) if inflection > 0.0 else np.zeros(1)
 
@@ -131,13 +131,13 @@ def _sagitta(gear: CycloidGear, offset: float, low: float, high: float, chord_er
 
 
 def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
-    """Points (n, 2) [m] at the depth `into` [m] below Sigma."""
+    """Compute points (n, 2) [m] at the depth `into` [m] below Sigma."""
     flank = envelope.Sigma(gear, B)
     return flank.points + into * profile.unit(flank.normal_angle)
 
 
 def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
-    """List one quadrilateral for each chord of a concave face."""
+    """Return one quadrilateral for each chord of a concave face."""
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = OVERLAP * settings.chord_error
     outlines = [
@@ -157,7 +157,7 @@ def _longer(points: Array, overlap: float) -> Array:
 
 
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
-    """List the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
+    """Return the convex half of the lobe after valley 1, from inflection to tip, as polygons on one base."""
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
     t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
@@ -175,10 +175,10 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Compute the relative curvature of pin and lobe [1/m] that stands for a stretch of it, between two phases [rad].
+    """Compute the representative relative curvature of pin and lobe [1/m] between two phases [rad].
 
-    The mean of ln kappa, which the compliance follows, weighted by the square of the moment arm, with which a contact
-    counts in the stiffness of the mesh.
+    It is the mean of ln kappa, to which compliance is proportional, weighted by the square of the moment arm as in the
+    stiffness of the mesh.
     """
     B = np.linspace(phases[0], phases[1], _MESH_GRID)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
@@ -187,7 +187,7 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 
 
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
-    """Return half the arc of lobe 1 as one polygon; in contact it is a cylinder, which needs no finer chords."""
+    """Return half the arc of lobe 1 as one polygon; contacts use a cylinder instead."""
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
     centre = gear.pin_circle_radius * profile.unit(0.0)
@@ -199,7 +199,7 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
 
 
 def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
-    """List the places of the slices of half a pitch: each and its mirror image, all round."""
+    """Return the positions of the slices of half a pitch: each and its mirror image, for all pitches."""
     pitch = 2.0 * math.pi / pitches
     return tuple(
         SlicePlacement(number, lobe + 1, lobe * pitch, mirrored=mirrored)
@@ -208,10 +208,10 @@ def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:
 
 
 def _symmetric(right: Array) -> Array:
-    """Compute the mirror image of points that start at x = 0, backwards, and then the points."""
+    """Return the reversed mirror image of points that start at x = 0, followed by the points."""
     return np.concatenate([right[:0:-1] * [-1.0, 1.0], right])
 
 
 def _all_round(pitch: Array, count: int) -> Array:
-    """Compute a whole turn of one pitch, clockwise."""
-    return np.concatenate([turned(pitch, 2.0 * math.pi * i / count) for i in range(count)])
+    """Return the points of one pitch repeated over a full turn, clockwise."""
+    return np.concatenate([rotate_clockwise(pitch, 2.0 * math.pi * i / count) for i in range(count)])

@@ -1,4 +1,4 @@
-"""How deep the slices may reach into a part before they meet the next surface."""
+"""Thickness of the slices, limited by the walls of the parts."""
 
 import math
 
@@ -6,12 +6,12 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.parts.convex.settings import ConvexSettings
 from cycloid_mj.reducer import Reducer
 
-SHARE = 0.25
-"""Of the thinnest wall: slices from both sides leave half of it to the rest of the part."""
+WALL_SHARE = 0.25
+"""Thickness of slices relative to the thinnest wall: slices from both sides leave half of it."""
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness of the slices of the gear's teeth, bore and holes [m]."""
+    """Compute the thickness of the slices of teeth, bore and holes of the disc [m]."""
     design = reducer.design
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
@@ -22,11 +22,11 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
         valley - output.pin_circle_radius - hole,
         _lobe_width(reducer),
     )
-    return min(settings.depth * design.ring.pin_radius, SHARE * min(walls))
+    return min(settings.depth * design.ring.pin_radius, WALL_SHARE * min(walls))
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness of the slices of the internal gear's lobes or of the sockets [m]."""
+    """Compute the thickness of the slices of internal gear lobes or of sockets [m]."""
     design = reducer.design
     ring = design.ring
     if ring.kind == "nonpin":
@@ -36,7 +36,7 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
         socket = ring.pin_radius + design.socket_play
         between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
         walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
-    return min(settings.depth * ring.pin_radius, SHARE * min(walls))
+    return min(settings.depth * ring.pin_radius, WALL_SHARE * min(walls))
 
 
 def _lobe_width(reducer: Reducer) -> float:

@@ -1,6 +1,6 @@
 """Parts as files for CAD and printing: STL and OBJ meshes, DXF outlines, STEP solids; in millimetres.
 
-Each part lies in its own frame: housing, shaft, cams and output in that of the reducer's axis, others about their own.
+Housing, shaft, cams and output are in the frame of the reducer axis, other parts in frames of their own.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, laid_out, mass_properties, part_sections, parts
+from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, lay_out_parts, mass_properties, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
@@ -26,11 +26,11 @@ from cycloid_mj.parts.export.dxf import dxf_bytes
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.polylines import dxf_polylines, polyline_sections, svg_bytes
-from cycloid_mj.parts.export.printing import PRESSED_PIN, made_parts, widened
+from cycloid_mj.parts.export.printing import PRESSED_PIN, manufactured_parts, widen_clearances
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
-from cycloid_mj.parts.housing import SLIT
+from cycloid_mj.parts.housing import SLIT_SHARE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
 
@@ -70,7 +70,7 @@ __all__ = [
     "step_part",
     "stl_bytes",
     "threemf_bytes",
-    "widened",
+    "widen_clearances",
 ]
 
 from cycloid_mj.base.array import Array
@@ -83,14 +83,14 @@ CHORD_ERROR = 1e-6
 """Chord error of exported meshes and polylines [m]."""
 
 VOLUME_TOLERANCE = 1e-3
-"""Relative; OpenCASCADE integrates splines no better, and a lost hole or a filled valley is far more."""
+"""Relative tolerance of volumes, the accuracy of OpenCASCADE on splines; a lost hole changes far more."""
 
 _POINTS_PER_CURVE = 200
 
 
 @dataclass(frozen=True, repr=False)
 class Export(Presented):
-    """Files by name, and the clearances measured on what is in them."""
+    """Files by name, and the clearances measured on their contents."""
 
     files: dict[str, bytes]
     clearances: tuple[OutlineClearance, ...]
@@ -116,7 +116,7 @@ def export(
     *,
     polylines: bool = False,
 ) -> Export:
-    """Export every part of a design in a format, one file a part.
+    """Export all parts of a design in a format, one file per part.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def export(
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines; splines have their own error, 0.01 um.
     offset
-        What every clearance of the outlines is wider than the design asks for [m], for a printer; see `widened`.
+        Increase of all clearances of the outlines [m], for a printer; see `widen_clearances`.
     motor
         Motor whose shaft the crank is bored for; ``auto``: the largest that fits, or none.
     polylines
@@ -150,7 +150,7 @@ def export(
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
     sizes = casing_or_none(reducer, motor)[0]
-    exported = _with_halves(widened(reducer, offset), encoding, sizes)
+    exported = _with_halves(widen_clearances(reducer, offset), encoding, sizes)
     return Export(
         exported.files,
         tuple(
@@ -169,34 +169,34 @@ def drive_files(
     *,
     polylines: bool = False,
 ) -> dict[str, bytes]:
-    """Export every manufactured part of an assembled drive, one file a part, by name.
+    """Export all manufactured parts of an assembled drive, one file per part, by name.
 
-    Covers and flange, and ring, output and shaft with the holes and seats that they need. Meshes have cams of the
-    radius `cam_seat` [m], as ``printing.made_parts``; outlines and solids those of the assembly.
+    They are covers and flange, and ring, output and shaft with their holes and seats. Meshes have cams of the radius
+    `cam_seat` [m], as ``printing.manufactured_parts``; outlines and solids those of the assembly.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be manufactured.
     CycloidError
         The extra for DXF or STEP is not installed.
     """
     encoding = _Encoding(file_format, chord_error, polylines)
-    made = made_parts(reducer, chord_error, cam_seat, sizes)
+    manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
-        return {f"{name}.{file_format}": encoding.mesh(name, fuse(one.solid)) for name, one in made.items()}
+        return {f"{name}.{file_format}": encoding.mesh(name, fuse(part.solid)) for name, part in manufactured.items()}
     if encoding.is_polylines:
         laid = assembly_parts(reducer, sizes)
-        return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in made}
+        return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in manufactured}
     sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
     if file_format == "dxf":
-        return {f"{name}.dxf": dxf_bytes(sections[name]) for name in made}
-    return {f"{name}.step": step_part(name, sections[name]) for name in made}
+        return {f"{name}.dxf": dxf_bytes(sections[name]) for name in manufactured}
+    return {f"{name}.step": step_part(name, sections[name]) for name in manufactured}
 
 
 @dataclass(frozen=True)
 class _Encoding:
-    """How parts are encoded: format, chord error [m], and whether DXF has polylines in place of splines."""
+    """Encoding of parts: format, chord error [m], and whether DXF has polylines instead of splines."""
 
     file_format: Format
     chord_error: float
@@ -227,14 +227,14 @@ class _Encoding:
 
 
 def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Export every part; the halves of a ring each on its own, as manufactured, and pins with the length of a half."""
+    """Export all parts, with the halves of a ring as separate parts and pins of the length of a half."""
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
-        return _exported(reducer, encoding, sizes)
+        return _encode_parts(reducer, encoding, sizes)
     one = reducer.but(ring={"halves": 1, "preload": 0.0})
-    whole = _exported(one, encoding, sizes)
-    width = 0.5 * (1.0 - SLIT) * reducer.design.gear.face_width
-    half = _exported(one.but(gear={"face_width": width}), encoding, None).files
+    whole = _encode_parts(one, encoding, sizes)
+    width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
+    half = _encode_parts(one.but(gear={"face_width": width}), encoding, None).files
     housing = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
     for name, content in whole.files.items():
@@ -245,10 +245,10 @@ def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) ->
     return Export(files, whole.clearances)
 
 
-def _exported(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
     file_format = encoding.file_format
     if encoding.is_mesh or encoding.is_polylines:
-        return _exported_polygons(reducer, encoding, sizes)
+        return _encode_polygons(reducer, encoding, sizes)
     shaft = bored_shaft(reducer, sizes)
     splines = SPLINES if file_format == "step" else 1
     sections = part_sections(reducer, splines) | {names.SHAFT: shaft.sections(splines)}
@@ -260,8 +260,8 @@ def _exported(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Ex
     return Export({f"{name}.step": _step(reducer, solids[name], sections[name]) for name in sections}, clearances)
 
 
-def _exported_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Export every part as a mesh or by polylines."""
+def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    """Encode all parts as meshes or polylines."""
     chord_error = encoding.chord_error
     shaft = bored_shaft(reducer, sizes, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}
@@ -269,15 +269,17 @@ def _exported_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | No
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
     if encoding.is_polylines:
-        laid = laid_out(reducer, chord_error) | {names.SHAFT: shaft}
+        laid = lay_out_parts(reducer, chord_error) | {names.SHAFT: shaft}
         contents = {name: encoding.polylines_of(part) for name, part in laid.items()}
     else:
-        contents = {name: encoding.mesh(name, fuse(solid)) for name, solid in _apart(reducer, solids).items()}
+        contents = {
+            name: encoding.mesh(name, fuse(solid)) for name, solid in _separate_pressed_pins(reducer, solids).items()
+        }
     return Export({f"{name}.{encoding.file_format}": content for name, content in contents.items()}, clearances)
 
 
-def _apart(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
-    """Take the pins that are pressed in for sleeves, which are drawn with the housing, out of it."""
+def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
+    """Separate the pins pressed in inside sleeves from the housing."""
     if not reducer.design.ring.has_sleeves:
         return solids
     housing = solids[names.HOUSING]
@@ -286,9 +288,9 @@ def _apart(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
 
 
 def _step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:
-    """Encode a part as STEP and check the volume of the solid that is read back against that of the part."""
-    apart = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
-    content = step_part(solid.name, stretches, 1 + apart)
+    """Encode a part as STEP and compare the volume of the solid read back with that of the part."""
+    pins = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
+    content = step_part(solid.name, stretches, 1 + pins)
     volume, true = read_volume(content), mass_properties(solid).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(

@@ -33,7 +33,7 @@ from cycloid_mj.parts.export.casing_parts import casing_places
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.step import SPLINES, step_part
-from cycloid_mj.parts.parts import Colour, roller_places, tinted
+from cycloid_mj.parts.parts import Colour, roller_places, tint
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
@@ -60,7 +60,7 @@ COLOURS: Mapping[str, Colour] = {
     OUTPUT_BEARING: (0.8, 0.82, 0.85, 1.0),
     CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
 }
-"""Part by its family -> colour."""
+"""Colours by family of parts."""
 
 _NUMBER = re.compile(r"#(\d+)")
 
@@ -85,16 +85,16 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
     ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
     for body, angle in turned.items():
-        yield _carried(body, body, origin, angle)
+        yield _rotated_place(body, body, origin, angle)
     rollers = roller_places(reducer) if design.output.rollers else {}
-    for by, borne in ((names.SHAFT, carried(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
-        for name, (part, place) in borne.items():
-            yield _carried(name, part, place, turned[by])
+    for body, attached in ((names.SHAFT, carried(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
+        for name, (part, position) in attached.items():
+            yield _rotated_place(name, part, position, turned[body])
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
-            yield _carried(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier)
+            yield _rotated_place(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier)
         for number, centre in enumerate(output_centres(reducer), start=1):
-            yield _carried(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, np.array([*centre, 0.0]), carrier)
+            yield _rotated_place(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, np.array([*centre, 0.0]), carrier)
     discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
@@ -110,47 +110,47 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
             if design.ring.has_sleeves:
                 yield Place(f"{PRESSED_PIN}_{number}", PRESSED_PIN, at, ring)
     for one in casing_places(reducer, sizes) if sizes else ():
-        yield _carried(one.name, one.part, np.array(one.origin), turned[one.body])
+        yield _rotated_place(one.name, one.part, np.array(one.origin), turned[one.body])
 
 
-def _carried(name: str, part: str, place: Array, angle: float) -> Place:
+def _rotated_place(name: str, part: str, place: Array, angle: float) -> Place:
     cos, sin = np.cos(angle), np.sin(angle)
     x, y, z = place
     return Place(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle)
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
-    """Encode the whole reducer as one STEP file: an assembly of named, coloured parts, each drawn once.
+    """Encode the assembled reducer as one STEP file of named, coloured parts, each drawn once.
 
     Raises
     ------
     DesignError
-        A part cannot be made, or has no room.
+        A part cannot be manufactured, or does not fit.
     CycloidError
-        The package gmsh is not installed, or OpenCASCADE cannot make a part.
+        The package gmsh is not installed, or OpenCASCADE cannot build a part.
     """
     laid = assembly_parts(reducer, sizes)
     drawn = {name: step_part(name, part.sections(SPLINES)) for name, part in laid.items()}
-    return _assembled(reducer.design.name, drawn, places(reducer, crank, sizes))
+    return _join_step_files(reducer.design.name, drawn, places(reducer, crank, sizes))
 
 
 def assembly_sections(
     reducer: Reducer, sizes: Casing | None = None, splines: int = SPLINES
 ) -> dict[str, tuple[PartSection, ...]]:
-    """Build the sections of `assembly_parts`, a lobe by so many splines; errors as there."""
+    """Return the sections of `assembly_parts`, with `splines` splines per lobe; raises the same errors."""
     return {name: part.sections(splines) for name, part in assembly_parts(reducer, sizes).items()}
 
 
 def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, Part]:
-    """Lay out every part as it is put together, with covers and all they need if their sizes are given.
+    """Return all parts of the assembly, including the casing if its sizes are not None.
 
-    Pins that are pressed into housing or output are parts of their own; cams are as thick as the bore of their bearing,
-    where one is in stock; the journal has a bore for the motor's shaft, where it is thick enough.
+    Pins pressed into housing or output are separate parts; cams have the radius of the bore of their bearing if one is
+    in stock; the journal has a bore for the motor shaft if it is thick enough.
 
     Raises
     ------
     DesignError
-        A part cannot be made, or has no room; or the ring is in two halves.
+        A part cannot be manufactured or does not fit, or the ring is in two halves.
     """
     require_one_ring(reducer, "assembly")
     in_stock = cam_bearing(reducer)
@@ -164,7 +164,7 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
 
 @dataclass(frozen=True)
 class _DrawnPart:
-    """Entities of a part in the file, by number: its definition, representation, frame, solid and context."""
+    """Numbers of the entities of a part in the file: definition, representation, frame, solid and context."""
 
     definition: int
     representation: int
@@ -174,7 +174,7 @@ class _DrawnPart:
 
 
 class _Entities:
-    """The data section of a STEP file, entity after entity."""
+    """The data section of a STEP file, as a list of entities."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
@@ -187,7 +187,7 @@ class _Entities:
         return self.last
 
     def include(self, name: str, content: bytes) -> _DrawnPart:
-        """Take in a part's file, its entities renumbered."""
+        """Include the file of a part with renumbered entities."""
         data = content.decode().split("DATA;", 1)[1].split("ENDSEC;", 1)[0]
         data = data.replace("MANIFOLD_SOLID_BREP('',", f"MANIFOLD_SOLID_BREP('{name}',")
         shift = self.last
@@ -205,7 +205,7 @@ class _Entities:
         return _DrawnPart(definition, representation, frame, solid, context)
 
     def frame(self, origin: tuple[float, float, float], angle: float) -> int:
-        """Write a frame at an origin [m], turned about z [rad]."""
+        """Write a frame at an origin [m], rotated about z [rad]."""
         x, y, z = (MILLIMETRES * value for value in origin)
         at = self.add(f"CARTESIAN_POINT('',({x:.9f},{y:.9f},{z:.9f}))")
         axis = self.add("DIRECTION('',(0.,0.,1.))")
@@ -227,12 +227,12 @@ class _Entities:
         return self.add(f"{of}('',(#{item}),#{part.context})")
 
 
-def _assembled(name: str, drawn: Mapping[str, bytes], placed: tuple[Place, ...]) -> bytes:
-    """Put files of parts together as one product with an occurrence of its part at each place."""
+def _join_step_files(name: str, drawn: Mapping[str, bytes], placed: tuple[Place, ...]) -> bytes:
+    """Join the files of parts to one product with an occurrence of a part at each place."""
     entities = _Entities()
     parts = {part: entities.include(part, content) for part, content in drawn.items()}
     for part, included in parts.items():
-        entities.colour(included, tinted(COLOURS[names.family(part)], part))
+        entities.colour(included, tint(COLOURS[names.family(part)], part))
     context = entities.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')")
     of_product = entities.add(f"PRODUCT_CONTEXT('',#{context},'mechanical')")
     product = entities.add(f"PRODUCT('{name}','{name}','',(#{of_product}))")

@@ -36,7 +36,7 @@ from cycloid_mj.parts.export.printing import (
     PrintedPart,
     in_one_piece,
     is_printed,
-    made_parts,
+    manufactured_parts,
     material_part,
     output_pin_length,
 )
@@ -60,7 +60,7 @@ class BillLine:
 
 
 def bill(reducer: Reducer, cam_seat: float = 0.0, sizes: Casing | None = None) -> tuple[BillLine, ...]:
-    """Return the bill of materials of a design: manufactured parts (`printing.made_parts`), then bought parts.
+    """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
 
     `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet. `sizes` are those of the casing;
     None: the mechanism only.
@@ -86,7 +86,7 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
 
 
 def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    for name, part in made_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
+    for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
         bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
         material = _material(reducer, material_part(reducer, name))

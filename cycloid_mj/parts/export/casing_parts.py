@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import Part, laid_out
+from cycloid_mj.parts import Part, lay_out_parts
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -62,9 +62,9 @@ def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
 def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
     """Return the shaft, bored where the motor's shaft enters if `sizes` state one.
 
-    `chord_error` [m] is that of the outlines that balance, see `laid_out`.
+    `chord_error` [m] is that of the outlines that balance, see `lay_out_parts`.
     """
-    shaft = laid_out(reducer, chord_error)[names.SHAFT]
+    shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
     bore = motor_bore(reducer, sizes) if sizes else None
     if not bore:
         return shaft

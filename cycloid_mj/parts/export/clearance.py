@@ -1,4 +1,4 @@
-"""The clearance that the outlines of the parts really have, measured on the very points that are written."""
+"""The clearances of the exported outlines, measured on the points that are written."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,18 +12,18 @@ from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 
 TOLERANCE = 2e-8
-"""A clearance that is off by more is an error [m]."""
+"""Allowed deviation of a clearance from the design [m]."""
 
 WALL_ROUNDING = 1e-9
-"""Relative; points of the wall between the sockets are all at its radius, those of a socket are further out."""
+"""Relative tolerance of the radius of the wall between the sockets; points of sockets are further out."""
 
 _STARTS_PER_LOBE = 200
-_ROUNDS = 20
+_NEWTON_STEPS = 20
 
 
 @dataclass(frozen=True)
 class OutlineClearance:
-    """The clearance of one mating pair: `asked` for by the design, and the `least` and `most` of the outline [m]."""
+    """The clearance of a mating pair: that of the design (`asked`), and the smallest and largest of the outline [m]."""
 
     pair: str
     asked: float
@@ -32,14 +32,14 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Find how far points (n, 2) [m] lie inside a gear's trochoid [m], by Newton's method from the nearest sample."""
+    """Compute the depth of points (n, 2) [m] inside the trochoid of a disc [m], by Newton's method."""
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(_STARTS_PER_LOBE * gear.lobes) / (_STARTS_PER_LOBE * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
     t = grid[nearest]
-    for _ in range(_ROUNDS):
+    for _ in range(_NEWTON_STEPS):
         away = profile.trochoid(gear, t) - points
         first, second = profile.trochoid_derivatives(gear, t)
         step = np.sum(away * first, axis=1) / (np.sum(first**2, axis=1) + np.sum(away * second, axis=1))
@@ -50,9 +50,9 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
 
 
 def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
-    """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
+    """Measure the clearances of all discs: the smallest and largest of each pair.
 
-    Errors are those of `measure`.
+    Raises the errors of `measure`.
     """
     clearances = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
@@ -69,18 +69,18 @@ def measure(
     Parameters
     ----------
     reducer
-        The reducer that asks for them.
+        The reducer with the clearances of the design.
     gear_loops
-        Points (n, 2) [m] of the disc's outline, its bore, and its holes in the order of ``output_centres``.
+        Points (n, 2) [m] of outline, bore and holes of the disc; holes in the order of ``output_centres``.
     ring_loop
-        Points (n, 2) [m] of the housing's inner outline.
+        Points (n, 2) [m] of the inner outline of the housing.
     disc
         Index of the disc.
 
     Raises
     ------
     DesignError
-        A clearance is not what was asked for.
+        A clearance deviates from that of the design.
     """
     design = reducer.design
     outline, bore, *holes = gear_loops
@@ -88,7 +88,7 @@ def measure(
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     points: Mapping[str, Array] = {
-        teeth: _flank_clearance(reducer, _turned(outline, -reducer.phases[disc] / design.lobes)),
+        teeth: _flank_clearance(reducer, _rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
@@ -105,18 +105,18 @@ def measure(
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Compute the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
+    """Compute the clearance of points of the disc (n, 2) [m] without its modification, shape (n,).
 
-    With turned flanks the gear is what two copies of its profile have in common.
+    With rotated flanks the disc is the intersection of two rotated profiles.
     """
     gear, change = reducer.gear_profile, reducer.design.modification
     turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
-    inside = [flank_distance(gear, _turned(outline, turn)) for turn in turns]
+    inside = [flank_distance(gear, _rotate_clockwise(outline, turn)) for turn in turns]
     return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
 
 
-def _turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) clockwise about the origin [rad]."""
+def _rotate_clockwise(points: Array, angle: float) -> Array:
+    """Rotate points (n, 2) clockwise about the origin [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return points @ np.array([[cos, -sin], [sin, cos]])
 
@@ -126,7 +126,7 @@ def _range(values: Array) -> tuple[float, float]:
 
 
 def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
-    """Distances from the nearest pin's centre [m] of the points that lie in a socket, not on the wall between."""
+    """Return the distances from the nearest pin centre [m] of the points of sockets, without the wall between them."""
     from scipy.spatial import cKDTree
 
     ring = reducer.design.ring

@@ -16,7 +16,7 @@ from cycloid_mj.parts.export.casing import (
     casing,
 )
 from cycloid_mj.parts.export.casing_parts import casing_parts, casing_places
-from cycloid_mj.parts.export.printing import STEEL, PrintedPart, made_parts, separate_parts
+from cycloid_mj.parts.export.printing import STEEL, PrintedPart, manufactured_parts, separate_parts
 from cycloid_mj.parts.export.round_part import RoundPart, tube, with_holes
 from cycloid_mj.reducer import Reducer, once
 
@@ -95,7 +95,7 @@ def drive_diameter(reducer: Reducer) -> float:
 @once
 def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
     """Compute mass [kg] and inertia about the axis [kg m2] that the casing adds to each manufactured part."""
-    bare, cased = (made_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
+    bare, cased = (manufactured_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
     of_casing = [name for name, part in casing_parts(reducer, casing(reducer)).items() if not part.bought]
     gains = {}
     for name in of_casing:

@@ -1,4 +1,4 @@
-"""A plate of all parts that are made: side by side, flat on z = 0, as one mesh for a printer."""
+"""A plate of all manufactured parts for a printer: side by side, flat on z = 0, as one mesh."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
 GAP = 5e-3
-"""Between the bounding boxes of neighbouring parts [m]: room for a brim."""
+"""Distance between the bounding boxes of neighbouring parts [m], for a brim."""
 
 ROUNDING = 1e-9
-"""Relative; a row that is as long as it may be passes."""
+"""Relative rounding allowance of the length of a row."""
 
 
 @dataclass(frozen=True)
 class PlatePosition:
-    """Where one part lies on the plate.
+    """Position of a part on the plate.
 
     Attributes
     ----------
@@ -31,9 +31,9 @@ class PlatePosition:
     low, high
         Corners (x, y, z) of its bounding box on the plate [m].
     origin
-        Where on the plate the origin of the part's own frame lies (x, y) [m].
+        Position of the origin of its own frame on the plate (x, y) [m].
     turned_over
-        Whether it lies on what is its upper face in that frame, turned about the x axis.
+        True if it lies on its upper face in that frame, rotated about the x axis.
     """
 
     part: str
@@ -45,9 +45,9 @@ class PlatePosition:
 
 @dataclass(frozen=True)
 class PrintPlate:
-    """The mesh of each part as it lies on the plate [m], where that is, and what supports it there.
+    """The meshes of all parts on the plate [m], their positions and supports.
 
-    `hanging` has the area of faces in mid-air that no support can stand under [m2], by part and height [m].
+    `hanging` has the area of overhanging faces without a possible support [m2], by part and height [m].
     """
 
     meshes: tuple[Mesh, ...]
@@ -67,19 +67,19 @@ class PrintPlate:
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Length, width and height of what lies on the plate [m]."""
+        """Length, width and height of the occupied part of the plate [m]."""
         x, y, z = self.mesh.vertices.max(axis=0).tolist()
         return x, y, z
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many of each part lie on it."""
+        """Number of copies by part."""
         parts = [place.part for place in self.places]
         return {part: parts.count(part) for part in dict.fromkeys(parts)}
 
 
 def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
-    """Lay all parts that are printed on a plate, each on its end with the larger face, plastic ones with supports.
+    """Place all printed parts on a plate, each on its larger end face, plastic parts with supports.
 
     Parameters
     ----------
@@ -88,20 +88,20 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
     sizes
-        Those of covers and flanges, if these are to lie there too.
+        Sizes of the casing, to include covers and flanges.
 
     Raises
     ------
     DesignError
-        A part cannot be made, or its mesh is not watertight.
+        A part cannot be manufactured, or its mesh is not watertight.
     """
     printed = printed_parts(reducer, chord_error, cam_seat, sizes)
-    lying = [(name, part.count, *_lying(part.solid)) for name, part in printed.items()]
+    lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in printed.items()]
     shapes = {name: fuse(solid) for name, _, solid, _ in lying}
     meshes = [(name, shapes[name], over) for name, count, _, over in lying for _ in range(count)]
-    stood, hanging = _supported(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
+    stood, hanging = _supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
     shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]
@@ -117,10 +117,10 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     return PrintPlate(tuple(laid), places, tuple(supports), hanging)
 
 
-def _supported(
+def _supports(
     reducer: Reducer, solids: Mapping[str, Solid], shapes: Mapping[str, Mesh], chord_error: float
 ) -> tuple[dict[str, list[Mesh]], dict[str, dict[float, float]]]:
-    """Draw supports under the plastic parts as they lie; collect the faces under which none can stand."""
+    """Return supports under the plastic parts, and the faces without a possible support."""
     stood: dict[str, list[Mesh]] = {name: [] for name in solids}
     hanging: dict[str, dict[float, float]] = {}
     for name, solid in solids.items():
@@ -134,9 +134,9 @@ def _supported(
 
 
 def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
-    """List the lower left corner of each rectangle [m], laid in rows, the deepest first, on the smallest square plate.
+    """Return the lower left corner of each rectangle [m], packed in rows, the deepest first (shelf packing).
 
-    Of all lengths that the first row may have, that with the shortest longer side of the plate is taken.
+    The length of the first row is chosen for the smallest longer side of the plate.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
     widest = max(width for width, _ in sizes)
@@ -148,7 +148,7 @@ def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[floa
 def _rows(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Lay rectangles in rows no longer than a limit; a row ends where the next does not fit beside the others."""
+    """Pack rectangles in rows up to a length; a row ends before the first rectangle that does not fit."""
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
     for i in order:
@@ -163,16 +163,14 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
     return max(corner[axis] + size[axis] for corner, size in zip(corners, sizes, strict=True))
 
 
-def _lying(solid: Solid) -> tuple[Solid, bool]:
-    """Lay a part on z = 0, on its end with the larger face, and tell whether it was turned over for that."""
+def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
+    """Return a part on its larger end face on z = 0, and whether it is turned over."""
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
     below = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
     above = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
     over = above > below
     prisms = tuple(
-        Prism(
-            _mirrored(prism.outline), tuple(_mirrored(hole) for hole in prism.holes), high - prism.z1, high - prism.z0
-        )
+        Prism(_mirror(prism.outline), tuple(_mirror(hole) for hole in prism.holes), high - prism.z1, high - prism.z0)
         if over
         else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
         for prism in solid.prisms
@@ -180,8 +178,8 @@ def _lying(solid: Solid) -> tuple[Solid, bool]:
     return Solid(solid.name, prisms, solid.density), over
 
 
-def _mirrored(polygon: Array) -> Array:
-    """Compute a polygon (n, 2) as it is seen from behind: y turned round, counter-clockwise again."""
+def _mirror(polygon: Array) -> Array:
+    """Return a polygon (n, 2) mirrored in y, counter-clockwise again."""
     return polygon[::-1] * np.array([1.0, -1.0])
 
 

@@ -1,4 +1,4 @@
-"""What a printer makes badly: thin walls, small holes, faces in mid-air; and a coupon that tells what it puts on."""
+"""Printability: warnings of thin walls, small holes and overhangs, and a test coupon for the printer offset."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -15,23 +15,23 @@ from cycloid_mj.parts.export.printing import is_printed, material_part, printed_
 from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 
-THINNEST, SMALLEST = MIN_PRINTED_WALL, 2.0e-3
-"""Two lines of a nozzle of 0.4 mm, and the diameter below which holes close (both assumed) [m]."""
+MIN_WALL, MIN_HOLE = MIN_PRINTED_WALL, 2.0e-3
+"""Wall of two lines of a 0.4 mm nozzle, and diameter below which holes close (both assumed) [m]."""
 
 CLEARANCES = (50e-6, 100e-6, 200e-6)
-"""Of the coupon's sockets around its pin [m]."""
+"""Clearances of the sockets of the coupon around its pin [m]."""
 
 PIN, HEIGHT, WALL, MARK = 4e-3, 8e-3, 4e-3, 0.8e-3
-"""Radius of the coupon's pin, height of both of its parts, wall around sockets, radius of the marks [m]."""
+"""Coupon: radius of the pin, height of both parts, wall around sockets, radius of the marks [m]."""
 
 
 def prints_plastic(reducer: Reducer) -> bool:
-    """Tell whether a printer is to make parts of a drive: its housing is of a plastic."""
+    """Return whether a drive has printed parts: its housing is of a plastic."""
     return is_printed(reducer, names.HOUSING)
 
 
 def coupon(chord_error: float) -> dict[str, Solid]:
-    """Draw a block with a socket for each of `CLEARANCES`, marked by one, two and three holes, and the pin for it."""
+    """Return a block with a socket for each of `CLEARANCES`, marked by one to three holes, and its pin."""
     pitch = 2.0 * (PIN + WALL)
     length, depth = pitch * len(CLEARANCES), pitch + 4.0 * MARK
     corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth], [0.0, depth]])
@@ -47,7 +47,7 @@ def coupon(chord_error: float) -> dict[str, Solid]:
 
 
 def coupon_words() -> str:
-    """Tell how the coupon's fit goes back into an export."""
+    """Return instructions for using the fit of the coupon in an export."""
     sizes = ", ".join(f"{number} {1e6 * clearance:g}" for number, clearance in enumerate(CLEARANCES, start=1))
     return (
         "coupon: print coupon_block and coupon_pin; the first socket in which the pin turns, by its marks, tells "
@@ -56,23 +56,23 @@ def coupon_words() -> str:
 
 
 def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing | None) -> Iterator[str]:
-    """Yield what of the plastic parts a printer makes badly, with the part and its measure."""
+    """Yield warnings about plastic parts that are hard to print, with part and dimension."""
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < THINNEST - SAME_FACE:
-            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * THINNEST:g} mm on"
+        if wall < MIN_WALL - SAME_FACE:
+            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * MIN_WALL:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
-        if hole < SMALLEST:
-            yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * SMALLEST:g} mm"
+        if hole < MIN_HOLE:
+            yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
         if faces := laid.hanging.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
             yield f"{name} needs the slicer's supports, as it lies: {areas}"
 
 
 def thinnest_wall(prism: Prism) -> float:
-    """Measure the least distance between outline and holes of a prism, on their points [m]; inf without holes."""
+    """Measure the smallest distance between outline and holes of a prism, on their points [m]; inf without holes."""
     from scipy.spatial import cKDTree
 
     pairs = combinations((prism.outline, *prism.holes), 2)

@@ -1,4 +1,4 @@
-"""What of a reducer is made and what is bought, and how the parts that are made are drawn for a printer."""
+"""Manufactured and bought parts of a reducer, and the manufactured parts as drawn for a printer."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.materials import SOFTEST_METAL
-from cycloid_mj.parts import Part, Solid, Stretch, laid_out, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing
 from cycloid_mj.parts.export.casing_parts import casing_parts
@@ -16,35 +16,35 @@ from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
 SECOND_OUTPUT = "output_2"
-"""The output disc on the motor's side, where both ends of the output pins are held."""
+"""The output disc on the motor side, if both ends of the output pins are supported."""
 
-STANDS_OUT = 1e-5
-"""By how much the cam of one disc stands out where it would be flush with the shaft [m]: outlines may not touch."""
+MIN_CAM_STEP = 1e-5
+"""Minimum step of the cam of a single disc from the shaft [m], as outlines must not touch."""
 
 STEEL = 7850.0
-"""Density of what is bought [kg/m3]."""
+"""Density of bought parts [kg/m3]."""
 
 OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
-"""Round parts that the solids of the mechanism have within output and housing."""
+"""Round parts that are within output and housing in the solids of the mechanism."""
 
 
 @dataclass(frozen=True)
 class PrintedPart:
-    """A part that is made, as it is printed, and how many there are of it."""
+    """A manufactured part as it is printed, and the number of copies."""
 
     count: int
     solid: Solid
 
 
-def widened(reducer: Reducer, offset: float) -> Reducer:
-    """Return a design with every clearance wider by an offset [m]; press fits stay, and so does what is bought.
+def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
+    """Return a design with all clearances increased by an offset [m]; press fits and bought parts do not change.
 
-    The pin in a sleeve keeps its size: the bore of the sleeve takes the offset.
+    The pin in a sleeve keeps its size; the offset is in the bore of the sleeve.
 
     Raises
     ------
     DesignError
-        A clearance would be wider than a design may have it, or no wall is left of the sleeves.
+        A clearance exceeds its limit, or no wall is left of the sleeves.
     """
     design = reducer.design
     if not offset:
@@ -55,28 +55,28 @@ def widened(reducer: Reducer, offset: float) -> Reducer:
         return reducer.but(clearance=clearance, ring=ring)
     except DesignError as error:
         raise DesignError(
-            f"an offset of {1e6 * offset:g} um is too much for the design: a clearance would be wider than a design "
-            "may have it, or nothing left of the sleeves; give a smaller offset"
+            f"an offset of {1e6 * offset:g} um is too large: a clearance would exceed its limit, or the sleeves would "
+            "have no wall; choose a smaller offset"
         ) from error
 
 
 def is_printed(reducer: Reducer, part: str) -> bool:
-    """Tell whether plain round parts of this material are printed: of a plastic; of a metal they are bought."""
+    """Return whether plain round parts of the material of a part are printed (plastic) rather than bought (metal)."""
     return reducer.design.material_of(part).youngs_modulus < SOFTEST_METAL
 
 
 def in_one_piece(reducer: Reducer) -> bool:
-    """Tell whether the output pins are printed with their disc: of a plastic, without rollers, held at one end."""
+    """Return whether the output pins are printed with their disc: plastic, without rollers, supported at one end."""
     output = reducer.design.output
     return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def material_part(reducer: Reducer, made: str) -> str:
-    """Name the part of the mechanism that a part is made of the material of.
+def material_part(reducer: Reducer, part: str) -> str:
+    """Return the part of the mechanism whose material a part has.
 
-    Discs and flange of the output are printed with the housing, whatever its pins are of.
+    Discs and flange of the output have the material of the housing, whatever the material of its pins.
     """
-    family = names.family(made)
+    family = names.family(part)
     if family in (names.CAM, names.SPACER):
         return names.SHAFT
     if family == PRESSED_PIN:
@@ -91,20 +91,20 @@ def material_part(reducer: Reducer, made: str) -> str:
 def printed_parts(
     reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
 ) -> dict[str, PrintedPart]:
-    """Collect the parts that a printer makes: of `made_parts` those of a plastic, or all where none is of one."""
-    made = made_parts(reducer, chord_error, cam_seat, sizes)
-    plastic = {name: part for name, part in made.items() if is_printed(reducer, material_part(reducer, name))}
-    return plastic or made
+    """Return the printed parts: the plastic ones of `manufactured_parts`, or all if none is plastic."""
+    manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
+    plastic = {name: part for name, part in manufactured.items() if is_printed(reducer, material_part(reducer, name))}
+    return plastic or manufactured
 
 
-def made_parts(
+def manufactured_parts(
     reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
 ) -> dict[str, PrintedPart]:
-    """Collect every part that is made, in its own frame, by name.
+    """Return all manufactured parts in their own frames, by name.
 
-    Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
-    shaft of several. Plain round parts (ring pins, sleeves, output pins, that shaft) are made if they are of a plastic.
-    Output pins that are parts of their own have bores in their discs, to be pressed in.
+    Housing, discs and output are manufactured from any material; so are the crank of one disc, and cams and spacers of
+    several. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if
+    they are plastic. The discs of the output have bores for separate output pins.
 
     Parameters
     ----------
@@ -113,19 +113,19 @@ def made_parts(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
     sizes
-        Those of covers and flanges, if these are to be made too.
+        Sizes of the casing, to include covers and flanges.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be manufactured.
     """
     design = reducer.design
     gear, ring, output = design.gear, design.ring, design.output
-    cam = _checked_cam(reducer, cam_seat) if cam_seat else 0.0
-    laid, of_mechanism = separate_parts(reducer, cam, sizes, chord_error), laid_out(reducer, chord_error)
+    cam = _cam_radius(reducer, cam_seat) if cam_seat else 0.0
+    laid, of_mechanism = separate_parts(reducer, cam, sizes, chord_error), lay_out_parts(reducer, chord_error)
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
     if gear.discs > 1:
         counts |= dict.fromkeys(names.all_numbered(names.CAM, gear.discs), 1) | {names.SPACER: gear.discs - 1}
@@ -150,28 +150,27 @@ def made_parts(
 def separate_parts(
     reducer: Reducer, cam: float = 0.0, sizes: Casing | None = None, chord_error: float | None = None
 ) -> dict[str, Part]:
-    """Lay out every part as it is put together, made or bought, by name, each in its own frame.
+    """Return all manufactured and bought parts of the assembly by name, each in its own frame.
 
-    Pins that are pressed into housing or output, and rollers, are parts of their own, and the discs of the output have
-    bores for theirs.
+    Pins pressed into housing or output, and rollers, are separate parts; the discs of the output have bores for pins.
 
     Parameters
     ----------
     reducer
         The reducer; its clearances are in the outlines.
     cam
-        Radius of the cams [m], that of their bearing's bore; 0: that of its outside, as drawn.
+        Radius of the cams [m], that of the bore of their bearing; 0: that of its outside, as drawn.
     sizes
-        Those of covers and flanges: they come with what is bought for them, and with their holes in the others.
+        Sizes of the casing, to include its parts and its holes in other parts.
     chord_error
-        That with which the crank is to balance [m], see `laid_out`.
+        Chord error of the balanced crank [m], see `lay_out_parts`.
 
     Raises
     ------
     DesignError
-        A part cannot be made.
+        A part cannot be manufactured.
     """
-    laid = laid_out(reducer, chord_error)
+    laid = lay_out_parts(reducer, chord_error)
     housing = laid[names.HOUSING]
     rings = housing.stretches[: reducer.design.ring.halves]
     if pressed := housing.stretches[len(rings) :]:
@@ -193,19 +192,19 @@ def separate_parts(
 
 
 def output_pin_span(reducer: Reducer) -> tuple[float, float]:
-    """Compute from where to where an output pin reaches [m], with what is pressed into each output disc."""
+    """Return the ends of an output pin [m], including its pressed-in lengths."""
     output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
     return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
 
 
 def output_pin_length(reducer: Reducer) -> float:
-    """Compute the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
+    """Compute the length of an output pin through discs and gaps, including its pressed-in lengths [m]."""
     low, high = output_pin_span(reducer)
     return high - low
 
 
-def _checked_cam(reducer: Reducer, seat: float) -> float:
-    """Return the radius with which a cam is drawn for a seat of its bearing [m]; refuse one that does not fit."""
+def _cam_radius(reducer: Reducer, seat: float) -> float:
+    """Return the radius of a drawn cam for a seat of its bearing [m]; raise DesignError if it does not fit."""
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
     flush = gear.eccentricity + design.shaft.radius
@@ -217,11 +216,11 @@ def _checked_cam(reducer: Reducer, seat: float) -> float:
             f"for the shaft in the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside "
             "(gear.bore_radius_mm)"
         )
-    return max(seat, flush + STANDS_OUT)
+    return max(seat, flush + MIN_CAM_STEP)
 
 
 def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
-    """Lay out a cam with another radius [m]; other stretches stay."""
+    """Return a cam with another radius [m]; other stretches are unchanged."""
     if stretch.name != names.CAM:
         return stretch
     cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
@@ -231,7 +230,7 @@ def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
 
 
 def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
-    """Split the output into its discs, with bores, and the pins pressed into them; nothing where it is one piece."""
+    """Split the output into its discs, with bores, and its pins; empty if it is one piece."""
     if in_one_piece(reducer):
         return {}
     disc, *others = drawn.stretches

@@ -1,4 +1,4 @@
-"""Parts as STEP: true solids of OpenCASCADE, through the optional package gmsh, in millimetres."""
+"""Parts as STEP solids in millimetres, by OpenCASCADE through the optional package gmsh."""
 
 import os
 import re
@@ -18,7 +18,7 @@ from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 
 SPLINES = 6
-"""Splines to a lobe or root: OpenCASCADE's integrals are coarse on long splines (0.6 % of the volume at one a lobe)."""
+"""Splines per lobe or root: OpenCASCADE integrates long splines coarsely (0.6 % of the volume with one per lobe)."""
 
 _SESSION = re.compile(rb"FILE_NAME\(.*?\);", re.DOTALL)
 _PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
@@ -33,7 +33,7 @@ def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int =
         The package gmsh is not installed, or OpenCASCADE cannot make the solid.
     """
     with _kernel(name) as gmsh:
-        solids = [_extruded(gmsh.model.occ, section) for section in sections]
+        solids = [_extrude(gmsh.model.occ, section) for section in sections]
         if len(solids) > 1:
             solids, _ = gmsh.model.occ.fuse(solids[:1], solids[1:])
         for dimension in (2, 1, 0):  # what bounds no solid: controls of the splines, faces that were joined
@@ -45,7 +45,7 @@ def step_part(name: str, sections: tuple[PartSection, ...], solids_wanted: int =
             )
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.step"
-            with _silenced_stdout():
+            with _silence_stdout():
                 gmsh.write(str(path))
             content = path.read_bytes()
     return _without_session(content, name)
@@ -67,14 +67,14 @@ def read_volume(content: bytes) -> float:
 
 
 def _without_session(content: bytes, name: str) -> bytes:
-    """Take time, folder and counters out of a STEP file."""
+    """Remove time, folder and counters from a STEP file."""
     file_name = f"FILE_NAME('{name}.step','',(''),(''),'','cycloid_mj','');"
     return _PRODUCT.sub(name.encode(), _SESSION.sub(file_name.encode(), content, count=1))
 
 
 @contextmanager
-def _silenced_stdout() -> Iterator[None]:
-    """Keep OpenCASCADE's own messages out of stdout; it writes past Python."""
+def _silence_stdout() -> Iterator[None]:
+    """Redirect the messages of OpenCASCADE, which bypass Python, away from stdout."""
     sys.stdout.flush()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     try:
@@ -115,7 +115,7 @@ def _kernel(name: str) -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _extruded(occ: Any, section: PartSection) -> tuple[int, int]:
+def _extrude(occ: Any, section: PartSection) -> tuple[int, int]:
     loops = [occ.addCurveLoop([_edge(occ, curve, section.z0) for curve in loop]) for loop in section.loops]
     face = occ.addPlaneSurface(loops)
     height = (section.z1 - section.z0) * MILLIMETRES

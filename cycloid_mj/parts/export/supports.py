@@ -1,4 +1,4 @@
-"""Supports on the plate: under each face in mid-air a ring or a disc that breaks away, a layer lower."""
+"""Break-away supports on the plate: a ring or disc one layer below each overhanging face."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,22 +9,22 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, circle, mesh
 from cycloid_mj.parts.polygon import signed_area, within
 
-UNDER, BESIDE = 0.2e-3, 0.4e-3
-"""Gap of a support below its face, a layer, and beside walls, a line of a nozzle of 0.4 mm (both assumed) [m]."""
+GAP_BELOW, GAP_ASIDE = 0.2e-3, 0.4e-3
+"""Gap of a support below its face (a layer) and next to walls (a line of a 0.4 mm nozzle), both assumed [m]."""
 
-BRIDGED, LEDGE = 8e-3, 0.5e-3
-"""Diameter of a hole whose end a printer bridges, and width of a ledge that it needs no support for (assumed) [m]."""
+MAX_BRIDGE, MAX_LEDGE = 8e-3, 0.5e-3
+"""Diameter of hole ends and width of ledges that are printed without support (assumed) [m]."""
 
-SLIVER = 1e-12
-"""Twice the area of triangles that are corners in line [m2]: they face nowhere."""
+SLIVER_AREA = 1e-12
+"""Twice the area below which a triangle has no direction [m2]."""
 
-ROUND = 1e-8
-"""Within which all corners of a circle are as far from its middle [m]."""
+CIRCLE_TOLERANCE = 1e-8
+"""Largest difference of the radii of the vertices of a circle [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Overhang:
-    """A face that looks down in mid-air: its height [m], its outline, the outlines of holes in it, its area [m2]."""
+    """An overhanging face: its height [m], outline, outlines of its holes, and area [m2]."""
 
     z: float
     outline: Array
@@ -33,11 +33,11 @@ class Overhang:
 
 
 def overhangs(shape: Mesh) -> Iterator[Overhang]:
-    """Yield the faces of a part on the plate that look down above it; those that a printer bridges are left out."""
+    """Yield the overhanging faces of a part on the plate, without those that are printed as bridges."""
     corners = shape.vertices[shape.faces]
     a, b, c = corners.transpose(1, 0, 2)
     level = np.ptp(corners[..., 2], axis=1) == 0.0
-    down = level & (np.cross(b - a, c - a)[:, 2] < -SLIVER) & (a[:, 2] > 0.0)
+    down = level & (np.cross(b - a, c - a)[:, 2] < -SLIVER_AREA) & (a[:, 2] > 0.0)
     for z in np.unique(a[down, 2]):
         loops = list(_loops(shape, shape.faces[down & (a[:, 2] == z)]))
         outlines = [loop for loop in loops if signed_area(loop) > 0.0]
@@ -50,13 +50,13 @@ def overhangs(shape: Mesh) -> Iterator[Overhang]:
 
 
 def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
-    """Draw what stands under a round face of a part as it lies, on the plate or on the part; nothing where none can."""
+    """Return the support under a round face of a part, on the plate or on the part; None if impossible."""
     outer = _circle_of(under.outline)
     if not outer:
         return None
     (middle, radius), inner = outer, _largest(under.holes)
     width = radius - (inner[1] if inner else 0.0)
-    gap = min(BESIDE, 0.25 * width)
+    gap = min(GAP_ASIDE, 0.25 * width)
     outline = circle(radius - gap, chord_error, middle)
     holes: tuple[Array, ...] = ()
     if inner:
@@ -68,12 +68,12 @@ def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
     if len(floors) > 1:
         return None
     floor = floors.pop()
-    low = floor + UNDER if floor else 0.0
-    return mesh(Prism(outline, holes, low, under.z - UNDER)) if low < under.z - UNDER else None
+    low = floor + GAP_BELOW if floor else 0.0
+    return mesh(Prism(outline, holes, low, under.z - GAP_BELOW)) if low < under.z - GAP_BELOW else None
 
 
 def _loops(shape: Mesh, faces: Array) -> Iterator[Array]:
-    """Yield the closed borders (n, 2) of triangles (m, 3) that look down, the face on their left as seen from above."""
+    """Yield the closed borders (n, 2) of downward triangles (m, 3), with the face on the left seen from above."""
     edges = {(int(end), int(start)) for face in faces for start, end in zip(face, np.roll(face, -1), strict=True)}
     following = {start: end for start, end in edges if (end, start) not in edges}
     while following:
@@ -85,29 +85,29 @@ def _loops(shape: Mesh, faces: Array) -> Iterator[Array]:
         yield shape.vertices[loop, :2]
 
 
-def _is_bridged(one: Overhang) -> bool:
-    """Tell whether a printer needs nothing under a face: the end of a small hole, or a narrow ledge."""
-    outer, inner = _circle_of(one.outline), _largest(one.holes)
+def _is_bridged(face: Overhang) -> bool:
+    """Return whether a face is printed without support: the end of a small hole, or a narrow ledge."""
+    outer, inner = _circle_of(face.outline), _largest(face.holes)
     if not outer:
         return False
-    return outer[1] - inner[1] <= LEDGE if inner else 2.0 * outer[1] <= BRIDGED
+    return outer[1] - inner[1] <= MAX_LEDGE if inner else 2.0 * outer[1] <= MAX_BRIDGE
 
 
 def _largest(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:
-    """Return middle and radius of the largest round hole of a face [m]; supports pass under smaller ones."""
+    """Return centre and radius of the largest round hole of a face [m]; supports continue under smaller holes."""
     circles = [one for hole in holes if (one := _circle_of(hole))]
     return max(circles, key=lambda one: one[1], default=None)
 
 
 def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
-    """Return middle and radius of a closed loop [m], if it is a circle."""
+    """Return centre and radius of a closed loop [m] if it is a circle, else None."""
     x, y = loop.mean(axis=0)  # corners of circles are even
-    apart = np.hypot(loop[:, 0] - x, loop[:, 1] - y)
-    return ((float(x), float(y)), float(apart.mean())) if np.ptp(apart) < ROUND else None
+    radii = np.hypot(loop[:, 0] - x, loop[:, 1] - y)
+    return ((float(x), float(y)), float(radii.mean())) if np.ptp(radii) < CIRCLE_TOLERANCE else None
 
 
 def _floors(solid: Solid, points: Array, z: float) -> set[float]:
-    """Collect the heights of what is below points (n, 2) at a height [m]: 0, the plate, or a face of the part."""
+    """Return the heights of the plate (0) or of faces of the part below points (n, 2) at a height [m]."""
     heights = np.zeros(len(points))
     for prism in solid.prisms:
         if prism.z1 <= z:

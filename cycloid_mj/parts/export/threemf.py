@@ -1,4 +1,4 @@
-"""A plate of parts as 3MF (Core Specification 1.3): each an object of its own, by its name, in millimetres."""
+"""A plate of parts as 3MF (Core Specification 1.3): one named object per part, in millimetres."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -24,13 +24,13 @@ MODEL = "3D/3dmodel.model"
 
 
 def threemf_bytes(plate: PrintPlate) -> bytes:
-    """Encode a plate; of several alike, the copies are numbered."""
+    """Encode a plate; copies of a part are numbered."""
     texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate)}
     return zipped({name: text.encode() for name, text in texts.items()})
 
 
 def _model(plate: PrintPlate) -> str:
-    """Write objects and where they lie: as their coordinates say. A part and its supports are moved as one."""
+    """Write the objects at their coordinates; a part and its supports are one object."""
     objects: list[str] = []
     built: list[int] = []
     for name, mesh, supports in zip(_names(plate), plate.meshes, plate.supports, strict=True):

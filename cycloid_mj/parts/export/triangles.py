@@ -11,7 +11,7 @@ _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attrib
 
 
 def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
-    """Encode a mesh as binary STL, its vertices [m] times `scale`, in single precision as the format wants."""
+    """Encode a mesh as binary STL, its vertices [m] times `scale`, in the single precision of the format."""
     corners = shape.vertices[shape.faces] * scale
     triangles = np.zeros(len(corners), _TRIANGLE)
     triangles["normal"] = _normals(corners)
@@ -20,12 +20,12 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
 
 
 def read_stl(content: bytes) -> Array:
-    """Compute the corners (m, 3, 3) of the triangles of a binary STL, as its length unit has them.
+    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit.
 
     Raises
     ------
     DesignError
-        It is no binary STL.
+        The content is not a binary STL.
     """
     count = int.from_bytes(content[80:84], "little")
     if len(content) != 84 + count * _TRIANGLE.itemsize:
@@ -44,7 +44,7 @@ def _normals(corners: Array) -> Array:
 
 
 def obj_bytes(shape: Mesh, name: str, scale: float = 1.0) -> bytes:
-    """Encode a mesh as OBJ, with every digit of every vertex: its vertices [m] times `scale`."""
+    """Encode a mesh as OBJ with full precision, its vertices [m] times `scale`."""
     vertices = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in (shape.vertices * scale + 0.0).tolist())
     faces = "".join(f"f {a} {b} {c}\n" for a, b, c in (shape.faces + 1).tolist())
     return f"# cycloid_mj\no {name}\n{vertices}{faces}".encode()
