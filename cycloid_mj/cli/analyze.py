@@ -28,13 +28,12 @@ LogName = Annotated[str, Parameter(metavar="RUN.mcap", help="Log of a run, writt
 
 
 def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Compare a logged run with the closed form.
+    """Compare a logged run with closed-form results.
 
-    The log alone is read. Over the hold phase: transmission error and speed of the output and the
-    gear (Hsieh 2014, Eq. 12), path and speed of the point q (Eqs 16-18 at the
-    measured crank angle), contacts, pin 1, torques and losses; over the ramp:
-    the path of q. The log of a run that was stopped is judged as far as it
-    goes; one that ended in its ramp, over the ramp.
+    Only the log is read. For the hold phase: transmission error and speed of output and disc (Hsieh 2014, Eq. 12),
+    path and speed of the point q (Eqs 16-18 at the measured crank angle), contacts, pin 1, torques and losses. For
+    the ramp: the path of q. A log of an interrupted run is evaluated up to its end; if it ends in the ramp, over the
+    ramp.
     """
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
@@ -63,7 +62,7 @@ def outcome_of(findings: "Findings") -> Outcome:
     if findings.timestep_for:
         notes.append(f"time step {findings.timestep}, for {findings.timestep_for}")
     if findings.wall_s is not None:
-        step = f"{findings.steps} steps of {findings.timestep_s * 1e6:g} us"
+        step = f"{findings.steps} time steps of {findings.timestep_s * 1000000.0:g} us"
         notes.append(f"{step} in {findings.wall_s:.1f} s of wall time")
     return Outcome(
         title=f"{findings.design}, {findings.condition_words}",

@@ -17,23 +17,26 @@ EXAMPLES = """Examples:
 FRAMES, RATE, WIDTH = 90, 25, 640
 MOST_FRAMES, MOST_TURNS = 20_000, 10_000.0
 
-MovieName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Film to write, .gif or .mp4.")]
+MovieName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Animation to write, .gif or .mp4.")]
 MagnifyFlag = Annotated[
     float,
-    Parameter(
-        metavar="X", help="How many times as wide gaps and clearances are drawn: 1 um cannot be seen. Default: 1."
-    ),
+    Parameter(metavar="X", help="Scale of gaps and clearances in the drawing (1 um is invisible). Default: 1."),
 ]
 FramesFlag = Annotated[
     int,
     Parameter(
-        metavar="N", converter=whole, validator=within(1, MOST_FRAMES), help=f"Frames at the most. Default: {FRAMES}."
+        metavar="N",
+        converter=whole,
+        validator=within(1, MOST_FRAMES),
+        help=f"Maximum number of frames. Default: {FRAMES}.",
     ),
 ]
 TurnsFlag = Annotated[
     float,
     Parameter(
-        metavar="X", validator=within(1e-3, MOST_TURNS), help="Crank turns, from the settled hold on. Default: 1."
+        metavar="X",
+        validator=within(1e-3, MOST_TURNS),
+        help="Number of crank turns, from the start of the steady part of the run. Default: 1.",
     ),
 ]
 RateFlag = Annotated[
@@ -53,7 +56,7 @@ DiscFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(1, 4),
-        help="Which of several discs is shown with its forces; the others are outlines. Default: 1.",
+        help="Number of the disc that is drawn with its forces; other discs are outlines. Default: 1.",
     ),
 ]
 WidthFlag = Annotated[
@@ -80,11 +83,10 @@ def animate(
     disc: DiscFlag = 1,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Draw a logged run in motion, with forces and loads.
+    """Draw an animation of a logged run with forces and loads.
 
-    It needs no display. With --magnify each gap between the gear and what
-    touches it is drawn that many times as wide; an overlap is elastic approach.
-    MP4 needs: pip install 'cycloid-mj[video]'.
+    No display is needed. --magnify enlarges each gap between the disc and the parts that touch it; overlaps are
+    elastic approach. MP4 requires pip install 'cycloid-mj[video]'.
     """
     from cycloid_mj.log import read
     from cycloid_mj.plots.animation import film, take

@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 
 FAILURE = 1
 
-ABOUT = """Simulate cycloidal speed reducers in MuJoCo and compare with theory.
+ABOUT = """Design and simulate cycloidal speed reducers.
 
-Results go to stdout, progress and messages to stderr. Exit code: 0 done,
-1 failed, 2 wrong usage. `cycloid-mj COMMAND --help` tells all of a command.
+Results are printed on stdout, progress and messages on stderr. Exit code: 0 success,
+1 failure, 2 wrong usage. `cycloid-mj COMMAND --help` explains a command.
 """
 
-EXAMPLES = """Start with:
-  cycloid-mj simulate --design pin    # the paper's reducer
-  cycloid-mj design new my            # edit this: my.toml
-  cycloid-mj statics my.toml          # what its data sheet will have
-  cycloid-mj app --design my.toml     # the same in the browser"""
+EXAMPLES = """Examples:
+  cycloid-mj simulate --design pin    # simulate a published reducer
+  cycloid-mj design new my            # write a design file: my.toml
+  cycloid-mj statics my.toml          # compute its main figures
+  cycloid-mj app --design my.toml     # edit it in the browser"""
 
-ABOUT_PAPERS = """Run a published paper again and judge its claims.
+ABOUT_PAPERS = """Reproduce a published paper and evaluate its claims.
 
-Papers are packages of their own, found by entry points of the group cycloid_mj.papers.
+Papers are separate packages, registered as entry points of the group cycloid_mj.papers.
 """
 
 ABOUT_COMPLETION = "Install completion of commands, flags and files for this shell."
@@ -163,7 +163,10 @@ def _has_command(paper: "Paper") -> bool:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
         page.flowing(trial[REPRODUCE]).assemble_argument_collection()
     except Exception as problem:
-        warn(f"paper {paper.key}", [f"left out, since its command {paper.command!r} takes no flags: {problem}"])
+        warn(
+            f"paper {paper.key}",
+            [f"ignored: its command {paper.command!r} cannot be read as a command with flags ({problem})"],
+        )
         return False
     return True
 
@@ -172,7 +175,7 @@ def _unfolded(words: list[str]) -> list[str]:
     """Return a command line with the group before a command that was called without it."""
     if not words or (group := FOLDED.get(words[0])) is None:
         return words
-    tell(f"warning: {words[0]} is called {' '.join(group)} now")
+    tell(f"warning: `{words[0]}` is now `{' '.join(group)}`; the old name will be removed in the next release")
     return [*group, *words[1:]]
 
 
@@ -181,7 +184,7 @@ def _renamed(word: str) -> str:
     flag, equals, value = word.partition("=")
     if (name := RENAMED.get(flag)) is None:
         return word
-    tell(f"warning: {flag} is called {name} now")
+    tell(f"warning: {flag} is now {name}; the old name will be removed in the next release")
     return f"{name}{equals}{value}"
 
 

@@ -95,4 +95,4 @@ class _Part(Progress):
 
 def _stopped(jobs: Mapping[Design, Path], stop: KeyboardInterrupt) -> str:
     folder = next(iter(jobs.values())).parent
-    return f"stopped by {cause(stop)}; the logs of the runs so far are in {folder}"
+    return f"stopped by {cause(stop)}; the logs of the finished part are in {folder}"

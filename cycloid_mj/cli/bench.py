@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
 """What a calibration leaves, after the design's name."""
-UNTRIED = "whether the design serves, by its checks, statics and reduce, was not tried"
+UNTRIED = "the calibrated design was not tested by its checks, statics and reduce"
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
 
 LoopFlag = Annotated[
@@ -30,35 +30,37 @@ LoopFlag = Annotated[
     Parameter(
         name="--loop",
         metavar="LOOP.csv",
-        help="Measured loop: columns torque_output_Nm, deflection_deg, in the order of time, from one end of the "
-        "torque to the other and back. Repeatable: loops of one drive are fitted together.",
+        help="CSV file of a measured loop with the columns torque_output_Nm and deflection_deg, in order of "
+        "time, from one end of the torque range to the other and back. Repeatable: all loops are fitted "
+        "together.",
     ),
 ]
 FitFlag = Annotated[
     str,
     Parameter(
         metavar="KEY,...",
-        help="What to fit: play (teeth and holes alike), structure_stiffness, drag, drag_travel, hysteresis, "
-        "hysteresis_travel (the default); mesh_play, output_play, cam_play, tooth_stiffness; in place of hysteresis "
-        "load_friction (a share of the torque), or "
-        "friction of the contacts and material_loss; or numbers of the design file, such as clearance.output_um.",
+        help="Comma-separated parameters to fit. Default: play (teeth and holes together), "
+        "structure_stiffness, drag, drag_travel, hysteresis, hysteresis_travel. Also mesh_play, "
+        "output_play, cam_play, tooth_stiffness; instead of hysteresis: load_friction (a share of the "
+        "torque), or friction (of the contacts) and material_loss; and numeric keys of the design file, "
+        "e.g. clearance.output_um.",
     ),
 ]
 HeldFlag = Annotated[
     Literal["crank", "output"],
     Parameter(
-        help="Which shaft the bench held: the crank, with the torque on the output; or the output, with the motor "
-        "turning the crank: torque times the ratio, angle over it. Default: crank."
+        help="Shaft that was locked on the bench: crank (torque on the output), or output (the motor turns "
+        "the crank; torque times the ratio, angle divided by it). Default: crank."
     ),
 ]
 CrankFlag = Annotated[
-    float, Parameter(metavar="X", help="Angle at which the crank was held, or started [deg]. Default: 0.")
+    float, Parameter(metavar="X", help="Crank angle at which the crank was locked, or started [deg]. Default: 0.")
 ]
 LossesFlag = Annotated[
     bool,
     Parameter(
-        help="Fit four kinds of losses to the same loops, and tell which explain them: constant friction, friction of "
-        "the contacts, hysteresis of the material, both."
+        help="Fit four loss models to the same loops and compare them: constant friction, contact friction, "
+        "material hysteresis, both."
     ),
 ]
 TeFlag = Annotated[
@@ -66,14 +68,15 @@ TeFlag = Annotated[
     Parameter(
         name="--te",
         metavar="TE.csv",
-        help="Measured transmission error of the output: columns crank_deg, te_arcsec, over at least a turn of the "
-        "crank; the output's angle less its ideal one, counter-clockwise.",
+        help="CSV file of the measured transmission error of the output with the columns crank_deg and "
+        "te_arcsec, over at least one crank turn: output angle minus ideal angle, counter-clockwise "
+        "positive.",
     ),
 ]
 LoadFlag = Annotated[
     float | None,
     DesignValue("load", "torque", nonzero=True).flag(
-        "Torque on the output under which it was measured", ". Default: load.torque_nm, or 1 % of the rated."
+        "Output torque of the measurement", ". Default: load.torque_nm, or 1 % of the rated."
     ),
 ]
 
@@ -116,15 +119,14 @@ def calibrate(
 ) -> int:
     """Fit clearances, stiffness and friction to measured loops.
 
-    The model is static: contacts with their clearances, a structure that gives,
-    friction that remembers and comes on over a travel. With --fit friction it is
-    that of teeth, holes and cam, and grows with the load; with material_loss the
-    material loses some too. Each loop has an offset of its own.
-    Written are the calibrated design, a JSON file, a table of residuals, a figure
-    and a page: play, stiffness and Coulomb friction as the measured loop and the
-    fitted one show them, every value with its interval of 95 %, which of them the
-    loop cannot tell apart, and what to measure next. A design on which statics at
-    the loop's torque or reduce would stop is told, and the exit code is 1.
+    The model is quasi-static: contacts with clearances, a compliant structure, and friction with hysteresis that
+    develops over a travel. With --fit friction, the friction acts at teeth, holes and cam and grows with the load;
+    with material_loss, the material dissipates energy too. Each loop has its own offset.
+
+    Writes the calibrated design, a JSON file, a table of residuals, a figure and a page: play, stiffness and Coulomb
+    friction of the measured and of the fitted loop, every parameter with its 95 % confidence interval, parameters
+    that the loop does not distinguish, and suggested further measurements. Exits with code 1 if the calibrated
+    design cannot be balanced at the loop's torque or reduced to a joint.
     """
     import math
 
@@ -135,12 +137,17 @@ def calibrate(
     from cycloid_mj.cli.progress import counted
 
     if not math.isfinite(crank_deg):
-        raise UsageError(f"--crank-deg {crank_deg:g}: give an angle in degrees")
+        raise UsageError(
+            f"--crank-deg {crank_deg:g} is not a finite number: give an angle in degrees, e.g. --crank-deg 0"
+        )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
     loops = [read_loop(path) for path in loop]
     names = [one.name for one in loops]
     if len(set(names)) < len(names):
-        raise UsageError(f"two loops are called {max(names, key=names.count)}: give their files names of their own")
+        raise UsageError(
+            f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
+            "results can be distinguished"
+        )
     design = chosen.sound()
     parameters(Reducer(design), keys, loops)  # refuses a wrong one
     name = calibrated_name(Reducer(design))
@@ -152,7 +159,7 @@ def calibrate(
         )
     except CalibrationStopped as stop:
         write(_calibrated(stop.calibration, place), place, silent)
-        raise RunError(f"stopped by {cause(stop)}; what was fitted by then is in {place.folder}") from stop
+        raise RunError(f"stopped by {cause(stop)}; the fit at that time is in {place.folder}") from stop
     if losses:
         write(_calibrated(calibration, place), place, silent)
         try:
@@ -163,14 +170,15 @@ def calibrate(
             )
         except KeyboardInterrupt as stop:
             raise RunError(
-                f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {place.folder}"
+                f"stopped by {cause(stop)}; the calibration and the losses fitted by then are in {place.folder}"
             ) from stop
     try:
         unusable = _unusable(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
         write(_calibrated(calibration, place), place, silent)
         raise RunError(
-            f"stopped by {cause(stop)}; the calibration is in {place.folder}, whether its design serves was not tried"
+            f"stopped by {cause(stop)}; the calibration is in {place.folder}, but its design was not tested "
+            "(checks, statics, reduce)"
         ) from stop
     return deliver(_calibrated(calibration, place, unusable), place, delivery)
 
@@ -180,7 +188,7 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     from cycloid_mj.cli.progress import underway
 
     most = max(loop.most for loop in calibration.fitted.loops)
-    with underway("calibrate: trying the design by its checks, statics and reduce", quiet):
+    with underway("calibrate: testing the design with its checks, statics and reduce", quiet):
         flaw = _flaw(Reducer(calibration.design), most)
     if flaw is None:
         return ()
@@ -189,18 +197,19 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
         model = fitted.model
         for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
             model = model if other == one else other.put(model, value)
-        with underway(f"calibrate: trying it with {one.key} as drawn, {number} of {len(fitted.parameters)}", quiet):
+        with underway(f"calibrate: testing it with the drawn {one.key}, {number} of {len(fitted.parameters)}", quiet):
             serves = _flaw(model.reducer, most) is None
         if serves:
             blamed.append(one.key)
     estimates = calibration.estimates
     values = " or ".join(
-        f"{key} as drawn instead of {estimates[key].value:.4g} {estimates[key].unit}".removesuffix(" 1")
+        f"the drawn {key} instead of {estimates[key].value:.4g} {estimates[key].unit}".removesuffix(" 1")
         for key in blamed
     )
-    softer = ", or fit structure_stiffness in its place" if blamed == ["tooth_stiffness"] else ""
-    why = f"with {values} it would serve: leave that out of --fit{softer}" if blamed else "no value alone is to blame"
-    return (f"the calibrated design is of no use: {flaw}; {why}",)
+    softer = ", or fit structure_stiffness instead" if blamed == ["tooth_stiffness"] else ""
+    remedy = f"with {values} it can be used: omit that parameter from --fit{softer}"
+    why = remedy if blamed else "no fitted value alone is the cause; fit other parameters (--fit)"
+    return (f"the calibrated design cannot be used: {flaw}; {why}",)
 
 
 def _flaw(reducer: Reducer, torque: float) -> str | None:
@@ -252,7 +261,8 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
         failures=unusable or (),
         warnings=[
             *(
-                f"the loop cannot tell {one} from {other}: correlation {size:.3f}"
+                f"the loop does not distinguish {one} and {other} (correlation {size:.3f}): fit one of them, or "
+                "measure another loop"
                 for one, other, size in calibration.alike
             ),
             *(
@@ -260,7 +270,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
                 if calibration.unidentified
                 else []
             ),
-            *(f"the model does not follow the loop: {sentence}" for sentence in calibration.misfits),
+            *(f"the model does not fit the loop: {sentence}" for sentence in calibration.misfits),
         ],
         headline=_headline(calibration),
         tables=[*calibration.tables(), quantity_table("figures of the calibrated design", figures.values())],
@@ -306,12 +316,11 @@ def compare_bench(
     load_nm: LoadFlag = None,
     delivery: Annotated[BenchDelivery, FLAT] = COMPARED,
 ) -> int:
-    """Hold a measured transmission error against a design.
+    """Compare a measured transmission error with the model.
 
-    The file has the columns crank_deg and te_arcsec. Beside it stands the static
-    balance of the design under the load; the crank's zero, which a bench does not
-    share, is fitted. For each order: both amplitudes, their phase, what share of
-    the measured power the model explains, and what can give that order.
+    The file has the columns crank_deg and te_arcsec. The model is the static equilibrium of the design under the
+    load; the zero angle of the crank, which a bench does not know, is fitted. Reported for each order: both
+    amplitudes, their phase, the share of the measured variance that the model explains, and possible causes.
     """
     from cycloid_mj.bench import compare_bench as compared
     from cycloid_mj.bench import read_te
@@ -324,8 +333,8 @@ def compare_bench(
     place = claimed(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)
     outcome = Outcome(
-        title=f"transmission error of {design.name} against {te}",
-        headline={"of the measured variance, the model explains": f"{comparison.whole:.1%}"},
+        title=f"transmission error of {design.name}, compared with {te}",
+        headline={"share of the measured variance that the model explains": f"{comparison.whole:.1%}"},
         summary=[f"the model explains {comparison.whole:.1%} of the measured curve's variance"],
         tables=[comparison.table()],
         pictures={stem: partial(encode_figure, comparison_figure(comparison))},

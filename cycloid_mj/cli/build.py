@@ -58,15 +58,13 @@ def build(
     plain_coacd: PlainFlag = False,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Make a model folder that any MuJoCo opens: DIR/scene.xml.
+    """Write a model folder for any MuJoCo installation: DIR/scene.xml.
 
-    The parts collide by convex meshes: working surfaces cut by curvature
-    into slices, CoACD for the rest. With them come keyframes (home, rest_90,
-    ..., 1640rpm_0, ...), sensors, a speed servo on the crank and the load's
-    torque on the output. manifest.json tells versions, settings and how far
-    each convex surface leaves the true one, measured along its normals. A
-    decomposition worse than its bound is an error and writes nothing. The
-    same design and settings give the same bytes.
+    The parts collide by convex meshes: working surfaces are divided into slices by their curvature, the rest is
+    decomposed by CoACD. The model has keyframes (home, rest_90, ..., 1640rpm_0, ...), sensors, a speed servo on the
+    crank and the load torque on the output. manifest.json lists versions, settings and the deviation of each convex
+    surface from the true surface, along its normals. If a decomposition exceeds its error bound, the command fails
+    and writes nothing. The same design and settings give identical files.
     """
     from dataclasses import replace
 

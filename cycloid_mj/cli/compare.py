@@ -67,7 +67,7 @@ DesignsOrLogs = Annotated[
     str,
     Parameter(
         metavar="DESIGN|RUN.mcap",
-        help=f"Two or more designs ({NAMES}, TOML files), which are run; or logs of such runs, which are read.",
+        help=f"Two or more designs (presets {NAMES}, or TOML files) to simulate, or logs of earlier runs to read.",
     ),
 ]
 
@@ -81,18 +81,20 @@ class CompareOptions:
     load_nm: Annotated[
         float | None,
         LOAD.flag(
-            "Torque of the loaded runs; 0: no loaded runs, those at no load alone",
+            "Load torque of the loaded runs; 0: unloaded runs only",
             f". Default: the first design's {RATED}.",
         ),
     ] = None
     timestep_us: Annotated[
         float | None,
         TIMESTEP.flag(
-            "Time step; the first design's holds for all",
-            ". Default: what each run takes; by the planar solver 5 or less for all, as moving pins need.",
+            "Time step of all runs",
+            ". Default: chosen for each run; with the planar solver at most 5 us for all, as moving pins require.",
         ),
     ] = None
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None
+    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed of all runs, by default that of the first design")] = (
+        None
+    )
     ramp_s: Annotated[
         float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
     ] = None
@@ -100,24 +102,24 @@ class CompareOptions:
         float | None,
         HOLD.flag(
             "Duration at constant speed",
-            f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 of pin); "
-            f"{IDLE_TURNS} at no load (0.1198).",
+            f". Default: {TURNS} crank turns after the load has been applied and settled for one turn "
+            f"(0.2661 of pin); {IDLE_TURNS} without load (0.1198).",
         ),
     ] = None
     q: PointFlag = None
     sweep: Annotated[
         bool,
         Parameter(
-            help="Vary contact damping (ratio 0.1, 1), friction of teeth and sockets (0, 0.1) and the pins' "
-            "freedom (fixed) one at a time, to show what decides the rankings. Five times the runs."
+            help="Vary contact damping (ratio 0.1, 1), friction of teeth and sockets (0, 0.1) and the freedom of "
+            "the pins (fixed) one at a time, to show what decides the ranking. Five times as many runs."
         ),
     ] = False
     quick: Annotated[
         bool,
         Parameter(
-            help="Leave out how far the dynamic figures move with creep speed and contact damping, for which the "
-            f"loaded runs are repeated with each, and run {QUICK_STARTS} starts at no load: the order of the designs "
-            "is then not determined there."
+            help="Skip the repeated loaded runs that show the sensitivity to creep speed and contact damping, "
+            f"and run only {QUICK_STARTS} starts without load: the ranking of unloaded results is then "
+            "undetermined."
         ),
     ] = False
 
@@ -148,9 +150,9 @@ class CompareDelivery(Delivery):
         str | None,
         Parameter(
             metavar="DIR",
-            help="Folder of logs, figures, compare.json and compare.csv, made if there is none. "
-            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
-            "the first log's path with -compare for .mcap.",
+            help="Folder of logs, figures, compare.json and compare.csv; it is created if it does not exist. "
+            f"Default: {RUNS}, or the first unused of {RUNS}-2, ...; for logs, the path of the first log "
+            "with -compare instead of .mcap.",
         ),
     ] = None
 
@@ -164,46 +166,39 @@ def compare(
     options: Annotated[CompareOptions, FLAT] = DEFAULT,
     delivery: Annotated[CompareDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Run designs at no load and under load, side by side.
+    """Compare designs in simulations without load and under load.
 
-    Of the runs, for each load: errors of gear speed, path and speed of q,
-    transmission error, contacts and forces, and vibration, which is the
-    acceleration of the gear's centre and of the output about their closed
-    forms; and the catalogue's figures of each design (`cycloid-mj figures`).
-    Then, for a pin and a nonpin design, which of the paper's findings on
-    vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers. A
-    last table says how far each dynamic figure moves when creep speed and
-    damping ratio of the contacts, which are assumed, go to the other end of
-    their range; it holds for these designs, load and speed only. A figure for
-    each measure, and one of the relative curvature of the contact lines, go
-    to --out.
+    For each load: errors of disc speed, path and speed of q, transmission error, contacts and forces, and vibration
+    (acceleration of the disc centre and of the output relative to their closed forms); and the figures of geometry
+    and statics (`cycloid-mj figures`). For a pin and a nonpin design: which findings of the paper on vibration
+    (Hsieh 2014, Figs 6-8) the runs confirm. A last table lists how far each dynamic figure changes when creep speed
+    and damping ratio of the contacts, which are assumed, move to the other end of their range; it is valid for these
+    designs, load and speed only. Figures of each measure and of the relative curvature are written to --out.
 
-    The motion at no load is chaotic. Each design has 8 independent starts
-    there (gravity turned by whole tooth pitches), and each figure is stated
-    as least to largest over them, and mean. Designs are ranked where all
-    starts of the one lie beyond all of the other by more than 5 %; else, and
-    with fewer starts, the order is not determined. A log is one start. Under
-    load a rank test (5 %) of the rms values of the crank turns decides.
+    Without load the motion is chaotic, so each design is run from 8 independent starts (gravity turned by whole
+    tooth pitches), and each figure is given as minimum, maximum and mean. Designs are ranked if all starts of one
+    lie beyond all starts of the other by more than 5 %; otherwise, or with fewer starts, the order is undetermined. A
+    log is one start. Under load, a rank test (5 %) on the rms values of the crank turns decides.
 
-    A pin and a nonpin design are joined by a third: the nonpin design with the
-    pin design's total play and series stiffness. What is left between it and
-    the pin design is the effect of the design apart from its clearance.
+    For a pin and a nonpin design, a third design is added: the nonpin design with the total play and series
+    stiffness of the pin design. Its difference from the pin design is the effect of the design without that of the
+    clearance.
 
-    Every design runs under the settings of the first one (drive, load,
-    environment, settings); --set changes every design. Signals are logged at
-    20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
-    10 kHz. Logs of further starts and of varied contacts hold samples and
-    design alone, no frames for viewers.
+    Every design is run with the settings of the first (drive, load, environment, settings); --set changes every
+    design. Signals are logged at 20 kHz (unless --set settings.log_rate_hz), so vibration is resolved up to 10 kHz.
+    Logs of additional starts and of varied contacts contain samples and design only, no frames for viewers.
     """
     q = point(options.q)
     designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
     if logs and len(logs) < len(designs):
-        raise UsageError(f"{logs[0]} is a log, {_first_design(designs)} a design: give designs only, or logs only")
+        raise UsageError(
+            f"{logs[0]} is a log, but {_first_design(designs)} is a design: give designs only, or logs only"
+        )
     if len(designs) < 2:
-        raise UsageError("a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin")
+        raise UsageError("a comparison needs at least two designs, e.g. cycloid-mj compare pin nonpin")
     if logs and options.for_runs:
-        raise UsageError("logs are read as they are: of the flags for runs, give --q alone with them")
+        raise UsageError("flags of simulations have no effect on logs: with logs, only --q is allowed")
     if logs:
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
@@ -345,7 +340,7 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
         measured[design] = trial.measures
         if design in plan.starts:
             motions[design] = motion
-    as_it_is = Variation("", "as it is", ())
+    as_it_is = Variation("", "unchanged", ())
 
     def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
         """List designs with one variation and the measures of all their starts."""
@@ -372,7 +367,7 @@ def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]
 
     run = read(log)
     if not run.complete:
-        raise LogError(f"the run of {log} did not reach its end ({run.note}): run it again to compare it")
+        raise LogError(f"the run in {log} is incomplete ({run.note}): simulate it again to compare it")
     motion = settled(run, q)
     return motion, Trial(motion.design, measure(motion, str(log)))
 

@@ -41,37 +41,38 @@ class Listed(NamedTuple):
         app.command(f"cycloid_mj.cli.{self.function}", name=name, group=group, sort_key=place, help=self.line)
 
 
-BEGIN = "Begin with"
-PAPER_AND_LOG = "Paper and log"
-HERE = "This installation"
+BEGIN = "Start with"
+PAPER_AND_LOG = "Paper and logs"
+HERE = "Installation"
 
 GROUPS: Mapping[str, Mapping[str, Listed]] = {
     BEGIN: {
-        "design": Listed("Make a design file, print one, or check one.", "design:commands"),
-        "statics": Listed("Compute what a data sheet has of a reducer, in a second.", "statics:statics"),
-        "simulate": Listed("Run a design, log it, and compare the run with the closed form.", "simulate:simulate"),
-        "report": Listed("Write the review of one or more logged runs as one HTML page.", "review:report"),
-        "app": Listed("Design a drive on a page in the browser.", "serve:app"),
+        "design": Listed("Create, print and check design files.", "design:commands"),
+        "statics": Listed(
+            "Compute data-sheet figures without a simulation, in a second.",
+            "statics:statics",
+        ),
+        "simulate": Listed("Simulate a design, log the run, and compare it with theory.", "simulate:simulate"),
+        "report": Listed("Write an HTML report of one or more logged runs.", "review:report"),
+        "app": Listed("Open the browser app: from requirements to a finished design.", "serve:app"),
     },
     "Design": {
-        "figures": Listed("List the figures that commands print, limit and vary, by key.", "figures:figures"),
+        "figures": Listed("List all figures that commands print, limit and vary, by key.", "figures:figures"),
         "rate": Listed("Rate life, fatigue, wear and heat, the weakest item first.", "rate:rate"),
-        "datasheet": Listed("Write a data sheet, as makers of reducers do: PDF and HTML.", "datasheet:datasheet"),
+        "datasheet": Listed("Write a data sheet in the style of makers: PDF and HTML.", "datasheet:datasheet"),
     },
     "Analyse": {
         "measure": Listed("Measure one figure by simulation, with its error and its closed form.", "measure:commands"),
-        "protocol": Listed("Tell what makers state of a reducer, from model and bench.", "protocol:protocol"),
+        "protocol": Listed("Evaluate standard test figures of the model and of a bench.", "protocol:protocol"),
         "stress": Listed("Compute the stress of the parts by finite elements.", "stress:stress"),
-        "compare": Listed("Run designs at no load and under load, side by side.", "compare:compare"),
-        "validate": Listed(
-            "Compare the simulation with closed forms, independent solvers and published cases.", "validate:validate"
-        ),
+        "compare": Listed("Compare designs in simulations without load and under load.", "compare:compare"),
+        "validate": Listed("Compare the simulation with closed forms and published cases.", "validate:validate"),
     },
     "Simulate": {
-        "analyze": Listed("Compare a logged run with the closed form.", "analyze:analyze"),
-        "animate": Listed("Draw a logged run in motion, with forces and loads.", "animate:animate"),
-        "render": Listed("Render a moment of a logged run with MuJoCo.", "render:render"),
-        "view": Listed("Open MuJoCo's viewer on a design, or replay a log there.", "view:view"),
+        "analyze": Listed("Compare a logged run with closed-form results.", "analyze:analyze"),
+        "animate": Listed("Draw an animation of a logged run with forces and loads.", "animate:animate"),
+        "render": Listed("Render an image of a logged run with MuJoCo.", "render:render"),
+        "view": Listed("Open the MuJoCo viewer on a design, or replay a log in it.", "view:view"),
     },
     "Explore": {
         "sweep": Listed("Evaluate a design over a grid, a sample or a table of parameter values.", "sweep:sweep"),
@@ -80,20 +81,20 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
             "Find the best design within ranges, or a Pareto front of two objectives.", "optimize:optimize"
         ),
     },
-    "Make": {
-        "export": Listed("Write every part of a design for CAD or printing.", "export:export"),
-        "build": Listed("Make a model folder that any MuJoCo opens: DIR/scene.xml.", "build:build"),
+    "Manufacture": {
+        "export": Listed("Write the parts of a design for CAD or 3-D printing.", "export:export"),
+        "build": Listed("Write a model folder for any MuJoCo installation: DIR/scene.xml.", "build:build"),
     },
     "Robot": {
-        "reduce": Listed("Reduce a reducer to one joint for a robot's model.", "reduce:reduce"),
+        "reduce": Listed("Reduce a drive to one joint for a robot model.", "reduce:reduce"),
         "calibrate": Listed("Fit clearances, stiffness and friction to measured loops.", "bench:calibrate"),
         "compare-bench": Listed(
-            "Hold a measured transmission error against a design.", "bench:compare_bench", "TE_EXAMPLES"
+            "Compare a measured transmission error with the model.", "bench:compare_bench", "TE_EXAMPLES"
         ),
     },
     PAPER_AND_LOG: {
-        "log": Listed("Tell what is in a log, get it out, or make a cut log whole.", "log:commands"),
+        "log": Listed("Inspect, convert and repair logs.", "log:commands"),
     },
-    HERE: {"doctor": Listed("Look at this installation, and test it.", "doctor:doctor")},
+    HERE: {"doctor": Listed("Check the installation and report missing components.", "doctor:doctor")},
 }
 """Group -> name -> command, in the order of the list; the paper's own command comes first in its group."""

@@ -26,7 +26,7 @@ class Sheets(Delivery):
 SHEETS = Sheets()
 
 LifeFlag = Annotated[
-    float | None, Parameter(metavar="X", help="Hours that the rated torque is for. Default: service.life_h.")
+    float | None, Parameter(metavar="X", help="Required life at the rated torque [h]. Default: service.life_h.")
 ]
 
 EXAMPLES = """Examples:
@@ -40,18 +40,17 @@ def datasheet(
     life_h: LifeFlag = None,
     delivery: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
-    """Write a data sheet, as makers of reducers do: PDF and HTML.
+    """Write a data sheet in the style of makers: PDF and HTML.
 
-    Rated torque for a life (service.life_h), solved for with the items of `rate`, momentary torque,
-    lost motion, stiffness, efficiency, backlash, mass, inertia, curves, and a
-    dimensioned drawing. Every number is this model's, by statics, and has its
-    condition beside it.
+    Rated torque for a required life (service.life_h), found with the checks of `rate`; momentary torque, lost
+    motion, stiffness, efficiency, backlash, mass, inertia, curves and a dimensioned drawing. All values are computed
+    by statics and stated with their conditions.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.life.datasheet import datasheet as computed
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
-        raise UsageError(f"--life-h {life_h:g}: give a number more than 0")
+        raise UsageError(f"--life-h {life_h:g} is out of range: it must be more than 0")
     design = chosen.sound()
     stem = f"{design.name}-datasheet"
     place = claimed(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)

@@ -104,9 +104,12 @@ def claimed_page(
         return None
     named = wanted.html or ()
     if len(named) > 1:
-        raise UsageError(f"--html takes one file, got {', '.join(named)}")
+        raise UsageError(f"--html takes one file, but {len(named)} are given ({', '.join(named)}): give one")
     if named and named[0] in PRESETS:
-        raise UsageError(f"--html {named[0]} is a design: name it before the flags, or the page {named[0]}.html")
+        raise UsageError(
+            f"--html {named[0]} would name the page after a preset: put the design before the flags, or name "
+            f"the page {named[0]}.html"
+        )
     path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
     require_ending(path, ".html")
     if not resumed:

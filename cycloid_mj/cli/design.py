@@ -36,7 +36,7 @@ EXAMPLES = """Examples:
 
 def commands(sort_key: int) -> App:
     """Build the commands about design files; `sort_key` is their place in the help."""
-    about = "Make a design file, print one, or check one."
+    about = "Create, print and check design files."
     app = App(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     parts: tuple[Callable[..., int], ...] = (new, show, check)
     for place, command in enumerate(parts):
@@ -47,11 +47,10 @@ def commands(sort_key: int) -> App:
 
 
 def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Print the complete, commented design file of a preset or of a file, with the changes of --set.
+    """Print the complete, commented design file of a preset or a file, including changes by --set.
 
-    Each value that the paper (Hsieh 2014) does not give is marked as
-    assumed. A file may leave keys out: they keep the values of the preset pin.
-    JSON has its tables and keys; --out writes the file, too.
+    Values that the paper (Hsieh 2014) does not give are marked as assumed. Keys that a file omits have the values of
+    the preset pin. JSON has the tables and keys of the file; --out writes the file as well.
     """
     design = chosen.resolved()
     text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
@@ -66,18 +65,16 @@ def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery
 
 
 def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Make every check of a design, and sum the design up.
+    """Check a design, and summarize it.
 
-    For each check that fails or warns: the value, its limit, the reason, and what
-    to change; --all lists the others too. First come those of whether it can be built, then those that decide
-    how well it works at its rated torque (drive torque times the ratio), by
-    statics with the real clearances, friction and errors, and whether it lasts
-    there: life, heat, strength, and twice that torque held once; these only warn.
+    Each failed check or warning is printed with its value, limit, reason and remedy; --all adds passed checks. The
+    first checks decide whether the design can be built (errors). The others are warnings: how well it works at its
+    rated torque (drive torque times ratio), by statics with the real clearances, friction and errors, and whether it
+    meets its life there: life, temperature, strength, and twice that torque as a peak.
 
-    The summary tells ratio, size, mass, what carries, backlash, the capacity (the
-    torque at which a contact first yields), and what fails first: the weakest item
-    of `cycloid-mj rate`, for service.life_h. The exit code is 1 if the design cannot be
-    built, else 0: warnings do not count.
+    The summary lists ratio, size, mass, load sharing, backlash, capacity (torque at which a contact first yields),
+    and the weakest item of `cycloid-mj rate` for service.life_h. The exit code is 1 if the design cannot be built,
+    else 0; warnings do not count.
     """
     from cycloid_mj.life.checks import check_design
 
@@ -169,13 +166,13 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
 def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
     angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
     of = " of each disc" if summed.discs > 1 else ""
-    part = "one and the same part" if summed.one_part else "each a part of its own"
+    part = "identical parts" if summed.one_part else "different parts"
     return [
         *([f"{summed.discs} discs, {part}"] if summed.discs > 1 else []),
         f"ratio {summed.ratio}:1, outer diameter {1e3 * summed.outer_diameter:.4g} mm, mass {summed.mass:.3g} kg",
-        f"at the nominal {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} carry on average,"
-        f" mean pressure angle {angle:.1f} deg",
-        f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
+        f"at the nominal torque of {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} "
+        f"carry load on average, mean pressure angle {angle:.1f} deg",
+        f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m (first yield at {summed.weakest})",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),
         *summed.material_limits,
     ]

@@ -48,11 +48,10 @@ class Finding(NamedTuple):
 
 
 def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Look at this installation, and test it.
+    """Check the installation and report missing components.
 
-    The self-test simulates a millisecond of a reducer and holds it against the
-    closed form; the first one on a machine compiles the contact code for some
-    seconds. The exit code is 1 if something that every command needs is missing.
+    The self-test simulates one millisecond of a reducer and compares it with the closed form; on first use it
+    compiles the contact code, which takes some seconds. The exit code is 1 if a required component is missing.
     """
     from cycloid_mj.base.frame import framed
 
@@ -88,7 +87,9 @@ def _versions() -> Iterator[Finding]:
 def _cache() -> Iterator[Finding]:
     from cycloid_mj.base.compiling import cacheable
 
-    kept = "compiled code is kept" if cacheable() else "no folder can be written: set NUMBA_CACHE_DIR to one that can"
+    kept = (
+        "compiled code is cached" if cacheable() else "no folder is writable: set NUMBA_CACHE_DIR to a folder that is"
+    )
     yield Finding("compile cache", cacheable(), False, kept)
 
 
@@ -106,7 +107,7 @@ def _self_tested() -> str:
     from cycloid_mj.dynamics.contact import collider, each_step
 
     with collider.installed(), each_step.installed():
-        return f"release {mujoco.__version__} passes: the places in its structures, gaps and forces are right"
+        return f"release {mujoco.__version__} passes: memory layout, gaps and forces are as expected"
 
 
 def _simulated() -> str:
@@ -119,10 +120,8 @@ def _simulated() -> str:
     run = simulate(design)
     error = float(abs(run["gear_angle"] + run["crank_angle"] / design.lobes).max())
     if not error < MOST_ERROR:
-        raise CycloidError(
-            f"the gear of the self-test is {error:.3g} rad off its closed form; install the package anew"
-        )
-    return f"{len(run.time)} samples, the gear within {error:.1g} rad of the closed form"
+        raise CycloidError(f"the disc of the self-test is {error:.3g} rad from its closed form; reinstall the package")
+    return f"{len(run.time)} samples, disc angle within {error:.1g} rad of the closed form"
 
 
 def _rendering() -> Iterator[Finding]:
@@ -133,7 +132,7 @@ def _rendering() -> Iterator[Finding]:
         "with opengl(model, 64, 64): pass"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    last = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "the driver ended the process"
+    last = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "the graphics driver ended the process"
     well = done.returncode == 0
     yield Finding("rendering (render, animate, view)", well, False, "off-screen OpenGL works" if well else last)
 
@@ -141,5 +140,5 @@ def _rendering() -> Iterator[Finding]:
 def _extras() -> Iterator[Finding]:
     for extra, modules in EXTRAS.items():
         missing = [module for module in modules if find_spec(module) is None]
-        extras = f"without {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
+        extras = f"missing {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
         yield Finding(f"extra {extra}", not missing, False, extras)

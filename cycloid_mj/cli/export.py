@@ -50,7 +50,7 @@ OutFlag = Annotated[
     str | None,
     Parameter(
         metavar="DIR",
-        help="Folder for the parts, made if there is none. Default: <design>-<format>.",
+        help="Folder of the parts; it is created if it does not exist. Default: <design>-<format>.",
     ),
 ]
 ChordFlag = Annotated[
@@ -58,26 +58,27 @@ ChordFlag = Annotated[
     Parameter(
         metavar="X",
         validator=within(SMALLEST_UM, LARGEST_UM),
-        help="Largest distance of straight edges from the true outline [um], for stl, obj, svg and --polylines. "
-        "Default: 1.",
+        help="Maximum distance between straight edges and the true outline [um], for stl, obj, svg and "
+        "--polylines. Default: 1.",
     ),
 ]
 PlateFlag = Annotated[
     bool,
     Parameter(
         negative=(),
-        help="Also write plate.stl and plate.3mf, all parts of plastics (where there are none, all that are made), "
-        "side by side and flat on z = 0, for a printer, in the second by their names; and bom.csv, the bill of "
-        "materials: item, count, size, material, made or bought, designation and fit of what is in stock.",
+        help="Also write plate.stl and plate.3mf, all plastic parts (all manufactured parts, if none is of "
+        "plastic) next to each other and flat on z = 0 for a printer, in plate.3mf with their names; "
+        "and bom.csv, the bill of materials with item, count, size, material, made or bought, "
+        "designation and fit.",
     ),
 ]
 AssemblyFlag = Annotated[
     bool,
     Parameter(
         negative=(),
-        help="Also write assembly.step: every part in its place at crank angle 0, by its name and in a colour (extra "
-        "cad), with the design's own clearances, without --offset-um; exploded.png, the drive put together and taken "
-        "apart; and assembly.txt, how it is put together in ten steps.",
+        help="Also write assembly.step (every part in its position at crank angle 0, with name and colour "
+        "and the design's own clearances, without --offset-um; requires the extra cad), exploded.png "
+        "(the drive assembled and exploded) and assembly.txt (assembly instructions in ten steps).",
     ),
 ]
 OffsetFlag = Annotated[
@@ -85,16 +86,16 @@ OffsetFlag = Annotated[
     Parameter(
         metavar="X",
         validator=within(0.0, LARGEST_OFFSET_UM),
-        help="Make every clearance of the outlines this much wider than the design asks for [um], for what the printer "
-        "puts on; press fits stay. Default: 0.",
+        help="Increase of every clearance of the outlines [um], to compensate for material that the printer "
+        "adds; press fits are unchanged. Default: 0.",
     ),
 ]
 MotorFlag = Annotated[
     Literal["auto", "nema17", "nema23", "circle"],
     Parameter(
-        help="Motor: nema17, nema23, or circle (a bolt circle, no motor shaft). The shaft is bored for the motor's "
-        "shaft if it is thick enough; --plate and --assembly add the motor's flange. Default: auto, the largest that "
-        "fits."
+        help="Motor: nema17, nema23 or circle (a bolt circle, no motor shaft). The input shaft gets a bore "
+        "for the motor shaft if it is thick enough; --plate and --assembly add the motor flange. "
+        "Default: auto, the largest motor that fits."
     ),
 ]
 CamFlag = Annotated[
@@ -103,8 +104,9 @@ CamFlag = Annotated[
         name="--cam-bearing-bore-mm",
         metavar="X",
         validator=within(SMALLEST_BORE_MM, LARGEST_BORE_MM),
-        help="Bore of the cam's rolling bearing, by its catalogue [mm]; with --plate: cams are made as thick as that. "
-        "Default: that of the bearing in stock with the outside 2 gear.bore_radius_mm; if none, as thick as that.",
+        help="Bore of the rolling bearing on the cam, from its catalogue [mm]; with --plate, the cams have "
+        "this diameter. Default: the bore of the stock bearing with the outer diameter 2 "
+        "gear.bore_radius_mm; without one, 2 gear.bore_radius_mm.",
     ),
 ]
 
@@ -123,37 +125,26 @@ def export(
     cam_bearing_bore_mm: CamFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write every part of a design for CAD or printing.
+    """Write the parts of a design for CAD or 3-D printing.
 
-    Parts: housing, shaft, gear, output, and pin (one of N) where the ring has
-    pins; a ring in two halves is housing_1 and housing_2, with pins as long as one.
-    Several discs are gear_1, gear_2, ..., on a crank built up of the shaft, cam_1,
-    cam_2, ... and spacer. Rollers of output pins are output_roller
-    (one for each pin and disc) where output.core_radius_mm is given; else pin and
-    roller are one cylinder of the output. The outlines contain the clearances that
-    the design asks for; what they really contain is measured and told. A part that
-    is not watertight, or has the wrong volume or clearance, is an error and writes
-    nothing.
+    Parts: housing, shaft, gear (the disc), output, and pin (one of N) if the ring has pins. A ring in two halves is
+    housing_1 and housing_2, with pins of half the length. Several discs are gear_1, gear_2, ..., on a crank of shaft,
+    cam_1, cam_2, ... and spacer. Rollers of output pins are output_roller (one for each pin and disc) if
+    output.core_radius_mm is set; otherwise pin and roller are one cylinder of the output. The outlines contain the
+    clearances of the design; the actual clearances are measured and reported. A part that is not watertight, or has
+    a wrong volume or clearance, is an error, and nothing is written.
 
-    With --plate and --assembly the drive can be put together: the ring has the
-    holes of screws and dowels, a cover on either side, the motor's with its
-    flange and the shaft's bearing, the other with both bearings of the output's
-    hub, on which its flange is screwed; each part that is made is a file
-    of the format then, as it is made. Where they have no room, a warning says
-    why, and the mechanism comes without them. On the plate, each part stands on
-    its larger end; round parts are on it if they are of a plastic, and bought
-    otherwise; output pins that are bought have bores to be pressed into. Cams are
-    as thick as the bore of their bearing, or where none in stock has the gear's
-    bore as its outside, and none is given, as that. Of plastics, coupon_block.stl
-    and coupon_pin.stl come with the plate: the first of three sockets in which
-    the pin turns tells --offset-um. Under faces of plastic in mid-air stand rings
-    and discs that break away, 0.2 mm below and 0.4 mm beside; ends of holes up to
-    8 mm are bridged. Thin walls, small holes and faces that no such support can
-    hold are warnings.
+    With --plate or --assembly, the parts can be assembled: the ring gets holes for screws and dowels, and a cover on
+    each side (one with motor flange and shaft bearing, one with both bearings of the output hub, to which the output
+    flange is screwed). If these do not fit, a warning states the reason and the mechanism is written without them.
+    On the plate, each part stands on its larger end; round parts are included if they are of plastic, otherwise they
+    are bought; bought output pins are pressed into bores. For plastics, coupon_block.stl and coupon_pin.stl are added:
+    the first of three sockets in which the pin turns gives --offset-um. Overhanging plastic faces get break-away
+    supports, 0.2 mm below and 0.4 mm next to them; ends of holes up to 8 mm are bridged. Thin walls, small holes and
+    faces that cannot be supported are warnings.
 
-    JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
-    --plate also plate (file, size [m], parts: name -> count) and bom (item,
-    count, size, material, made_or_bought, designation, fit).
+    JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with --plate also plate (file, size [m],
+    parts: name -> count) and bom (item, count, size, material, made_or_bought, designation, fit).
     """
     from cycloid_mj.base.units import MILLIMETRES
     from cycloid_mj.parts import fuse
@@ -171,7 +162,7 @@ def export(
     from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings, prints_plastic
 
     if cam_bearing_bore_mm is not None and not plate:
-        raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
+        raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
     if polylines and format_ != "dxf":
         raise UsageError(f"--polylines is an option of --format dxf, not of {format_}: remove it, or use --format dxf")
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 NeedFlag = Annotated[
     Literal["geometry", "statics", "life", "stress", "run"] | None,
-    Parameter(name="--need", help="Only the figures that are computed from this. Default: all."),
+    Parameter(name="--need", help="Only figures that are computed from this. Default: all."),
 ]
 
 EXAMPLES = """Examples:
@@ -28,13 +28,12 @@ HEADER = ("key", "unit", "needs", "definition")
 
 
 def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """List the figures that commands print, limit and vary, by key.
+    """List all figures that commands print, limit and vary, by key.
 
-    A key ends in its unit, and means the same number in `statics`, `sweep
-    --measure`, `optimize`, `tolerance` and the data sheet. What a figure needs
-    says what it costs: geometry milliseconds, statics tenths of a second, life a
-    second, stress (finite elements) and a run minutes. JSON has the older keys
-    of each figure too, which flags still take.
+    A key ends in its unit and denotes the same figure in `statics`, `sweep --measure`, `optimize`, `tolerance` and
+    the data sheet. The column "needs" shows the cost: geometry takes milliseconds, statics tenths of a second, life
+    a second, stress (finite elements) and run (simulation) minutes. JSON includes former keys, which are still
+    accepted.
     """
     from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import FIGURES

@@ -33,24 +33,28 @@ NAMES = ", ".join(PRESETS)
 
 DesignFlag = Annotated[
     str,
-    Parameter(name="--design", metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file. --design may be left out."),
+    Parameter(
+        name="--design",
+        metavar="NAME|FILE",
+        help=f"Design: a preset ({NAMES}) or a TOML file; --design itself can be omitted.",
+    ),
 ]
 PresetFlag = Annotated[
     str,
     Parameter(
         name="--design",
         metavar="NAME|FILE",
-        help=f"Design: {NAMES}, or a TOML file. --design may be left out. Default: pin.",
+        help=f"Design: a preset ({NAMES}) or a TOML file; --design itself can be omitted. Default: pin.",
     ),
 ]
-DesignNames = Annotated[str, Parameter(metavar="NAME|FILE...", help=f"Designs: {NAMES}, or TOML files.")]
+DesignNames = Annotated[str, Parameter(metavar="NAME|FILE...", help=f"Designs: presets ({NAMES}) or TOML files.")]
 SeveralFlag = Annotated[
     tuple[str, ...],
     Parameter(
         name="--design",
         metavar="NAME|FILE",
         consume_multiple=True,
-        help="Designs, as by their names alone. Repeatable.",
+        help="Designs, the same as by position. Repeatable.",
     ),
 ]
 """Of a command that takes several designs, which `DesignNames` gives by position."""
@@ -60,7 +64,7 @@ SetFlag = Annotated[
     Parameter(
         name="--set",
         metavar="TABLE.KEY=VALUE",
-        help="Change one value of the design, in the words of its file, e.g. load.torque_nm=36. May be repeated.",
+        help="Change of one value of the design, named as in the design file, e.g. load.torque_nm=36. Repeatable.",
     ),
 ]
 PointFlag = Annotated[
@@ -69,20 +73,20 @@ PointFlag = Annotated[
         name="--q",
         metavar="X,Y",
         allow_leading_hyphen=True,
-        help="Point q of the gear [mm], in the gear's frame, e.g. 26,0 or -3,4.5. Default: the hole centre on +y.",
+        help="Point q of the disc [mm], in the disc's frame, e.g. 26,0 or -3,4.5. Default: the centre of the "
+        "hole on +y.",
     ),
 ]
-JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object and nothing else on stdout.")]
+JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object on stdout, and nothing else.")]
 ForceFlag = Annotated[
     bool,
     Parameter(
         name="--force",
-        help="Replace results of the same names, which is refused otherwise; never a file that this command reads, "
-        "nor one of another kind.",
+        help="Overwrite existing results; never an input of this command, or a file of another type.",
     ),
 ]
-AllFlag = Annotated[bool, Parameter(name="--all", help="Show all tables and notes, not the headline alone.")]
-QuietFlag = Annotated[bool, Parameter(name="--quiet", help="No progress and no messages but errors on stderr.")]
+AllFlag = Annotated[bool, Parameter(name="--all", help="Print all tables and notes, not only the headline.")]
+QuietFlag = Annotated[bool, Parameter(name="--quiet", help="Print errors only on stderr, no progress and no warnings.")]
 """`cycloid_mj.cli.app.main` keeps back what `note` writes, and warnings."""
 HtmlFlag = Annotated[
     tuple[str, ...] | None,
@@ -90,8 +94,8 @@ HtmlFlag = Annotated[
         name="--html",
         metavar="[FILE]",
         consume_multiple=True,
-        help="Write one HTML page. FILE may be left out: the page is then named after the design, or the "
-        "command that has none, in the folder of --out or in runs.",
+        help="Write an HTML page. Default of FILE: a page named after the design or the command, in the "
+        "folder of --out or in runs.",
     ),
 ]
 FollowFlag = Annotated[
@@ -99,9 +103,10 @@ FollowFlag = Annotated[
     Parameter(
         name="--follow",
         metavar="KEY=FORMULA",
-        help="A key that changes with those that vary, by numbers and keys with + - * / and brackets: "
-        "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'. KEY alone: output.hole_radius_mm keeps the "
-        "room that its pin has, drive.torque_nm the rated torque on the output. Repeatable.",
+        help="Key that is computed from the varied keys, by numbers, keys, + - * / and parentheses: "
+        "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'. Without a formula, "
+        "output.hole_radius_mm keeps the clearance around its pin, and drive.torque_nm keeps the rated "
+        "torque on the output. Repeatable.",
     ),
 ]
 
@@ -147,7 +152,7 @@ WorkersFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(1, MOST_WORKERS),
-        help="Pieces of work at once on this machine, at most. Default: one a core.",
+        help="Number of parallel workers. Default: number of CPU cores.",
     ),
 ]
 
@@ -200,7 +205,7 @@ class DesignValue:
 
     def flag(self, text: str, rest: str = "") -> Parameter:
         """Declare the flag; `text` says what it is, `rest` what follows its limits, if not the design's value."""
-        default = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} of pin)."
+        default = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
         help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
@@ -218,7 +223,7 @@ LOADED = DesignValue("load", "torque", positive=True)
 """The same for what is computed under a load alone."""
 
 RATED = "rated torque, drive.torque_nm times the ratio (36.68 of pin)"
-STEP = "; 0: the longest at which the design's figures hold"
+STEP = "; 0: the longest step at which the results are accurate"
 
 
 Values = Sequence[tuple[DesignValue, float | None]]
@@ -281,8 +286,8 @@ PRESET = PresetOptions()
 
 def out_flag(files: str, usual: str = "") -> Parameter:
     """Declare ``--out``: the folder of `files`, by default `usual`, or none."""
-    default = f"Default: {usual}." if usual else "Default: nothing is written."
-    return Parameter(metavar="DIR", help=f"Folder of {files}, made if there is none. {default}")
+    default = f"Default: {usual}." if usual else "Default: no files are written."
+    return Parameter(metavar="DIR", help=f"Folder of {files}; it is created if it does not exist. {default}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,15 +323,17 @@ class ClusterDelivery(Delivery):
         str | None,
         Parameter(
             metavar="HOST:PORT",
-            help="Scheduler of a running Dask cluster, whose workers do the work instead; they need the same versions "
-            "of the packages. pip install 'cycloid-mj[cluster]'.",
+            help="Address of the scheduler of a Dask cluster that does the work; its workers need the same "
+            "package versions. Requires pip install 'cycloid-mj[cluster]'.",
         ),
     ] = None
 
     def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
         """Choose the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
         if self.workers and self.scheduler is not None:
-            raise UsageError("--scheduler has workers of its own: leave --workers out")
+            raise UsageError(
+                "--scheduler and --workers exclude each other: a cluster has its own workers. Omit --workers"
+            )
         return Engine(self.workers or 0, kind, self.scheduler or "")
 
 
@@ -334,7 +341,10 @@ def require_distinct(designs: Iterable[Design]) -> None:
     """Raise UsageError where two designs have one name, and so would share their files."""
     names = [design.name for design in designs]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+        raise UsageError(
+            f"two designs have the name {twice!r}, so they would share their files: change `name` in one of "
+            "the design files"
+        )
 
 
 def point(text: str | None) -> tuple[float, float] | None:
@@ -344,16 +354,16 @@ def point(text: str | None) -> tuple[float, float] | None:
     try:
         x, y = (float(word) for word in text.split(","))
     except ValueError:
-        raise UsageError(f"--q {text!r}: expected X,Y in mm, e.g. --q 26,0") from None
+        raise UsageError(f"--q {text!r} is not a point: give X,Y in mm, e.g. --q 26,0") from None
     if not (abs(x) <= LARGEST_Q and abs(y) <= LARGEST_Q):
-        raise UsageError(f"--q {text}: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
+        raise UsageError(f"--q {text} is out of range: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
     return x / 1e3, y / 1e3
 
 
 StudySolverFlag = Annotated[
     Literal["planar", "mujoco"],
     Parameter(
-        help="What takes the steps of the runs. planar: a compiled solver of the planar equations of motion, much "
-        "cheaper. mujoco: MuJoCo. Default: planar."
+        help="Solver of the simulations: planar (fast, compiled, planar equations of motion) or mujoco. "
+        "Default: planar."
     ),
 ]

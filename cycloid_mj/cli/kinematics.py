@@ -36,8 +36,7 @@ UntilFlag = Annotated[
     Parameter(
         metavar="T",
         validator=within(SHORTEST, LONGEST),
-        help=f"Time of the last sample at the latest [s], from {SHORTEST:g} to {LONGEST:g}. "
-        "Default: ramp and hold of the design.",
+        help=f"Time of the last sample [s], from {SHORTEST:g} to {LONGEST:g}. Default: ramp and hold of the design.",
     ),
 ]
 StepFlag = Annotated[
@@ -45,8 +44,8 @@ StepFlag = Annotated[
     Parameter(
         metavar="DT",
         validator=within(SHORTEST, LONGEST),
-        help=f"Time from one sample to the next [s], from {SHORTEST:g} to {LONGEST:g}. "
-        "Default: one degree of crank at full speed (0.000101626 s at 1640 rpm).",
+        help=f"Time between samples [s], from {SHORTEST:g} to {LONGEST:g}. Default: one degree of crank at "
+        "full speed (0.000101626 s at 1640 rpm).",
     ),
 ]
 
@@ -56,21 +55,21 @@ def kinematics(
     *,
     q: PointFlag = None,
     csv: CsvFlag,
-    ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0: full speed at once")] = None,
+    ramp_s: Annotated[
+        float | None, RAMP.flag("Duration of the linear ramp from rest; 0: constant speed from the start")
+    ] = None,
     until_s: UntilFlag = None,
     step_s: StepFlag = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the ideal motion of a point q of the gear as CSV.
+    """Write the ideal motion of a point q of the disc as CSV.
 
-    Columns: t_s, crank_rad, x_mm, y_mm, vx_mm_s, vy_mm_s, ax_mm_s2, ay_mm_s2
-    (Hsieh 2014, Eqs 16, 17, 19, corrected; where the ring turns and the carrier
-    is held, the gear does not turn), with x to the right, y up and the
-    crank counter-clockwise. The origin is that of Eq. 16, the initial gear
-    centre: add the eccentricity to y_mm for positions from the reducer's axis.
-    Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
-    digit.
+    Columns: t_s, crank_rad, x_mm, y_mm, vx_mm_s, vy_mm_s, ax_mm_s2, ay_mm_s2 (Hsieh 2014, Eqs 16, 17, 19, corrected;
+    if the ring is the output, the disc does not turn). x points to the right, y up, and the crank turns
+    counter-clockwise. The origin is that of Eq. 16, the initial centre of the disc: add the eccentricity to y_mm for
+    positions from the axis of the reducer. Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers are written
+    with all digits.
     """
     design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
@@ -102,7 +101,9 @@ def _step(design: Design, step: float | None) -> float:
     if step is not None:
         return step
     if design.drive.speed == 0.0:
-        raise UsageError("drive.speed_rpm is 0, so a degree of crank takes no time: give --step-s or --speed-rpm")
+        raise UsageError(
+            "drive.speed_rpm is 0, so there is no time step of one degree of crank: give --step-s or --speed-rpm"
+        )
     return math.radians(1.0) / abs(design.drive.speed)
 
 
@@ -110,7 +111,7 @@ def _rows(until: float, step: float) -> int:
     rows = math.floor(until / step + ROUNDING) + 1
     if rows > MOST_ROWS:
         raise UsageError(
-            f"--until-s {until:g} in steps of {step:g} s gives {rows:.3g} rows, more than {MOST_ROWS}: "
-            "enlarge --step-s or shorten --until-s"
+            f"--until-s {until:g} with a step of {step:g} s gives {rows:.3g} rows; at most {MOST_ROWS} are "
+            "allowed: increase --step-s or reduce --until-s"
         )
     return rows

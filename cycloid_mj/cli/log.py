@@ -37,7 +37,9 @@ LEAST_RATE, LARGEST_RATE = 0.1, 1e5
 ColumnsFlag = Annotated[
     str | None,
     Parameter(
-        name="--columns", metavar="A,B,...", help="Columns after the time, e.g. gear_speed,gear_x. Default: all."
+        name="--columns",
+        metavar="A,B,...",
+        help="Columns to write after the time, e.g. gear_speed,gear_x. Default: all.",
     ),
 ]
 SceneFlag = Annotated[
@@ -46,15 +48,15 @@ SceneFlag = Annotated[
         name="--scene-hz",
         metavar="X",
         validator=within(LEAST_RATE, LARGEST_RATE),
-        help="Frames of the 3-D scene per simulated second, made anew from the columns; for slow motion, e.g. 2000. "
-        "Default: as the log has them, or 60.",
+        help="Frames of the 3-D scene per simulated second, recomputed from the columns; 2000 for slow "
+        "motion. Default: the frames of the log, or 60.",
     ),
 ]
 
 
 def commands(sort_key: int) -> App:
     """Build the commands about logs; `sort_key` is their place in the help."""
-    about = "Tell what is in a log, get it out, or make a cut log whole."
+    about = "Inspect, convert and repair logs."
     app = App(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
     for place, command in enumerate(subcommands):
@@ -64,9 +66,9 @@ def commands(sort_key: int) -> App:
 
 
 def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Print what a log holds: its run, topics, attachments and provenance.
+    """Print the contents of a log: run, topics, attachments and provenance.
 
-    A cut log tells how far it could be read.
+    For a truncated log, it reports how far the log can be read.
     """
     from cycloid_mj.log import load
 
@@ -74,7 +76,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
     place = claimed(delivery, f"{Path(log).stem}-info")
     run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
-    span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second"
+    span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
     topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
     topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in contents.viewers.items()]
     attached = tuple((name, f"{len(data):,}") for name, data in run.attachments.items())
@@ -94,7 +96,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
 
 
 def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """List the columns of a log: topic, name and unit."""
+    """List the columns of a log with topic, name and unit."""
     from cycloid_mj.base.frame import framed
     from cycloid_mj.log import load
 
@@ -122,7 +124,7 @@ def csv(
     columns: ColumnsFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the time [s] and columns of a log as CSV, every digit of every number."""
+    """Write time [s] and columns of a log as CSV, with all digits."""
     run = _read(log)
     written = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
     claim_csv(out, delivery.force, "--out")
@@ -140,9 +142,9 @@ def parquet(
     columns: ColumnsFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the time [s] and columns of a log as Parquet; units and provenance are its metadata.
+    """Write time [s] and columns of a log as Parquet, with units and provenance as metadata.
 
-    It needs DuckDB: pip install 'cycloid-mj[parquet]'.
+    Requires DuckDB: pip install 'cycloid-mj[parquet]'.
     """
     from cycloid_mj.log.parquet import write_parquet
 
@@ -161,16 +163,16 @@ def repair(
     scene_hz: SceneFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write a cut log anew and whole, up to its last whole chunk, with every topic and attachment.
+    """Repair a truncated log: write a complete one up to its last complete chunk.
 
-    With --scene-hz also a whole log is written anew, with more or fewer frames
-    of the 3-D scene. The log itself is left as it is.
+    All topics and attachments are preserved. With --scene-hz, a complete log is rewritten too, with more or fewer
+    frames of the 3-D scene. The original log is unchanged.
     """
     from cycloid_mj.log import load, write
 
     contents = load(log)
     if contents.whole and scene_hz is None:
-        note(f"{log} is whole: there is nothing to repair")
+        note(f"{log} is complete: nothing to repair")
         return deliver_files(f"nothing to repair: {log}", [], claimed_page(delivery, "repaired"), delivery)
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
@@ -185,15 +187,14 @@ def rerun(
     log: LogName,
     /,
     out: Annotated[
-        str | None, Parameter(name="--out", metavar="FILE", help="Recording to write. Default: RUN.rrd.")
+        str | None, Parameter(name="--out", metavar="FILE", help="Recording for Rerun to write. Default: RUN.rrd.")
     ] = None,
     *,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write a recording for Rerun (.rrd): the moving parts, the forces and every column.
+    """Write a recording for Rerun (.rrd) with moving parts, forces and all columns.
 
-    Rerun opens the log itself too, but shows no parts of it. This needs the
-    Rerun SDK: pip install 'cycloid-mj[rerun]'.
+    Rerun also opens the log itself, but without its parts. Requires the Rerun SDK: pip install 'cycloid-mj[rerun]'.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
@@ -205,10 +206,9 @@ def rerun(
 
 
 def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Print a layout for Foxglove and Lichtblick, with the mechanism and three plots.
+    """Print a layout for Foxglove and Lichtblick with the mechanism and three plots.
 
-    Import it there once: their own 3-D view starts 20 m away and cuts off what
-    is nearer than 0.5 m.
+    Import it once: the default 3-D view of these programs starts 20 m away and hides everything nearer than 0.5 m.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene.layout import layout as arranged
@@ -232,7 +232,7 @@ def _read(log: str) -> "Run":
 
     run = read(log)
     if not run.complete:
-        note(f"note: the run did not reach its end: {run.note}")
+        note(f"note: the run is incomplete: {run.note}")
     return run
 
 

@@ -100,7 +100,7 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
     def require(_: Any, values: tuple[float, ...] | None) -> None:
         for value in values or ():
             if not value > 0.0:
-                raise ValueError(f"each must be more than 0 [{quantity.symbol}], not {value:g}")
+                raise ValueError(f"each value must be more than 0 [{quantity.symbol}], not {value:g}")
             try:
                 quantity.require(value)
             except ValueError as error:
@@ -111,14 +111,14 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
         metavar="X",
         consume_multiple=True,
         validator=require,
-        help=f"{text} [{quantity.symbol}], each more than 0; one or more. {default}",
+        help=f"{text} [{quantity.symbol}], each more than 0; one or more values. {default}",
     )
 
 
 LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", AT_RATED)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
-    several("--speed-rpm", SPEED, "Crank speeds", "Default: shares of the design's drive.speed_rpm from 0.5 to 1.5."),
+    several("--speed-rpm", SPEED, "Crank speeds", "Default: 0.5 to 1.5 times drive.speed_rpm of the design."),
 ]
 TurnsFlag = Annotated[
     int,
@@ -284,7 +284,7 @@ class EfficiencyOptions(MeasureOptions):
             "--load-nm",
             LOAD,
             "Output torques of the map",
-            f"Default: a quarter, half and all of the {RATED}.",
+            f"Default: 0.25, 0.5 and 1 times the {RATED}.",
         ),
     ] = ()
     speeds_rpm: SpeedsFlag = ()
@@ -349,7 +349,9 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         return _measure(name, [chosen.sound(options.values())], options, delivered)
 
     def many(
-        *designs: Annotated[DesignNames, Parameter(help=f"Designs: {NAMES}, or TOML files. Default: pin and nonpin.")],
+        *designs: Annotated[
+            DesignNames, Parameter(help=f"Designs: presets ({NAMES}) or TOML files. Default: pin and nonpin.")
+        ],
         design: SeveralFlag = (),
         set_: SetFlag = (),
         options: MeasureOptions,

@@ -25,52 +25,74 @@ NewName = Annotated[
     str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
 ]
 FromFlag = Annotated[
-    str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to start from: {NAMES}, or a TOML file.")
+    str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to copy: a preset ({NAMES}) or a TOML file.")
 ]
 RatioFlag = Annotated[
     int | None,
-    Parameter(metavar="N", converter=whole, help="Reduction ratio of a new drive, whole: one pin more than that."),
+    Parameter(
+        metavar="N", converter=whole, help="Reduction ratio of a new drive, an integer; the ring has one pin more."
+    ),
 ]
 RatioRangeFlag = Annotated[
-    str, Parameter(metavar="LOW:HIGH", help="Or a range of ratios, of which the one that bears the most is taken.")
+    str, Parameter(metavar="LOW:HIGH", help="Range of ratios; the ratio with the highest torque is chosen.")
 ]
 DiameterFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Outer diameter [mm]; covers are larger where no screw has room in the ring's wall."),
+    Parameter(
+        metavar="X", help="Outer diameter [mm]; the covers are larger if the wall of the ring has no room for screws."
+    ),
 ]
 LengthFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Most length over all, covers and output flange included [mm]. Default: any."),
+    Parameter(metavar="X", help="Maximum length including covers and output flange [mm]. Default: no limit."),
 ]
 TorqueFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Torque on the output that is borne for the life [N m]; twice that is held once."),
+    Parameter(
+        metavar="X",
+        help="Continuous output torque for the required life [N m]; twice this torque is allowed as a peak.",
+    ),
 ]
-LifeFlag = Annotated[float, Parameter(metavar="X", help="Hours that the torque is to be borne for. Default: 6000.")]
-SpeedFlag = Annotated[float, Parameter(metavar="X", help="Speed of the crank [rpm]. Default: 1500.")]
+LifeFlag = Annotated[float, Parameter(metavar="X", help="Required life at the torque [h]. Default: 6000.")]
+SpeedFlag = Annotated[float, Parameter(metavar="X", help="Crank speed [rpm]. Default: 1500.")]
 BacklashFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Most backlash of the output [arcmin]; clearances follow. Default: any."),
+    Parameter(
+        metavar="X", help="Maximum backlash of the output [arcmin]; it limits the clearances. Default: no limit."
+    ),
 ]
 MaterialFlag = Annotated[
     str,
-    Parameter(metavar="NAME", help="Material of gear and housing, by its name in the library. Default: the process's."),
+    Parameter(
+        metavar="NAME",
+        help="Material of discs and housing, a name of the material library. Default: that of the process.",
+    ),
 ]
 ClearanceFlag = Annotated[
-    float | None, Parameter(metavar="X", help="Clearance of each pair of parts [um]. Default: the process's.")
+    float | None, Parameter(metavar="X", help="Clearance of each pair of parts [um]. Default: that of the process.")
 ]
 FitFlag = Annotated[
-    str, Parameter(metavar="H7/g6", help="Or the fit of each pair at its own size (ISO 286-1): its mean clearance.")
+    str,
+    Parameter(
+        metavar="H7/g6",
+        help="Fit of each pair of parts at its own size (ISO 286-1), instead of a clearance; its mean "
+        "clearance is used.",
+    ),
 ]
 CustomFlag = Annotated[
-    bool, Parameter(negative=(), help="Take any size, not those of pins, bearings and screws in stock.")
+    bool, Parameter(negative=(), help="Allow any size, not only those of pins, bearings and screws in stock.")
 ]
 ProcessFlag = Annotated[
     Literal["steel", "printed", "milled"],
-    Parameter(help="How a new drive is made: materials, clearances, how the pins are held. Default: steel."),
+    Parameter(
+        help="Manufacturing process, which sets materials, clearances and the mounting of the pins. Default: steel."
+    ),
 ]
 DiscsFlag = Annotated[
-    str, Parameter(metavar="N|auto", help="Discs on the crank, 1 to 4, or auto: two where one is too few. Default: 1.")
+    str,
+    Parameter(
+        metavar="N|auto", help="Number of discs, 1 to 4, or auto: two discs where one is not enough. Default: 1."
+    ),
 ]
 
 
@@ -118,33 +140,31 @@ def new(
     set_: SetFlag = (),
     delivery: Annotated[NewDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Write NAME.toml, a complete, commented design file to edit.
+    """Create NAME.toml, a complete, commented design file to edit.
 
-    It starts from a preset or a file (--from; default: pin), or from what is
-    asked of a drive: ratio, outer diameter and torque, which are to be given
-    together, and life, speed, length, backlash, material, clearance. Teeth, pins,
-    eccentricity, width, output pins, bore and shaft are then searched by statics
-    and the items of `cycloid-mj rate`, so that the data sheet of each drive
-    rates it for what was asked. The lightest is written as NAME.toml, each value
-    with its reason beside it; the stiffest and the one with the longest life as
-    NAME-stiffest.toml and NAME-longest-life.toml. Where none holds, the most
-    that goes is told, and what more would take: each of these was tried. The
-    exit code is then 1. The changes of --set come last.
+    It is a copy of a preset or a file (--from; default: pin), or the result of a search from requirements: ratio,
+    outer diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The
+    search varies teeth, pins, eccentricity, width, output pins, bore and shaft with statics and the checks of
+    `cycloid-mj rate`, so that the data sheet of each drive meets the requirements. The lightest drive is NAME.toml,
+    with a reason for each value; the stiffest and the longest-lived are NAME-stiffest.toml and
+    NAME-longest-life.toml. If no drive meets the requirements, the maximum torque and verified alternatives are
+    printed, and the exit code is 1. Changes by --set are applied last.
 
-    A design has one stage, one crank in the middle, pins (or lobes) on the ring,
-    and one lobe fewer on the gear. RV reducers with a planetary stage, tooth
-    differences of 2 or more, and hypocycloid drives with the pins on the gear
-    are not there.
+    A design has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. RV
+    reducers with a planetary stage, tooth differences of 2 or more, and hypocycloid drives with the pins on the disc
+    are not supported.
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
-        raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
+        raise UsageError(f"NAME {name!r} is not allowed: use at most 64 letters, digits, spaces and . _ -, e.g. my")
     if stem in PRESETS:
-        raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
+        raise UsageError(f"NAME {name!r} is the name of a preset: choose another name, e.g. my-{stem}")
     asked = {"--ratio": ratio or ratio_range or None, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
     if all(value is None for value in asked.values()):
         if discs:
-            raise UsageError(f"--discs {discs} is for a new size; of another design it is --set gear.discs={discs}")
+            raise UsageError(
+                f"--discs {discs} applies to new sizes only: to change a copied design, use --set gear.discs={discs}"
+            )
         started = designed(source or "pin", set_, ()).but(name=stem)
         files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}
         copied = {"figures": {}, "why": f"a copy of {source or 'pin'}"}
@@ -152,11 +172,13 @@ def new(
     if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
         missing = " and ".join(flag for flag, value in asked.items() if value is None)
         verb = "are" if " and " in missing else "is"
-        raise UsageError(f"{missing} {verb} missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
+        raise UsageError(
+            f"{missing} {verb} missing: a new size requires --ratio, --diameter-mm and --torque-nm together"
+        )
     if source:
-        raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
+        raise UsageError(f"--from {source} copies a design and --ratio computes a new one: remove one of them")
     if ratio is not None and ratio_range:
-        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} both tell the ratio: leave one of them out")
+        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} exclude each other: remove one of them")
     from cycloid_mj.sizing.answer import answered, best_ratio
     from cycloid_mj.sizing.requirement import required
 
@@ -186,7 +208,7 @@ def new(
         refusal = _refusal(answer, wanted, bool(ratio_range))
         outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
         return deliver(outcome, place, delivery)
-    best = f"of {ratio_range} the ratio {wanted.ratio} bears the most: " if ratio_range else ""
+    best = f"of the ratios {ratio_range}, {wanted.ratio} allows the highest torque: " if ratio_range else ""
     raise DesignError(best + answer.refusal)
 
 
@@ -276,7 +298,7 @@ def _range(text: str) -> tuple[int, int]:
     """Read a range of ratios."""
     match = re.fullmatch(r"(\d+):(\d+)", text)
     if not match:
-        raise UsageError(f"--ratio-range {text!r}: expected LOW:HIGH, two whole numbers, e.g. 18:22")
+        raise UsageError(f"--ratio-range {text!r} is not a range: give LOW:HIGH, two integers, e.g. 18:22")
     return int(match[1]), int(match[2])
 
 
@@ -291,5 +313,5 @@ def _discs(text: str) -> int:
     except ValueError as error:
         raise UsageError(f"--discs: {error}, or auto") from None
     if number < 1:
-        raise UsageError(f"{number} discs are asked for; a crank has from 1 to 4")
+        raise UsageError(f"--discs {number} is out of range: it must be from 1 to 4, or auto")
     return number

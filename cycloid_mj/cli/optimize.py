@@ -169,7 +169,7 @@ def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
         key, equals, wanted = text.partition("=")
         key = key.strip()
         if not equals or not key or not wanted.strip():
-            raise UsageError(f"--vary {text!r}: expected KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+            raise UsageError(f"--vary {text!r} is not a range: give KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
         if key in ranges:
             raise UsageError(f"--vary {key} is repeated: give its range once")
         ranges[key] = wanted.strip()

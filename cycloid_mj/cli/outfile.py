@@ -25,7 +25,7 @@ CsvFlag = Annotated[
         name=("--csv", "--out"),
         metavar="FILE",
         allow_leading_hyphen=True,
-        help="CSV file to write; - is stdout.",
+        help="CSV file to write; - writes to stdout.",
     ),
 ]
 
@@ -45,7 +45,7 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     if file == STDOUT:
         return
     if file.startswith("-") or not file:
-        raise UsageError(f"{flag} {file!r}: expected a file name, or - for stdout")
+        raise UsageError(f"{flag} {file!r} is not a file name: give a file name, or - for stdout")
     require_ending(Path(file), ".csv")
     claim(Path(file), force=force)
 
@@ -82,9 +82,9 @@ def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
     """
     path = Path(name)
     if new_folder(name, what) is None and not path.is_dir():
-        raise CycloidError(f"cannot write {what} to {name}: it is a file; give a folder with --out")
+        raise CycloidError(f"cannot write {what} to {name}: it is a file; choose a folder with --out")
     if not os.access(path, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write {what} to {name}: no permission; choose another folder with --out")
+        raise CycloidError(f"cannot write {what} to {name}: permission denied; choose another folder with --out")
     claim(*(path / file for file in files), force=force)
     if force:
         claim(path, force=True)
@@ -100,7 +100,7 @@ def new_folder(name: str, what: str) -> Path | None:
         make_folder(path)
     except OSError as problem:
         raise CycloidError(
-            f"cannot make the folder {name} for {what}: {reason(problem)}; choose another with --out"
+            f"cannot create the folder {name} for {what}: {reason(problem)}; choose another folder with --out"
         ) from problem
     return path
 
@@ -132,5 +132,5 @@ def _written(file: str) -> Iterator[TextIO]:
             yield stream
     except (OSError, ValueError) as problem:
         raise CycloidError(
-            f"cannot write {file}: {reason(problem)}; give a file in a folder that exists, can be written and has room"
+            f"cannot write {file}: {reason(problem)}; choose a file in a folder that exists, is writable and has space"
         ) from problem

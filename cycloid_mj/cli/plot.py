@@ -23,7 +23,7 @@ OutFlag = Annotated[
     str | None,
     Parameter(
         metavar="DIR",
-        help="Folder for the figures, made if there is none. Default: the log's path without .mcap.",
+        help="Folder of the figures; it is created if it does not exist. Default: the path of the log without .mcap.",
     ),
 ]
 
@@ -37,12 +37,11 @@ def plot(
     format_: FormatFlag = "png",
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Draw the motion of a logged run: crank, gear, point q, pin 1.
+    """Draw the motion in a logged run: crank, disc, point q, pin 1.
 
-    Speed of the crank and of the gear, path and velocity of q, spin and centre
-    of pin 1, each with its closed form, as Hsieh 2014 has them in Figs 5-9,
-    and the transmission error. The paths of the files are printed, one in a line. The log alone is enough;
-    that of a run that ended in its ramp is drawn as far as it goes.
+    Speed of crank and disc, path and velocity of q, spin and centre of pin 1, each with its closed form, as in Hsieh
+    2014, Figs 5-9, and the transmission error. The file names are printed, one per line. Only the log is read; a log
+    that ends in its ramp is drawn up to its end.
     """
     point_q = point(q)
     from cycloid_mj.analysis import judge, series

@@ -50,29 +50,23 @@ def profile(
     part: PartFlag = "gear",
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the outline of the gear as CSV, for CAD or for a check.
+    """Write the outline of the disc as CSV, for CAD or for a check.
 
-    Columns: x_mm, y_mm, nx, ny (outward unit normal), curvature_per_mm
-    (positive where convex). One whole closed outline, clockwise from the
-    valley on +y in the gear's frame, equally spaced by arc length; the first
-    point is not repeated at the end. Numbers have every digit.
+    Columns: x_mm, y_mm, nx, ny (outward unit normal), curvature_per_mm (positive where convex). One closed outline,
+    clockwise from the valley on +y in the disc's frame, equally spaced by arc length; the first point is not repeated
+    at the end. Numbers are written with all digits.
 
-    The outline is the nominal profile, the pin radius away from the path of
-    the pins. The clearance that the parts are cut with (clearance.pin_gear_um
-    or clearance.tooth_um) is NOT in it.
+    The outline is the nominal profile, at the distance of the pin radius from the path of the pins. The clearance
+    with which the parts are cut (clearance.pin_gear_um or clearance.tooth_um) is NOT included.
 
-    With --part ring: the internal gear in the ring's frame, from the tip of
-    the lobe on +y. Normals point into the bore, curvature is positive on the
-    lobes, and a last column, part, is arc, sigma1 or sigma2.
+    With --part ring: the internal gear in the ring's frame, from the tip of the lobe on +y. Normals point into the
+    bore, curvature is positive on the lobes, and a last column, part, is arc, sigma1 or sigma2.
 
-    With --part curvature: one row for each line along which the ideal gear
-    touches pins or ring, at crank angles that divide one mesh period, with
-    the columns crank_deg (counter-clockwise), tooth (1 on +y, clockwise),
-    part (pin, arc, sigma1 or sigma2), phase_deg (0 in a valley of the gear,
-    180 on a lobe's tip), x_mm, y_mm (ring's frame), relative_curvature_per_mm
-    (gear's plus ring's) and pressure_mpa (Hertz's, if the line carried the
-    teeth's working force at the rated torque: working_force.*_n and
-    contact.working_force_n, or ideal sharing).
+    With --part curvature: one row for each line along which the ideal disc touches pins or ring, at crank angles that
+    divide one mesh period, with the columns crank_deg (counter-clockwise), tooth (1 on +y, clockwise), part (pin, arc,
+    sigma1 or sigma2), phase_deg (0 in a valley of the disc, 180 at the tip of a lobe), x_mm, y_mm (ring's frame),
+    relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure if the line carries the working force
+    of the teeth at the rated torque: working_force.*_n and contact.working_force_n, or ideal sharing).
     """
     reducer = Reducer(chosen.resolved())
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)

@@ -10,7 +10,7 @@ from typing import Any
 
 from cycloid_mj.cli.terminal import tell
 
-PREPARING, JUDGING = "preparing the model", "judging the run"
+PREPARING, JUDGING = "preparing the model", "evaluating the run"
 MIN_BAR_WIDTH = 60
 """Columns of a terminal below which progress is a percentage alone."""
 SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0

@@ -23,40 +23,52 @@ LoopFlag = Annotated[
     Parameter(
         name="--loop",
         metavar="LOOP.csv",
-        help="Measured loop at a held crank: columns torque_output_Nm, deflection_deg, in the order of time. "
-        "Repeatable: one for each crank angle.",
+        help="CSV file of a loop measured with the crank locked: columns torque_output_Nm, deflection_deg, "
+        "in order of time. Repeatable, one file for each crank angle.",
     ),
 ]
 TeFlag = Annotated[
     Path | None,
-    Parameter(name="--te", metavar="TE.csv", help="Measured transmission error: columns crank_deg, te_arcsec."),
+    Parameter(
+        name="--te", metavar="TE.csv", help="CSV file of the measured transmission error: columns crank_deg, te_arcsec."
+    ),
 ]
 StartingFlag = Annotated[
     Path | None,
     Parameter(
         metavar="START.csv",
-        help="A torque on the crank that grows until it turns, no load: columns crank_deg, torque_crank_Nm.",
+        help="CSV file of a starting test: crank torque increased until the crank turns, no load; columns "
+        "crank_deg, torque_crank_Nm.",
     ),
 ]
 RunningFlag = Annotated[
     Path | None,
-    Parameter(metavar="RUN.csv", help="The crank kept at its speed, no load: column torque_crank_Nm."),
+    Parameter(
+        metavar="RUN.csv", help="CSV file of a no-load running test at constant crank speed: column torque_crank_Nm."
+    ),
 ]
 BackDrivingFlag = Annotated[
     Path | None,
     Parameter(
         metavar="BACK.csv",
-        help="A torque on the output that grows until the crank turns: columns crank_deg, torque_output_Nm.",
+        help="CSV file of a back-driving test: output torque increased until the crank turns; columns "
+        "crank_deg, torque_output_Nm.",
     ),
 ]
 RatedFlag = Annotated[
     float | None,
     Parameter(
-        metavar="X", help="Rated torque on the output [N m], by whose shares all is defined. Default: the design's."
+        metavar="X",
+        help="Rated output torque [N m]; the test figures are defined by shares of it. Default: that of the design.",
     ),
 ]
 AnglesFlag = Annotated[
-    int, Parameter(metavar="N", converter=whole, help="Crank angles at which the model is held, 1 to 360. Default: 6.")
+    int,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        help="Number of crank angles at which the model is evaluated, 1 to 360. Default: 6.",
+    ),
 ]
 EXAMPLES = """Examples:
   cycloid-mj protocol --design pin
@@ -76,14 +88,12 @@ def protocol(
     angles: AnglesFlag = 6,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Tell what makers state of a reducer, from model and bench.
+    """Evaluate standard test figures of the model and of a bench.
 
-    Lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in
-    three intervals, transmission error, no-load starting, running and back-driving
-    torque, each by the definition of makers and standards, which stands beside it.
-    Loops of the model and of a bench are read by the same functions; lines of
-    which the bench has no file are the model's alone. docs/protocol.md says how to
-    measure each.
+    Lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in three intervals, transmission
+    error, no-load starting, running and back-driving torque, each by the definition of makers and standards, which is
+    printed next to it. Loops of the model and of the bench are evaluated by the same functions; figures without a
+    bench file are those of the model only. docs/protocol.md describes the measurements.
     """
     from cycloid_mj.bench import read_loop, read_te
     from cycloid_mj.bench.protocol import BenchFiles
@@ -91,9 +101,9 @@ def protocol(
     from cycloid_mj.cli.progress import counted
 
     if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
-        raise UsageError(f"--rated-nm {rated_nm:g}: give a number more than 0")
+        raise UsageError(f"--rated-nm {rated_nm:g} is out of range: it must be more than 0")
     if not 1 <= angles <= MOST_ANGLES:
-        raise UsageError(f"--angles {angles}: give from 1 to {MOST_ANGLES}")
+        raise UsageError(f"--angles {angles} is out of range: it must be from 1 to {MOST_ANGLES}")
     files = BenchFiles(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )

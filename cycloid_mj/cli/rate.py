@@ -16,23 +16,28 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.life import Duty, Rating
 
-LoadFlag = Annotated[float | None, LOAD.flag("Torque on the output", ". Default: the rated torque.")]
-SpeedFlag = Annotated[float | None, SPEED.flag("Speed of the crank", ". Default: drive.speed_rpm.")]
+LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the rated torque.")]
+SpeedFlag = Annotated[float | None, SPEED.flag("Crank speed", ". Default: drive.speed_rpm.")]
 DutyFlag = Annotated[
     Path | None,
-    Parameter(metavar="DUTY.csv", help="Duty cycle instead: columns torque_nm, speed_rpm, share of the time."),
+    Parameter(
+        metavar="DUTY.csv",
+        help="CSV file of a duty cycle instead of torque and speed: columns torque_nm, speed_rpm, share (of the time).",
+    ),
 ]
-LifeFlag = Annotated[float | None, Parameter(metavar="X", help="Life that is asked for [h]. Default: service.life_h.")]
+LifeFlag = Annotated[float | None, Parameter(metavar="X", help="Required life [h]. Default: service.life_h.")]
 PeakFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Torque of an emergency stop [N m]. Default: twice the largest of the duty."),
+    Parameter(
+        metavar="X", help="Torque of an emergency stop [N m]. Default: twice the maximum torque of the duty cycle."
+    ),
 ]
 StressFlag = Annotated[
     Path | None,
     Parameter(
         metavar="DIR",
-        help="Folder, or stress.json, that `cycloid-mj stress` wrote for this design: gear and ring are rated by the "
-        "stress range of each node, not by beam formulas.",
+        help="Folder or stress.json of `cycloid-mj stress` for this design: disc and ring are rated by the "
+        "stress range of each node instead of beam formulas.",
     ),
 ]
 EXAMPLES = """Examples:
@@ -55,28 +60,27 @@ def rate(
 ) -> int:
     """Rate life, fatigue, wear and heat, the weakest item first.
 
-    Loads are those of statics with the real clearances and friction, at the rated
-    torque and speed, at others, or over a duty cycle (Miner's rule; a rest has the
-    speed 0). Bearings by ISO 281 and ISO 76; surfaces by first yield, shakedown
-    and pitting; shaft, output pins, gear and ring by Goodman with notch, surface,
-    size and reliability; wear by Archard; the housing's temperature in still air
-    by what it ends first (grease, seals, a material) and the clearance that it
-    costs; an emergency stop; the cam's load over the give of its bearing, which is
-    assumed, beside ideal sharing. What the design file does
-    not say is assumed, and said beside the number: [bearing] and [service] take
-    ratings and limits. The exit code is 0 whatever the safeties are.
+    Loads are computed by statics with the real clearances and friction, at the rated torque and speed, at other
+    values, or over a duty cycle (Miner's rule; a rest has the speed 0). Bearings by ISO 281 and ISO 76; surfaces by
+    first yield, shakedown and pitting; shaft, output pins, disc and ring by Goodman with notch, surface, size and
+    reliability; wear by Archard; the temperature of the housing in still air by the first limit (grease, seals, a
+    material) and the clearance that it costs; an emergency stop; the cam load on the compliant bearing, which is
+    assumed, next to ideal sharing. Values that are not in the design file are assumed and stated next to the result:
+    [bearing] and [service] take ratings and limits. The exit code is 0 whatever the safety factors are.
     """
     from cycloid_mj.life.items import rate as rated
     from cycloid_mj.life.ranges import read_ranges
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
-            raise UsageError(f"{flag} {value:g}: give a number more than 0")
+            raise UsageError(f"{flag} {value:g} is out of range: it must be more than 0")
     for flag, value in (("--load-nm", load_nm), ("--speed-rpm", speed_rpm)):
         if value is not None and duty:
-            raise UsageError(f"--duty has torques and speeds of its own: leave {flag} out")
+            raise UsageError(
+                f"{flag} and --duty exclude each other: the duty cycle contains torques and speeds. Remove {flag}"
+            )
         if value is not None and not (value != 0.0 and isfinite(value)):
-            raise UsageError(f"{flag} {value:g}: give a number that is not 0")
+            raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None

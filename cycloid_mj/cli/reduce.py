@@ -22,42 +22,46 @@ OUT = "runs/reduce"
 LevelFlag = Annotated[
     Literal["rigid", "backlash", "full"],
     Parameter(
-        help="What the joint has: ratio, inertia and constant friction; play and springs too; friction under load and "
-        "transmission error as well, by ReducedJoint.step. Default: full."
+        help="Effects in the joint. rigid: ratio, inertia and constant friction; backlash: also play and "
+        "springs; full: also load-dependent friction and transmission error, by ReducedJoint.step. "
+        "Default: full."
     ),
 ]
 StepFlag = Annotated[
     float | None,
     Parameter(
         metavar="X",
-        help="Time step of the scene [ms], 0.01 to 10. Default: 1, or the longest at which an impact is right.",
+        help="Time step of the scene [ms], 0.01 to 10. Default: 1, or the longest step that reproduces an impact.",
     ),
 ]
 IntegratorFlag = Annotated[
     Literal["implicitfast", "discrete"] | None,
     Parameter(
-        help="MuJoCo's integrator of the scene: implicitfast keeps the joint's vibration, discrete is stable at any "
-        "step but damps it. Default: the one that gets an impact right at the longer step."
+        help="MuJoCo integrator of the scene: implicitfast preserves the vibration of the joint, discrete is "
+        "stable at any step but damps it. Default: the integrator that reproduces an impact at the "
+        "longer time step."
     ),
 ]
 InertiaFlag = Annotated[
     float | None,
-    Parameter(metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reducer's own, reflected."),
+    Parameter(
+        metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reflected inertia of the reducer."
+    ),
 ]
 SpreadFlag = Annotated[
     bool,
     Parameter(
         negative="",
-        help="Draw drives of the design and write their joints' parameters as distributions, for training on all of "
-        "them.",
+        help="Draw samples of the design within its tolerances and write the joint parameters as "
+        "distributions, for domain randomization.",
     ),
 ]
 SamplesFlag = Annotated[
-    int | None, Parameter(metavar="N", converter=whole, help="Drives that --spread draws. Default: 100.")
+    int | None, Parameter(metavar="N", converter=whole, help="Number of samples that --spread draws. Default: 100.")
 ]
 SeedFlag = Annotated[
     int | None,
-    Parameter(metavar="N", converter=whole, help="Of the draws: the same seed gives the same drives. Default: 0."),
+    Parameter(metavar="N", converter=whole, help="Random seed of the samples. Default: 0."),
 ]
 USUAL_SAMPLES, MOST_SAMPLES = 100, 100_000
 
@@ -94,23 +98,21 @@ def reduce(
     seed: SeedFlag = None,
     delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Reduce a reducer to one joint for a robot's model.
+    """Reduce a drive to one joint for a robot model.
 
-    The full model is measured by statics: backlash, stiffness over torque,
-    efficiency both ways over torque and speed, no-load torque, inertia,
-    transmission error both ways. Written are joint.xml to include, scene.xml to
-    open in any MuJoCo (a motor, the joint, an inertia), reducer.json, bam.json
-    (the friction models M3 and M5 of BAM), and reducer.html, which shows the
-    joint against the full model and which time steps it bears: those at which an
-    impact, the output swung across its play by the rated load, is right within 5 %.
-    What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
-    any model. lossy_joint.xml and lossy_scene.xml are the same joint with a loss that grows
-    with the load in MuJoCo alone, without that step; joint.py is that step by numpy alone.
+    The full model is evaluated by statics: backlash, stiffness over torque, efficiency in both directions over torque
+    and speed, no-load torque, inertia, and transmission error in both directions. Writes joint.xml to include,
+    scene.xml to open in MuJoCo (a motor, the joint, an inertia), reducer.json, bam.json (the friction models M3 and M5
+    of BAM), and reducer.html, which compares the joint with the full model and lists suitable time steps: those that
+    reproduce an impact (the output driven across its play by the rated load) within 5 %. ReducedJoint.step in Python
+    adds effects that MJCF cannot express; attach_reducer adds the joint to any model. lossy_joint.xml and
+    lossy_scene.xml are the same joint with a load-dependent loss in MuJoCo alone; joint.py is that step with NumPy
+    only.
 
-    --spread draws drives within the design's [tolerance], and friction and stiffness of the
-    cam within the ranges that measure efficiency states: samples.csv has play, stiffness,
-    friction, loss and transmission error of each, "spread" of reducer.json their mean,
-    spread, percentiles and correlation. Joint.varied of joint.py makes a joint of a row.
+    --spread draws samples within the tolerances of the design ([tolerance]), and friction and stiffness of the cam
+    within the ranges that measure efficiency states: samples.csv has play, stiffness, friction, loss and transmission
+    error of each; "spread" in reducer.json their mean, standard deviation, percentiles and correlation. Joint.varied
+    of joint.py makes a joint of a row.
     """
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.robot.comparison import against
@@ -120,18 +122,18 @@ def reduce(
     from cycloid_mj.robot.stability import study
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
-        raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
+        raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: it must be from 0.01 to 10")
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
-        raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
+        raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g} is out of range: it must be more than 0")
     if not spread and (samples, seed) != (None, None):
         raise UsageError(
-            f"--{'seed' if samples is None else 'samples'} is of the drives that --spread draws: add --spread"
+            f"--{'seed' if samples is None else 'samples'} applies to the samples of --spread only: add --spread"
         )
     samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
     if not 2 <= samples <= MOST_SAMPLES:
-        raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
+        raise UsageError(f"--samples {samples} is out of range: it must be from 2 to {MOST_SAMPLES}")
     if seed < 0:
-        raise UsageError(f"--seed {seed}: give 0 or more")
+        raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
     design = chosen.sound()
     place = claimed(delivery, STEM, (*FILES, *BESIDE, *([SAMPLES] if spread else [])), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
@@ -144,7 +146,7 @@ def reduce(
         design.name,
         [
             *inaccurate(asked, timestep_ms, integrator),
-            *(f"{name} of the joint is off the full model's" for name in comparison.missed),
+            *(f"{name} of the joint differs from that of the full model" for name in comparison.missed),
         ],
     )
     return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives), place, delivery)
@@ -212,7 +214,7 @@ def inaccurate(asked: "Tried", timestep_ms: float | None, integrator: str | None
         return []
     given = {"--timestep-ms": timestep_ms, "--integrator": integrator}
     left_out = " and ".join(flag for flag, value in given.items() if value is not None)
-    ways = [f"leave out {left_out}"] * bool(left_out) + ["give a larger --load-inertia-kgm2"]
+    ways = [f"leave out {left_out}"] * bool(left_out) + ["use a larger --load-inertia-kgm2"]
     return [
         f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output: "
         f"{asked.sentence}; {', or '.join(ways)}"

@@ -20,13 +20,18 @@ WIDTH, HEIGHT = 1280, 960
 AZIMUTH, ELEVATION = 90.0, -62.0
 FORMATS = (".png", ".jpg", ".webp")
 
-PictureName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Picture to write, .png, .jpg or .webp.")]
-TimeFlag = Annotated[float | None, Parameter(metavar="T", help="Time of the picture [s]. Default: the end of the run.")]
-WidthFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Width [pixels]. Default: {WIDTH}.")]
-HeightFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Height [pixels]. Default: {HEIGHT}.")]
+PictureName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Image to write, .png, .jpg or .webp.")]
+TimeFlag = Annotated[float | None, Parameter(metavar="T", help="Time of the image [s]. Default: the end of the run.")]
+WidthFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Image width [pixels]. Default: {WIDTH}.")]
+HeightFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Image height [pixels]. Default: {HEIGHT}.")]
 AzimuthFlag = Annotated[
     float,
-    Parameter(metavar="X", allow_leading_hyphen=True, validator=within(-360, 360), help="Camera [deg]. Default: 90."),
+    Parameter(
+        metavar="X",
+        allow_leading_hyphen=True,
+        validator=within(-360, 360),
+        help="Azimuth of the camera [deg]. Default: 90.",
+    ),
 ]
 ElevationFlag = Annotated[
     float,
@@ -34,7 +39,7 @@ ElevationFlag = Annotated[
         metavar="X",
         allow_leading_hyphen=True,
         validator=within(-90, 90),
-        help="Camera [deg]; below 0 on the output side, above 0 on the input side. Default: -62.",
+        help="Elevation of the camera [deg]; negative: output side, positive: input side. Default: -62.",
     ),
 ]
 
@@ -51,10 +56,10 @@ def render(
     elevation: ElevationFlag = ELEVATION,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Render a moment of a logged run with MuJoCo.
+    """Render an image of a logged run with MuJoCo.
 
-    The log's own model is shown; no display is needed, but OpenGL off-screen
-    (EGL, or what MUJOCO_GL names). `cycloid-mj animate` needs neither.
+    The model of the log is shown. No display is needed, but off-screen OpenGL is (EGL, or the library that MUJOCO_GL
+    names). `cycloid-mj animate` needs neither.
     """
     import numpy as np
 
@@ -64,10 +69,14 @@ def render(
     from cycloid_mj.scene.opengl import require_mujoco
 
     if Path(out).suffix.lower() not in FORMATS:
-        raise UsageError(f"a picture is written as {', '.join(FORMATS)}: cannot write {out}")
+        raise UsageError(
+            f"cannot write {out}: images are written as {', '.join(FORMATS)}; change the ending of the name"
+        )
     run = read(log)
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
-        raise UsageError(f"--time-s {time_s:g}: the run goes from {run.time[0]:g} to {run.time[-1]:g} s")
+        raise UsageError(
+            f"--time-s {time_s:g} is outside of the run: it must be from {run.time[0]:g} to {run.time[-1]:g} s"
+        )
     claim(Path(out), force=delivery.force)
     page = claimed_page(delivery, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))

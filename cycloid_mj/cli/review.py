@@ -16,10 +16,10 @@ EXAMPLES = """Examples:
   cycloid-mj report runs/pin.mcap
   cycloid-mj report runs/pin.mcap runs/nonpin.mcap --out compared.html"""
 
-LogNames = Annotated[str, Parameter(metavar="RUN.mcap...", help="Logs of runs; several are set side by side.")]
+LogNames = Annotated[str, Parameter(metavar="RUN.mcap...", help="Logs of runs; several are shown side by side.")]
 OutFlag = Annotated[
     str | None,
-    Parameter(metavar="FILE", help="HTML file, as by --html. Default: the first log's path with .html."),
+    Parameter(metavar="FILE", help="HTML file, the same as --html. Default: the path of the first log with .html."),
 ]
 
 
@@ -29,20 +29,19 @@ def report(
     q: PointFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the review of one or more logged runs as one HTML page.
+    """Write an HTML report of one or more logged runs.
 
-    What was run, the table of findings, the paper's figures to zoom, the moving
-    mechanism with its forces, load sharing, order spectrum, losses, warnings
-    and provenance. The page needs no network and reads on paper too.
+    Conditions, table of findings, zoomable figures of the paper, animated mechanism with forces, load sharing, order
+    spectrum, losses, warnings and provenance. The page needs no network and can be printed.
     """
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed
 
     point_q = point(q)
     if not logs:
-        raise UsageError("no log is given: cycloid-mj report RUN.mcap...")
+        raise UsageError("no log is given: name at least one, e.g. cycloid-mj report runs/pin.mcap")
     if len(set(logs)) < len(logs):
-        raise UsageError("a log is given twice: give each once")
+        raise UsageError("a log is given twice: name each log once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}
     named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))

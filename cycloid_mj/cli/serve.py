@@ -14,8 +14,8 @@ EXAMPLES = """Examples:
 
 PORT = 8137
 
-PortFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Port on this machine. Default: {PORT}.")]
-BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open the browser.")]
+PortFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Port on this computer. Default: {PORT}.")]
+BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open a browser.")]
 
 
 def app(
@@ -25,16 +25,14 @@ def app(
     no_browser: BrowserFlag = False,
     _quiet: QuietFlag = False,
 ) -> int:
-    """Design a drive on a page in the browser.
+    """Open the browser app: from requirements to a finished design.
 
-    It asks what the drive is to do and shows drives that do it, or the most that
-    goes and ways out; then the design under sliders, drawn, checked and solved as
-    they move, with its forces, transmission error, losses, life, tolerances,
-    stress and its parts in 3-D. It runs the design in MuJoCo and gives its files.
-    The page is served on this machine alone, until Ctrl-C.
+    Enter requirements to get drives that meet them, or the maximum and alternatives. Change the design with sliders;
+    it is drawn, checked and solved immediately: forces, transmission error, losses, life, tolerances, stress and parts
+    in 3-D. Simulate it in MuJoCo and download its files. The page is served on this computer only, until Ctrl-C.
     """
     if not 1 <= port <= 65535:
-        raise UsageError(f"--port {port}: give 1 to 65535")
+        raise UsageError(f"--port {port} is out of range: it must be from 1 to 65535")
     design = chosen.resolved()
     from cycloid_mj.app.server import new_token, open_socket, page_address, serve
 

@@ -45,16 +45,17 @@ FEWEST_HELD = 2
 ContactFlag = Annotated[
     Literal["profile", "mesh"],
     Parameter(
-        help="profile: the exact profiles meet; mesh: convex slices of them meet in MuJoCo's own collision, as in the "
-        "folders of `cycloid-mj build`. A step takes 10 to 70 times as long by mesh. Its means are "
-        "within 3 % of the profiles', its rms of speeds up to ten times theirs. Default: profile."
+        help="Contact model. profile: exact tooth profiles; mesh: convex slices of them with MuJoCo's own "
+        "collision detection, as in the folders of `cycloid-mj build`. With mesh, a time step takes 10 "
+        "to 70 times as long, means are within 3 % and rms speed errors up to ten times those of "
+        "profile. Default: profile."
     ),
 ]
 SolverFlag = Annotated[
     Literal["mujoco", "planar"],
     Parameter(
-        help="mujoco: MuJoCo takes the steps. planar: a compiled solver of the planar equations of motion, apart from "
-        "MuJoCo, with the same contacts, course and log, many times cheaper. Default: mujoco."
+        help="Solver: mujoco, or planar (a compiled solver of the planar equations of motion, independent of "
+        "MuJoCo, with the same contacts and the same log, many times faster). Default: mujoco."
     ),
 ]
 
@@ -67,16 +68,17 @@ class SimulateDelivery(Delivery):
         str | None,
         Parameter(
             metavar="DIR",
-            help=f"Folder of the log, made if there is none; the log is DIR/<design>.mcap and must not exist yet, "
-            f"unless --force. Default: {RUNS}, where a design's next runs become <design>-2.mcap, <design>-3.mcap, ...",
+            help="Folder of the log DIR/<design>.mcap; it is created if it does not exist. An existing log is "
+            f"overwritten with --force only. Default: {RUNS}, where further runs of a design are named "
+            "<design>-2.mcap, <design>-3.mcap, ...",
         ),
     ] = None
     force: Annotated[
         bool,
         Parameter(
-            help="Replace DIR/<design>.mcap if it exists, once the new run is complete. Until then its samples are in "
-            "DIR/<design>.partial.mcap; those of a run that does not reach its end stay there, and the old log as it "
-            "was."
+            help="Overwrite an existing DIR/<design>.mcap when the new run is complete. Until then, its samples "
+            "are in DIR/<design>.partial.mcap; if the run fails, they stay there and the old log is "
+            "unchanged."
         ),
     ] = False
 
@@ -101,25 +103,24 @@ def simulate(
     contact: ContactFlag = "profile",
     solver: SolverFlag = "mujoco",
     timestep_us: Annotated[float | None, TIMESTEP.flag(f"Time step{STEP}")] = None,
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp; negative turns the other way")] = None,
-    ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0 starts at full speed")] = None,
+    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp; negative: opposite direction")] = None,
+    ramp_s: Annotated[
+        float | None, RAMP.flag("Duration of the linear ramp from rest; 0: constant speed from the start")
+    ] = None,
     hold_s: Annotated[float | None, HOLD.flag("Duration at constant speed after the ramp")] = None,
-    load_nm: Annotated[float | None, LOAD.flag("Constant torque against the output's rotation")] = None,
+    load_nm: Annotated[float | None, LOAD.flag("Constant load torque against the rotation of the output")] = None,
     delivery: Annotated[SimulateDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Run a design, log it, and compare the run with the closed form.
+    """Simulate a design, log the run, and compare it with theory.
 
-    The crank speeds up linearly from rest, then keeps its speed. Over that
-    hold phase the table (or, with --json, one JSON object) compares with
-    theory: gear speed, path and speed of the centre of hole 1, transmission
-    error; and tells contacts, pin 1, torques and losses. The MCAP log is
-    written as the run goes, with the design, the model and every sample;
-    beside it, unless --json is given, stands the page of `cycloid-mj report`.
+    The crank is accelerated linearly from rest and then kept at its speed. For this hold phase, the results are
+    compared with theory: disc speed, path and speed of the centre of hole 1, transmission error; contacts, pin 1,
+    torques and losses are added. The MCAP log is written during the run, with the design, the model and every sample;
+    the page of `cycloid-mj report` is written next to it, unless --json is given.
 
-    A run that goes wrong (not a number, a warning of MuJoCo's, a contact too
-    deep, a jumped tooth) or is stopped (Ctrl-C, SIGTERM, SIGHUP) ends with an
-    error and exit code 1; its log holds what came before. Two runs never
-    write one log: the second takes the next name, or ends with an error.
+    A failed run (not a number, a MuJoCo warning, excessive penetration, a jumped tooth) ends with an error and exit
+    code 1, a stopped run (Ctrl-C, SIGTERM, SIGHUP) with 128 plus the number of the signal; the log contains the
+    samples up to that time. Two runs never write the same log: the second uses the next name, or ends with an error.
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     design = chosen.resolved(values)
@@ -238,7 +239,7 @@ class Ran:
         """Return the findings of the run; raise LogError if it cannot be judged."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
-                f"the run was logged to {self.log}, but cannot be judged: {self.findings}"
+                f"the run was logged to {self.log}, but cannot be evaluated: {self.findings}"
             ) from self.findings
         return replace(self.findings, steps=self.steps, wall_s=self.wall)
 
@@ -247,7 +248,7 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
-        raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
+        raise UsageError("drive.speed_rpm is 0, so the crank would not turn: give --speed-rpm")
     from cycloid_mj.checks import require_sound
     from cycloid_mj.dynamics.run import MOST_STEPS, STEPS
 
@@ -256,8 +257,8 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > MOST_STEPS:
         raise UsageError(
-            f"the run would take {steps:.3g} steps of {step * 1e6:g} us, more than {MOST_STEPS:.0e}: "
-            "enlarge --timestep-us or shorten --ramp-s and --hold-s"
+            f"the run would take {steps:.3g} steps of {step * 1000000.0:g} us; at most {MOST_STEPS:.0e} are "
+            "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 
 
@@ -332,7 +333,7 @@ def run_into_log(
         wall = time.perf_counter() - start
         progress.judging()
         log.flush()
-        unjudged = LogError(f"{log.name} is not judged yet: cycloid-mj analyze does it")
+        unjudged = LogError(f"{log.name} has not been evaluated: run cycloid-mj analyze")
         findings, run = _judgement(log, note) if shown else (unjudged, None)
         attached = {} if isinstance(findings, CycloidError) else _attached(findings)
         log.close(note, attachments=attached)
@@ -344,7 +345,7 @@ def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "Log
     """Open the first log of `names` that is not taken; raise LogTakenError if all are."""
     from cycloid_mj.log import LogTakenError
 
-    taken: LogError = LogError("there is no name for the log")
+    taken: LogError = LogError("no file name is free for the log: choose another folder with --out")
     for path in names:
         try:
             return opened(path)
@@ -373,8 +374,8 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
     sampling = plan.stride * plan.timestep
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(
-            f"a hold of {design.drive.hold:g} s is shorter than {FEWEST_HELD} samples of {sampling:g} s: "
-            "enlarge --hold-s (or settings.log_rate_hz)"
+            f"the hold of {design.drive.hold:g} s is too short: it must contain at least {FEWEST_HELD} "
+            f"samples of {sampling:g} s. Increase --hold-s or settings.log_rate_hz"
         )
 
 
@@ -407,5 +408,5 @@ def _broken_off(log: "LogWriter", why: str) -> RunError:
     """Close the log of a run that did not reach its end, and return the error that says where its samples are."""
     log.close(note=why, complete=False)
     kept = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
-    old = f"; the log before is still {log.name}" if log.path != log.name else ""
+    old = f"; the previous log {log.name} is unchanged" if log.path != log.name else ""
     return RunError(f"{why}; {kept}{old}")

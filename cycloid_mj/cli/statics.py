@@ -37,8 +37,8 @@ LoadFlag = Annotated[
     Parameter(
         metavar="X",
         validator=LOADED.require,
-        help="Torque on the output [N m], more than 0. Default: the size of load.torque_nm; where that is 0 the "
-        f"{RATED}.",
+        help="Output torque [N m], more than 0. Default: the magnitude of load.torque_nm, or if that is 0 "
+        f"the {RATED}.",
     ),
 ]
 
@@ -49,18 +49,15 @@ def statics(
     load_nm: LoadFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Compute what a data sheet has of a reducer, in a second.
+    """Compute data-sheet figures without a simulation, in a second.
 
-    Backlash, lost motion, torsional stiffness; transmission error, loaded and
-    unloaded, both ways; forces and Hertz pressures by kind of contact; the
-    torque at which a contact first yields; efficiency and losses by pair, and
-    the same with the output as the driver. With all clearances, manufacturing
-    errors, modification and friction of the design, under the keys that
-    `cycloid-mj measure` has in its JSON, and under those of `cycloid-mj figures`.
+    Backlash, lost motion, torsional stiffness; transmission error, loaded and unloaded, in both directions; forces
+    and Hertz pressures by kind of contact; the torque at which a contact first yields; efficiency and losses by pair,
+    and the same for back-driving. All clearances, manufacturing errors, modifications and friction of the design are
+    included. Keys are those of `cycloid-mj measure` and of `cycloid-mj figures`.
 
-    Nothing is simulated: the crank turns so slowly that of inertia only the
-    gear's centrifugal force counts. Beside each figure stands how far dynamic
-    runs are known to differ from it.
+    The crank turns so slowly that the centrifugal force of the disc is the only effect of inertia. Known differences
+    from simulations are printed next to each figure.
     """
     from cycloid_mj.figures import quantities
     from cycloid_mj.statics.sheet import sheet

@@ -56,8 +56,8 @@ PartsFlag = Annotated[
         name="--part",
         metavar="NAME",
         consume_multiple=True,
-        help="Parts: shaft, gear (of several discs gear_1, gear_2, ...), ring (pinwheel or internal gear), output, "
-        "pin_1. Default: all that a design has.",
+        help="Parts: shaft, gear (gear_1, gear_2, ... of several discs), ring (pinwheel or internal gear), "
+        "output, pin_1. Default: all parts of the design.",
     ),
 ]
 LogsFlag = Annotated[
@@ -66,14 +66,14 @@ LogsFlag = Annotated[
         name="--log",
         metavar="RUN.mcap",
         consume_multiple=True,
-        help="Logs to take the forces from, one for each design. Default: each design is run.",
+        help="Logs with the contact forces, one for each design. Default: each design is simulated.",
     ),
 ]
 LoadFlag = Annotated[
     float | None,
     LOAD.flag(
-        "Torque against the output's rotation in the run",
-        f". Default: the design's load.torque_nm or, where that is 0, its {RATED}.",
+        "Load torque of the simulation, against the rotation of the output",
+        f". Default: load.torque_nm of the design or, if that is 0, its {RATED}.",
     ),
 ]
 AngleFlag = Annotated[
@@ -81,16 +81,17 @@ AngleFlag = Annotated[
     Parameter(
         metavar="X",
         validator=within(0.0, 360.0),
-        help="Crank angle of the coloured maps and VTU files [deg]. Default: for each part, where its own bulk stress "
-        "is largest.",
+        help="Crank angle of the stress maps and VTU files [deg]. Default: for each part, the angle of its "
+        "largest bulk stress.",
     ),
 ]
 StressQuickFlag = Annotated[
     bool,
     Parameter(
         name="--quick",
-        help="Every tenth degree and coarser grids: the same files for about 15 s of processor time and 0.8 GB of "
-        "memory (the preset pin), not 60 s and 1.4 GB. What a design needs is said before it begins.",
+        help="Use every tenth degree and coarser grids: the same files in about 15 s of processor time and "
+        "0.8 GB of memory (preset pin) instead of 60 s and 1.4 GB. The requirements of a design are "
+        "printed before the work.",
     ),
 ]
 FiguresFlag = Annotated[
@@ -98,8 +99,8 @@ FiguresFlag = Annotated[
     Parameter(
         name="--figure",
         consume_multiple=True,
-        help="Figures to draw to --out: grid, map (stress in colours), turn (maxima against crank angle), refinement, "
-        "or all. Default: with --html map and turn, else none.",
+        help="Figures to draw into --out: grid, map (stress map), turn (maxima over the crank angle), "
+        "refinement, or all. Default: map and turn with --html, else none.",
     ),
 ]
 SpringsFlag = Annotated[
@@ -107,8 +108,9 @@ SpringsFlag = Annotated[
     Parameter(
         name="--springs",
         negative="",
-        help="In place of stresses, compute by how much each part turns the output per torque, and write each design "
-        "with that as its springs (DESIGN-springs.toml): for statics, protocol and calibrate of printed parts.",
+        help="Instead of stresses, compute the compliance of each part at the output and write each design "
+        "with it as its springs (DESIGN-springs.toml), for statics, protocol and calibrate of printed "
+        "parts.",
     ),
 ]
 MountsFlag = Annotated[
@@ -116,8 +118,9 @@ MountsFlag = Annotated[
     Parameter(
         name="--mounts",
         metavar="FILE.toml",
-        help="With --springs: how a drawing holds output pins and crank in plates that give, and the limits of their "
-        "modulus (docs/bench.md has one). Default: pins are clamped, and the shaft is as the design has it.",
+        help="With --springs: TOML file of the mounting of output pins and crank in compliant plates, and "
+        "the limits of their modulus (example in docs/bench.md). Default: pins are clamped, and the "
+        "shaft is as in the design.",
     ),
 ]
 SolidFlag = Annotated[
@@ -125,8 +128,8 @@ SolidFlag = Annotated[
     Parameter(
         name="--solid",
         negative="",
-        help="Take gear, ring and pin 1 as solid bodies (3-D), too, on coarser grids, which takes longer. Shaft, and "
-        "output with its pins, always are.",
+        help="Model disc, ring and pin 1 as solid bodies (3-D) in addition, on coarser grids, which takes "
+        "longer. Shaft and output are always solid.",
     ),
 ]
 
@@ -139,9 +142,9 @@ class StressDelivery(Delivery):
         str | None,
         Parameter(
             metavar="DIR",
-            help="Folder of logs, figures, VTU files, stress.json and stress.csv, made if there is none. "
-            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
-            "with --log, the first log's path with -stress for .mcap.",
+            help="Folder of logs, figures, VTU files, stress.json and stress.csv; it is created if it does not "
+            f"exist. Default: {RUNS}, or the first unused of {RUNS}-2, ...; with --log, the path of the "
+            "first log with -stress instead of .mcap.",
         ),
     ] = None
 
@@ -152,7 +155,9 @@ DELIVERED = StressDelivery()
 def stress(
     *designs: Annotated[
         DesignNames,
-        Parameter(help=f"Designs: {NAMES}, or TOML files. With --log, what must have run; may then be left out."),
+        Parameter(
+            help=f"Designs: presets ({NAMES}) or TOML files. Optional with --log, where they must match the logs."
+        ),
     ],
     design: SeveralFlag = (),
     part: PartsFlag = (),
@@ -169,33 +174,28 @@ def stress(
 ) -> int:
     """Compute the stress of the parts by finite elements.
 
-    The loads are the contact forces that a run logged, with friction, put on
-    as Hertz-wide patches, and inertia, at each degree of a crank turn. Tables tell for each part the
-    largest von Mises stress away from the contacts (bulk) and below them (by
-    Hertz), where and at which crank angle it sits, the safety against yield,
-    and how much one more refinement of the grid changes it; below it stand
-    the stress at fillets and under other supports. A second table holds the
-    paper's own designs without load against its figures (Hsieh 2014, Figs
-    10-16). To --out go stress.json, a VTU file of each part for ParaView,
-    and the figures that are asked for (png, svg).
+    The loads are the contact forces of a logged run, with friction, applied as Hertz-wide patches, and inertia, at
+    each degree of a crank turn. For each part, the tables list the largest von Mises stress away from the contacts
+    (bulk) and below them (Hertz), its position and crank angle, the safety factor against yield, and its change under
+    one more refinement of the grid; below, the stress at fillets and under other supports. A second table compares
+    the designs of the paper without load with its figures (Hsieh 2014, Figs 10-16). stress.json, a VTU file of each
+    part for ParaView, and the selected figures (png, svg) are written to --out.
 
-    Bulk stress is the largest beyond a distance d from narrow contacts and
-    sharp inner corners, where it stands on a plateau. The table tells d, and
-    what the choice may change: how far the stress falls to 2d, or how far it
-    changes with half or twice the distance from corners. Where a fillet bears
-    more, nominal stress times its notch factor, the safety is that of the
-    fillet.
+    Bulk stress is the maximum beyond a distance d from narrow contacts and sharp inner corners, where it is on a
+    plateau. The table lists d and the effect of its choice: the decrease of the stress to 2d, or its change for half
+    or twice the distance from corners. Where the nominal stress times the notch factor of a fillet is larger, the
+    safety factor is that of the fillet.
 
-    Without --log, each design is run first: no ramp, and long enough for one
-    turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.
+    Without --log, each design is simulated first: no ramp, and one turn after the load has settled. Requires the
+    extra `fem`: gmsh, scikit-fem.
     """
     asked = (*designs, *design)
     if not asked and not log:
-        raise UsageError("stress needs a design or a log, such as: cycloid-mj stress --design pin")
+        raise UsageError("no design and no log is given: name one, e.g. cycloid-mj stress --design pin")
     if log and (set_ or load_nm is not None):
-        raise UsageError("logs are read as they are: leave out --set and --load-nm with --log")
+        raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
     if log and asked and len(log) != len(asked):
-        raise UsageError(f"there are {len(asked)} designs and {len(log)} logs: give one log for each design")
+        raise UsageError(f"{len(asked)} designs and {len(log)} logs are given: give one log for each design")
     from cycloid_mj.base.memory import keep_freed
     from cycloid_mj.stress.figures import for_one_turn
     from cycloid_mj.stress.packages import package
@@ -205,11 +205,12 @@ def stress(
         package(name)
     keep_freed()
     if mounts is not None and not springs:
-        raise UsageError("--mounts is for the springs of a design: add --springs")
+        raise UsageError("--mounts applies to --springs only: add --springs")
     if springs:
         if log or part or figure or solid or angle_deg is not None:
             raise UsageError(
-                "--springs takes all parts of designs: leave out --log, --part, --figure, --solid, --angle-deg"
+                "--springs always covers all parts of the designs: remove --log, --part, --figure, --solid and "
+                "--angle-deg"
             )
         from cycloid_mj.stress.mounts import read_mounts
 

@@ -45,20 +45,26 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
         condition=", ".join(f"{one.design} under {one.load:g} N m" for one in findings),
         headline=_headline(findings),
         failures=[
-            f"{one.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa, more than its yield strength"
+            f"{one.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
             for one in findings
             for part in one.parts
             if part.safety < 1.0
         ],
         warnings=[
-            f"{one.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, safety "
-            f"{part.shakedown:.3g} against shakedown: the surface yields at every pass; pitting life: cycloid-mj rate"
+            (
+                f"{one.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
+                f"safety {part.shakedown:.3g} against shakedown: the surface yields in every pass; `cycloid-mj "
+                "rate` computes the pitting life"
+            )
             for one in findings
             for part in one.parts
             if part.shakedown < 1.0
         ]
         + [
-            f"{one.design} {part.part}: not converged to {100 * BOUND:g} % under one more refinement"
+            (
+                f"{one.design} {part.part}: not converged to {100 * BOUND:g} % in one more refinement; run it "
+                "without --quick, or use --solid"
+            )
             for one in findings
             for part in one.parts
             if not part.refinement.holds
@@ -145,12 +151,14 @@ def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
     from cycloid_mj.stress.findings import ASSUMPTIONS
     from cycloid_mj.stress.table import notes_beside
 
-    yield "bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls"
+    yield (
+        "bulk: where the largest stress is on its plateau, at the distance d from narrow contacts; to 2d: its decrease"
+    )
     for one in findings:
         for part in one.parts:
             yield from notes_beside(part)
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in one.parts)
-        yield f"{one.design}, out of balance, of the largest force: {balance}"
+        yield f"{one.design}, force imbalance relative to the largest force: {balance}"
     yield from (f"assumed: {text}" for text in ASSUMPTIONS)
 
 
@@ -158,14 +166,14 @@ def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
     for source, claims in judged.items():
         if claims:
             rows = tuple((one.figure, one.claim, one.ours.text, str(one.verdict)) for one in claims)
-            yield Table(f"against the paper ({source})", CLAIM_HEADER, rows)
+            yield Table(f"compared with the paper ({source})", CLAIM_HEADER, rows)
 
 
 def _claim_notes(judged: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
     """Yield what decides a paper's claims, or why none of them is judged though the paper has these designs."""
     for source, claims in judged.items():
         if not claims and referred:
-            yield f"not held against the paper ({source}), whose figures of stress are without load: see --load-nm 0"
+            yield f"not compared with the paper ({source}): its stresses are without load; use --load-nm 0"
         yield from (f"{claim.figure}, {claim.claim}: {claim.decided_by}" for claim in claims)
 
 

@@ -175,7 +175,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
     for text in vary:
         key, equals, values = text.partition("=")
         if not equals or not key.strip() or not values.strip():
-            raise UsageError(f"--vary {text!r}: expected KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
+            raise UsageError(f"--vary {text!r} has no values: give KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
         if key.strip() in ranges:
             raise UsageError(f"--vary {key.strip()} is repeated: list all its values in one --vary")
         ranges[key.strip()] = values.strip()

@@ -24,14 +24,14 @@ HEADER = ("quantity", "ours", "reference", "source", "error", "bound", "result")
 FAILURE = 1
 STEM = "validation"
 
-QuickFlag = Annotated[bool, Parameter(help="Shorter runs and fewer crank angles: under a minute on two cores.")]
+QuickFlag = Annotated[bool, Parameter(help="Use shorter runs and fewer crank angles: less than a minute on two cores.")]
 OnlyFlag = Annotated[
     tuple[str, ...], Parameter(metavar="NAME", consume_multiple=True, help="Names of validation steps. Default: all.")
 ]
 
 
 def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """Compare the simulation with closed forms, independent solvers and published cases.
+    """Compare the simulation with closed forms and published cases.
 
     Steps, from simple to complex: two-body, friction, mechanism, backlash, sharing, cam,
     published, energy, steps, mirror, gravity, witness. Failed rows are always printed,

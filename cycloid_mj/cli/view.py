@@ -15,21 +15,20 @@ SLOW = 100.0
 
 WhatFlag = Annotated[
     str,
-    Parameter(name="--design", metavar="DESIGN|RUN.mcap", help=f"Design ({NAMES}, or a TOML file), or a log."),
+    Parameter(name="--design", metavar="DESIGN|RUN.mcap", help=f"Design (preset {NAMES}, or TOML file), or log."),
 ]
 SlowFlag = Annotated[
     float,
     Parameter(
-        metavar="X", validator=within(1e-3, 1e6), help=f"How many times slower a log is played. Default: {SLOW:g}."
+        metavar="X", validator=within(1e-3, 1e6), help=f"Slow-motion factor of the replay of a log. Default: {SLOW:g}."
     ),
 ]
 
 
 def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: QuietFlag = False) -> int:
-    """Open MuJoCo's viewer on a design, or replay a log there.
+    """Open the MuJoCo viewer on a design, or replay a log in it.
 
-    It needs a display; without one, use `cycloid-mj render` or `cycloid-mj
-    animate`.
+    A display is needed; without one, use `cycloid-mj render` or `cycloid-mj animate`.
     """
     from cycloid_mj.scene.viewer import require_display, show_model, show_run
 
@@ -37,7 +36,7 @@ def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: Q
     if what.endswith(".mcap"):
         from cycloid_mj.log import read
 
-        note("close the window to end")
+        note("close the window to stop")
         show_run(read(what), slow)
         return 0
     design = designed(what, set_, ())

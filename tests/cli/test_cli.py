@@ -70,7 +70,7 @@ def rejected(*argv: str) -> tuple[int, str]:
     messages = [
         line
         for line in err.splitlines()
-        if not line.startswith(("preparing the model", "judging the run", "time step ", "warning: "))
+        if not line.startswith(("preparing the model", "evaluating the run", "time step ", "warning: "))
     ]
     assert out == ""
     assert len(messages) == 1, err
@@ -203,7 +203,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert code == 0
     first, step, *lines, judging, last, drawing, wrote = [line for line in err.splitlines() if "s so far" not in line]
     assert first == "preparing the model"
-    assert (judging, drawing) == ("judging the run", "drawing the page of the run")
+    assert (judging, drawing) == ("evaluating the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
         "time step 6.66667 us (automatic: stiffness of pin_socket), "
@@ -263,6 +263,7 @@ def two_samples(monkeypatch):
             )
             if first and ends:
                 raise ends[0]
+        return ()
 
     monkeypatch.setattr(cycloid_mj.dynamics.run, "blocks", blocks)
     return ends
@@ -377,7 +378,7 @@ def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
         "preparing the model",
         " 10%  0.200 of 2 s simulated",
         " 25%  0.500 of 2 s simulated, about 55 s left",  # 11 s for 0.3 s: the minute before was no run
-        "judging the run",
+        "evaluating the run",
     ]
     assert captured.out == ""
 
@@ -764,7 +765,9 @@ def test_a_command_of_a_group_is_found_by_the_name_that_scripts_have(command: st
     assert main([command, "--help"]) == 0
     shown = capsys.readouterr()
     assert " ".join(FOLDED[command]) in shown.out
-    assert shown.err == f"warning: {command} is called {' '.join(FOLDED[command])} now\n"
+    assert shown.err == (
+        f"warning: `{command}` is now `{' '.join(FOLDED[command])}`; the old name will be removed in the next release\n"
+    )
 
 
 # --- mistakes ---------------------------------------------------------------------------------------------------------

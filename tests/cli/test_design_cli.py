@@ -50,9 +50,9 @@ def test_new_leaves_an_existing_file_alone(here):
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (("pin",), "is a preset"),
-        (("a/b",), "expected letters"),
-        (("",), "expected letters"),
+        (("pin",), "is the name of a preset"),
+        (("a/b",), "use at most 64 letters"),
+        (("",), "use at most 64 letters"),
         (("x" * 65,), "at most 64"),
         (("my", "--from", "pon"), "did you mean pin"),
         (("my", "--set", "ring.teeth=1"), "ring.teeth"),

@@ -236,8 +236,8 @@ def test_a_flag_that_was_renamed_still_works_and_tells_its_name(
 ) -> None:
     assert main(["compare", "pin", "--jobs=2"]) == 2
     assert capsys.readouterr().err.splitlines() == [
-        "warning: --jobs is called --workers now",
-        "error: a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin",
+        "warning: --jobs is now --workers; the old name will be removed in the next release",
+        "error: a comparison needs at least two designs, e.g. cycloid-mj compare pin nonpin",
     ]
 
 
@@ -325,7 +325,7 @@ def results_of(line: str) -> tuple[object, ...] | None:
         given |= vars(one) if is_dataclass(one) else {}
     out = given.get("out") or given.get("csv")
     by_default = HELPS.get((chain, "--out"), (None, ""))[1]
-    if out == "-" or (out is None and "nothing is written" in by_default):
+    if out == "-" or (out is None and "no files are written" in by_default):
         return None
     return chain, out, given.get("design"), given.get("designs")
 

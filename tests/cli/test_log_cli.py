@@ -63,7 +63,12 @@ def cut(path, tmp_path) -> Path:
 def test_info_tells_what_a_log_holds(path, cut):
     code, out, err = told("log", "info", path)
     assert (code, err) == (0, "")
-    for words in ("complete", "800 samples from 0 to 0.0799 s, 10000 a second", "/reducer", "foxglove.FrameTransforms"):
+    for words in (
+        "complete",
+        "800 samples from 0 to 0.0799 s, 10000 per second",
+        "/reducer",
+        "foxglove.FrameTransforms",
+    ):
         assert words in out
     assert f"{path.stat().st_size:,} bytes" in out
     _, out, _ = told("log", "info", path, "--json")
@@ -101,7 +106,7 @@ def test_csv_has_every_digit(path, cut, tmp_path):
     assert (header, len(others)) == ("time,gear_speed,gear_x", 799)
     assert [float(word) for word in first.split(",")] == [run.time[0], run["gear_speed"][0], run["gear_x"][0]]
     code, out, err = told("log", "csv", cut, "--columns", "gear_x")
-    assert err.startswith("note: the run did not reach its end: the log is truncated")
+    assert err.startswith("note: the run is incomplete: the log is truncated")
     assert len(out.splitlines()) == len(read(cut)) + 1
     assert told("log", "csv", cut, "--out", target, "--force", "--quiet") == (0, "", "")
     assert len(target.read_text().splitlines()) == len(read(cut)) + 1
@@ -146,7 +151,7 @@ def test_repair_makes_a_cut_log_whole(cut, tmp_path):
     assert cut.read_bytes() == before
     assert rejected("log", "repair", cut)[0] == 1
     assert told("log", "repair", cut, "--force")[0] == 0
-    assert told("log", "repair", mended) == (0, "", f"{mended} is whole: there is nothing to repair\n")
+    assert told("log", "repair", mended) == (0, "", f"{mended} is complete: nothing to repair\n")
 
 
 def test_repair_gives_a_whole_log_another_scene(path, tmp_path):
@@ -249,7 +254,7 @@ def test_render_writes_a_picture(path, tmp_path):
 def test_pictures_that_are_refused(path, tmp_path, monkeypatch):
     assert rejected("render", path, tmp_path / "run.bmp")[0] == 2
     code, message = rejected("render", path, tmp_path / "run.png", "--time-s", "3")
-    assert (code, message) == (2, "--time-s 3: the run goes from 0 to 0.0799 s")
+    assert (code, message) == (2, "--time-s 3 is outside of the run: it must be from 0 to 0.0799 s")
     assert rejected("render", path, tmp_path / "run.png", "--width", "1")[0] == 2
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     code, message = rejected("render", path, tmp_path / "run.png")
@@ -294,7 +299,7 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME_TIME, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
-    assert told("view", path, "--slow", "1") == (0, "", "close the window to end\n")
+    assert told("view", path, "--slow", "1") == (0, "", "close the window to stop\n")
     run = read(path)
     times = [time for time, _, _ in seen]
     assert times == sorted(times)

@@ -387,7 +387,7 @@ def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
     cut.write_bytes(whole.read_bytes()[:-100])
     code, message = rejected("compare", str(cut), found["runs"][1]["findings"]["log"])
     assert code == 1
-    assert "did not reach its end" in message
+    assert "is incomplete" in message
 
 
 @pytest.mark.parametrize(
