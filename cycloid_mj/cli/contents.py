@@ -77,9 +77,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     "Explore": {
         "sweep": Listed("Evaluate a design over a grid, a sample or a table of parameter values.", "sweep:sweep"),
         "tolerance": Listed("Draw samples within the tolerances: yield and error budget.", "tolerance:tolerance"),
-        "optimize": Listed(
-            "Find the best design within ranges, or a Pareto front of two objectives.", "optimize:optimize"
-        ),
+        "optimize": Listed("Find the best design within ranges, or a Pareto front.", "optimize:optimize"),
     },
     "Manufacture": {
         "export": Listed("Write the parts of a design for CAD or 3-D printing.", "export:export"),

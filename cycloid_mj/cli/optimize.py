@@ -122,7 +122,7 @@ def optimize(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[OptimizeDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Find the best design within ranges, or a Pareto front of two objectives.
+    """Find the best design within ranges, or a Pareto front.
 
     Real numbers are searched by CMA-ES (extra optimize) from several starts. Whole
     numbers and words are tried one by one; after each round the better half of the

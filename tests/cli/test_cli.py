@@ -711,9 +711,9 @@ def test_design_check_passes_a_preset():
     code, out, err = told("design", "check", "pin")
     assert (code, err) == (0, "")
     warned = {line.split()[1] for line in out.splitlines() if line.startswith("warn")}
-    assert warned == {"tooth_yield:", "momentary_torque:", "life:", "strength:"}
+    assert warned == {"tooth_yield:", "momentary_torque:", "life:", "heat:", "strength:"}
     assert "FAIL" not in out
-    assert out.splitlines()[-1].endswith("checks: 0 failed, 4 warnings")
+    assert out.splitlines()[-1].endswith("checks: 0 failed, 5 warnings")
 
 
 @pytest.fixture
@@ -737,7 +737,7 @@ def test_design_check_json(unsound):
     code, out, _ = told("design", "check", unsound, "--json")
     found = one_object(out)
     assert (code, found["sound"]) == (1, False)
-    keys = {"name", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit"}
+    keys = {"name", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit", "judgement"}
     assert keys == set(found["checks"][0])
     assert found["summary"] is None
     assert one_object(told("design", "check", "nonpin", "--json")[1])["sound"]
@@ -749,7 +749,7 @@ def test_warnings_do_not_fail_a_design(tmp_path):
     code, out, _ = told("design", "check", str(file))
     assert code == 0
     assert "warn  load" in out
-    assert out.splitlines()[-1].endswith("0 failed, 5 warnings")
+    assert out.splitlines()[-1].endswith("0 failed, 6 warnings")
 
 
 def test_unsound_design_is_not_simulated_and_every_reason_is_told(unsound, here):
@@ -930,7 +930,7 @@ def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words,
         (("statics", "."), (". is a folder: give a design",)),
         (("design", "check", "."), (". is a folder: give a design",)),
         (("analyze", "none.mcap"), ("no log none.mcap",)),
-        (("analyze", "."), (". is a folder: give a log",)),
+        (("analyze", "."), (". is a folder: choose a log",)),
         (("log", "plot", "none.mcap"), ("no log none.mcap",)),
         (("rate", "pin", "--stress", "none"), ("cannot read none: No such file",)),
         (("rate", "pin", "--duty", "none.csv"), ("none.csv: No such file",)),
