@@ -10,7 +10,7 @@ from cycloid_mj.app.verdicts import requirement_verdicts, verdict
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
-from cycloid_mj.life.hours import hours
+from cycloid_mj.life.duration import hours
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required

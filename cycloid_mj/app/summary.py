@@ -22,8 +22,8 @@ from cycloid_mj.design.units import unit_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.checks import KINDS, check_design, life_remedies
+from cycloid_mj.life.duration import hours
 from cycloid_mj.life.duty import steady
-from cycloid_mj.life.hours import hours
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer

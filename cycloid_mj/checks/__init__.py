@@ -15,7 +15,7 @@ from cycloid_mj.checks.body import body_rules, whole_rules
 from cycloid_mj.checks.limit import Check, Checks, Limit, judged
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, jumps, mechanical_rules
-from cycloid_mj.checks.several import disc_checks
+from cycloid_mj.checks.multi_disc import disc_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_rules

@@ -11,7 +11,7 @@ from typing import TypedDict
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks.cam_rollers import has_bare_rollers, roller_contacts
 from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
-from cycloid_mj.checks.rated import Rated, rated
+from cycloid_mj.checks.rated_load import Rated, rated
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.checks.rated import rated
+from cycloid_mj.checks.rated_load import rated
 from cycloid_mj.design import material_limits
 from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass

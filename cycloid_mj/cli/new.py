@@ -262,7 +262,7 @@ def _written(
 
 
 def _row(drive: "SizedDrive") -> tuple[str, ...]:
-    from cycloid_mj.life.hours import hours
+    from cycloid_mj.life.duration import hours
 
     cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS}
     return drive.title, *(cells | {"life_h": hours(drive.figures["life_h"])}).values()

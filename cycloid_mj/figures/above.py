@@ -29,7 +29,7 @@ OF_ROOMS_ABOVE = (
         definition="Angle of the tooth forces to the way that they turn the gear, mean by force under the rated "
         "torque, with friction.",
         need=Need.STATICS,
-        function="cycloid_mj.checks.rated:pressure_angle",
+        function="cycloid_mj.checks.rated_load:pressure_angle",
     ),
     Figure(
         key="loaded_teeth_per_disc",
@@ -38,7 +38,7 @@ OF_ROOMS_ABOVE = (
         definition="Contacts of one disc with the ring that carry 1 % of the largest force or more under the rated "
         "torque, with friction: their mean.",
         need=Need.STATICS,
-        function="cycloid_mj.checks.rated:loaded_teeth",
+        function="cycloid_mj.checks.rated_load:loaded_teeth",
     ),
     Figure(
         key="input_inertia_kg_cm2",
@@ -127,7 +127,7 @@ OF_ROOMS_ABOVE = (
         definition="Moment across the axis that the two bearings of the output's hub support next to the nominal "
         "torque, for the life of the design with its service factor (ISO 281) and standing (ISO 76).",
         need=Need.STATICS,
-        function="cycloid_mj.life.hub:tilting_moment",
+        function="cycloid_mj.life.output_bearing:tilting_moment",
         exists=_cased,
     ),
     Figure(
@@ -137,7 +137,7 @@ OF_ROOMS_ABOVE = (
         definition="Moment across the axis over the tilt by the balls of the hub's two bearings, at half the moment "
         "that they bear, without clearance; hub and covers rigid.",
         need=Need.STATICS,
-        function="cycloid_mj.life.hub:tilting_stiffness",
+        function="cycloid_mj.life.output_bearing:tilting_stiffness",
         exists=_cased,
     ),
     Figure(
@@ -147,7 +147,7 @@ OF_ROOMS_ABOVE = (
         definition="Force across the axis on the flange's face that the hub's bearings support next to the nominal "
         "torque, as the tilting moment.",
         need=Need.STATICS,
-        function="cycloid_mj.life.hub:radial_load",
+        function="cycloid_mj.life.output_bearing:radial_load",
         exists=_cased,
     ),
     Figure(
@@ -156,7 +156,7 @@ OF_ROOMS_ABOVE = (
         unit="N",
         definition="Force along the axis on the flange, alone: a quarter of a bearing's static rating.",
         need=Need.STATICS,
-        function="cycloid_mj.life.hub:axial_load",
+        function="cycloid_mj.life.output_bearing:axial_load",
         exists=_cased,
     ),
     Figure(

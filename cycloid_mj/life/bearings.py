@@ -10,9 +10,9 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
-from cycloid_mj.life.hub import balls_of, held_by_hub
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
+from cycloid_mj.life.output_bearing import balls_of, held_by_hub
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing

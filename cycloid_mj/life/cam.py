@@ -6,9 +6,9 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.life.bearing_compliance import IDEAL, CamGive, Give
 from cycloid_mj.life.bearings import bearing_load, cam_ratings
 from cycloid_mj.life.duty import Duty
-from cycloid_mj.life.give import IDEAL, CamGive, Give
 from cycloid_mj.life.loading import POSES, loading, relative_speed
 from cycloid_mj.life.rolling import life_hours
 from cycloid_mj.reducer import Reducer

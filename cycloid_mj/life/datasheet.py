@@ -20,10 +20,10 @@ from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import figure, quantities, quantity, values_json
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import DutyPoint, steady
-from cycloid_mj.life.hub import USUAL, hub
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import loading
+from cycloid_mj.life.output_bearing import USUAL, hub
 from cycloid_mj.life.rated import is_bearing_life, is_held_once, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR

@@ -9,8 +9,8 @@ from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, plain
-from cycloid_mj.life.give import CamGive
-from cycloid_mj.life.hours import LONGEST, hours, plain_life, written
+from cycloid_mj.life.bearing_compliance import CamGive
+from cycloid_mj.life.duration import LONGEST, hours, plain_life, written
 
 INDICATIVE = ("_wear",)
 """How the keys of items end that only warn: the coefficient of wear is known to within a factor of ten."""

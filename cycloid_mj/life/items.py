@@ -7,10 +7,10 @@ from cycloid_mj.design import Named, material_limits, resolve
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import cam_give
 from cycloid_mj.life.duty import Duty, steady
+from cycloid_mj.life.emergency_stop import peaks
 from cycloid_mj.life.heat import heat
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.loading import POSES, loading
-from cycloid_mj.life.peak import peaks
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.strength import strength
 from cycloid_mj.life.surfaces import surfaces

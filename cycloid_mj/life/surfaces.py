@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from cycloid_mj.design import Material
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.life.hours import written
+from cycloid_mj.life.duration import written
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer

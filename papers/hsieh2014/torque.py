@@ -12,8 +12,8 @@ from cycloid_mj.base.units import ARCSECOND
 from cycloid_mj.comparison import settled
 from cycloid_mj.design import Design
 from cycloid_mj.life.duty import DutyPoint
+from cycloid_mj.life.emergency_stop import peaks
 from cycloid_mj.life.loading import loading
-from cycloid_mj.life.peak import peaks
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures

@@ -9,9 +9,9 @@ from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life import rate
+from cycloid_mj.life.bearing_compliance import CamGive, Give
 from cycloid_mj.life.checks import check_design, checks_of_rating, life_checks, life_remedies
 from cycloid_mj.life.duty import steady
-from cycloid_mj.life.give import CamGive, Give
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer

@@ -21,10 +21,10 @@ from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.life import Duty, DutyPoint, rate, read_duty, rolling, witnesses
 from cycloid_mj.life.datasheet import momentary_torque
+from cycloid_mj.life.duration import hours
 from cycloid_mj.life.duty import steady
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
 from cycloid_mj.life.heat import clearance_growth, outside
-from cycloid_mj.life.hours import hours
 from cycloid_mj.life.loading import Rub, bending, loading
 from cycloid_mj.life.ranges import read_ranges
 from cycloid_mj.life.strength import output_pin, pin_moment

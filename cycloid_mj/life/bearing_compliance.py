@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.base.result import Table
-from cycloid_mj.life.hours import hours, plain_life
+from cycloid_mj.life.duration import hours, plain_life
 
 IDEAL = "ideal sharing: a cam without give, no clearance, no friction"
 

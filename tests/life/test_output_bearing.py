@@ -10,8 +10,8 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.duty import steady
-from cycloid_mj.life.hub import USUAL, held_by_hub, hub
 from cycloid_mj.life.loading import FAR, loading
+from cycloid_mj.life.output_bearing import USUAL, held_by_hub, hub
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
