@@ -57,6 +57,8 @@ class Chart {
     this.svg = document.createElementNS(SVG, "svg");
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${total}`);
     this.svg.setAttribute("role", "img");
+    const caption = this.place.closest("figure")?.querySelector("figcaption b")?.textContent;
+    this.svg.setAttribute("aria-label", caption ?? this.panels.map((panel) => panel.label).join(", "));
     this.place.replaceChildren(this.svg);
     const [low, high] = this.view.span;
     this.x = (value) => left + ((value - low) / (high - low)) * inner;

@@ -28,7 +28,7 @@ class Mechanism {
     const svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", `${-reach} ${-reach} ${2 * reach} ${2 * reach}`);
     svg.setAttribute("role", "img");
-    svg.setAttribute("aria-label", "the mechanism seen from the output side");
+    svg.setAttribute("aria-label", "Animated mechanism from the output side, with contact forces");
     place.replaceChildren(svg);
     const up = element(svg, "g", { transform: "scale(1,-1)", "stroke-width": 0.8 });
     const { angles, free, kind, outputPins, shaft, eccentricity } = this.shape;
@@ -218,7 +218,7 @@ class RingLoad {
     const svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", "-52 -54 104 106");
     svg.setAttribute("role", "img");
-    svg.setAttribute("aria-label", "force at each place of the ring");
+    svg.setAttribute("aria-label", "Force at each position of the ring");
     place.replaceChildren(svg);
     const marks = ticks(0, this.top, 3);
     for (const value of marks) element(svg, "circle", { r: this.radius(value), class: "scale", "stroke-width": 0.3 });
