@@ -45,7 +45,7 @@ from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
 from cycloid_mj.parts.export.printable import CLEARANCES, MIN_WALL, coupon, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
-from cycloid_mj.parts.export.supports import BESIDE, BRIDGED, LEDGE, UNDER, overhangs, support
+from cycloid_mj.parts.export.supports import GAP_ASIDE, GAP_BELOW, MAX_BRIDGE, MAX_LEDGE, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.sizing.proportions import Proportions, shaped
@@ -383,9 +383,9 @@ def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
     below = support(cup(5e-3), face, CHORD_ERROR)
     assert below is not None
     radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
-    assert (radii.min(), radii.max()) == pytest.approx((5e-3 + BESIDE, 9.5e-3 - BESIDE), abs=1e-6)
-    assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - UNDER))
-    assert not list(overhangs(fuse(cup(9.5e-3 - 0.9 * LEDGE))))
+    assert (radii.min(), radii.max()) == pytest.approx((5e-3 + GAP_ASIDE, 9.5e-3 - GAP_ASIDE), abs=1e-6)
+    assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - GAP_BELOW))
+    assert not list(overhangs(fuse(cup(9.5e-3 - 0.9 * MAX_LEDGE))))
 
 
 def test_a_face_on_uneven_ground_has_no_support() -> None:
@@ -432,9 +432,9 @@ def test_nothing_of_a_printed_drive_hangs_in_mid_air(design: Design) -> None:
         walls = shape.vertices[:, :2]
         for one in corners[steep & (corners[..., 2].max(axis=1) > 0.0)]:
             for point in (one.mean(axis=0), *(0.6 * one + 0.4 * one.mean(axis=0))):
-                tops = [below.vertices[below.vertices[:, 2] > point[2] - 1.01 * UNDER] for below in supports]
-                held = any(len(top) and np.ptp(np.append(top[:, 2], point[2])) < 1.01 * UNDER for top in tops)
-                bridged = np.linalg.norm(walls - point[:2], axis=1).min() <= 0.5 * BRIDGED
+                tops = [below.vertices[below.vertices[:, 2] > point[2] - 1.01 * GAP_BELOW] for below in supports]
+                held = any(len(top) and np.ptp(np.append(top[:, 2], point[2])) < 1.01 * GAP_BELOW for top in tops)
+                bridged = np.linalg.norm(walls - point[:2], axis=1).min() <= 0.5 * MAX_BRIDGE
                 assert held or bridged, f"{place.part} at {1e3 * point} mm"
         for below in supports:
             assert trimesh.Trimesh(below.vertices, below.faces, process=False).is_watertight
