@@ -24,7 +24,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.contact.library import function_address, library
 from cycloid_mj.dynamics.contact.memory import read_address, write_float
-from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.dynamics.run import Solver, attachments, blocks, columns, contact_of, model_for, provenance, schedule
 from cycloid_mj.log import LogWriter

@@ -29,7 +29,7 @@ from numba import njit
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.collider import installed
-from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.geometry.profile import pin_angles, sample, unit

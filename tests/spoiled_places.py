@@ -11,14 +11,14 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from cycloid_mj.dynamics.contact import each_step, layout, lift, selftest
+from cycloid_mj.dynamics.contact import each_step, layout, reference_correction, selftest
 
 CRASHED = "ended by a signal"
 
 
 def spoiled_lifts() -> dict[str, Callable[[], str]]:
     """Trials of the lift, by the place that is spoiled."""
-    places, steps = lift.places(), layout.discover_steps()
+    places, steps = reference_correction.places(), layout.discover_steps()
     instead = {
         "nuserdata": places.nuserdata + 4,
         "nuser_geom": places.nuserdata,
@@ -34,7 +34,7 @@ def spoiled_lifts() -> dict[str, Callable[[], str]]:
 
     def trial(place: str) -> str:
         wrong = places._replace(**{place: instead[place]})
-        return selftest.try_lift(lift.between_speeds_and_forces(wrong).address)
+        return selftest.try_lift(reference_correction.between_speeds_and_forces(wrong).address)
 
     return {place: lambda place=place: trial(place) for place in instead}
 

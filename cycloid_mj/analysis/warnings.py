@@ -17,7 +17,7 @@ from cycloid_mj.dynamics import timestep
 from cycloid_mj.dynamics.jam import SELF_LOCKING
 from cycloid_mj.dynamics.planar.timestep import FEWEST_STEPS, MOST_ROUNDS
 from cycloid_mj.dynamics.regime import pace
-from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.dynamics.settling import deepest
 from cycloid_mj.reducer import Reducer
 
 BALANCE_RTOL = 0.002

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError, UsageError
-from cycloid_mj.dynamics.swing import SETTLING, slowness
+from cycloid_mj.dynamics.settling import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
 
 SETTLING_TURN = 1 / 8

@@ -12,7 +12,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import ForceSummary, forces
 from cycloid_mj.comparison.vibration import VibrationLevels, vibration
-from cycloid_mj.dynamics.swing import SETTLING, slowness
+from cycloid_mj.dynamics.settling import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
 
 

@@ -198,9 +198,9 @@ def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
 def friction_lag(reducer: Reducer, law: ContactParameters, step: float) -> float:
     """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step [s].
 
-    The reference of a contact is corrected by its acceleration in the step before (`contact.lift`), which has turned by
-    w dt meanwhile: mu D c w^2/F w dt, with the tooth contact's friction mu, added mass D and working force F, the
-    eccentricity c and the crank speed w.
+    The reference of a contact is corrected by its acceleration in the previous step (`reference_correction`), which
+    has rotated by w dt since then. The estimate is mu D c w^2/F w dt, with the friction mu, added mass D and working
+    force F of the tooth contact, the eccentricity c and the crank speed w.
     """
     design = reducer.design
     speed, kind = abs(design.drive.speed), design.tooth_pair

@@ -44,7 +44,7 @@ from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, drag_rows, pair_index
 from cycloid_mj.dynamics.contact.shared import Shared
-from cycloid_mj.dynamics.course import Course, initial_state, ramp_and_hold
+from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, means_of_last
 from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
@@ -52,7 +52,7 @@ from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.planar.stepper import MAX_CONTACT_SEARCHES, Stepper
 from cycloid_mj.dynamics.regime import pace
-from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.dynamics.settling import deepest
 from cycloid_mj.dynamics.timestep import Step, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
@@ -206,7 +206,7 @@ def solver_of(compiled: Model) -> Solver:
 def simulate(
     design: Named,
     compiled: Model | None = None,
-    course: Course | None = None,
+    course: DriveCycle | None = None,
     progress: Callable[[int, int], None] = lambda done, whole: None,
 ) -> Run:
     """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
@@ -290,7 +290,7 @@ def provenance(
     }
 
 
-def warnings(compiled: Model, reducer: Reducer, course: Course | None = None) -> tuple[str, ...]:
+def warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
     sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
@@ -316,7 +316,7 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
 
 
 def blocks(
-    compiled: Model, reducer: Reducer, course: Course | None = None
+    compiled: Model, reducer: Reducer, course: DriveCycle | None = None
 ) -> Generator[SampleBlock, None, tuple[str, ...]]:
     """Run a model over a course, by default the design's own, and yield its samples block by block.
 
@@ -363,7 +363,7 @@ def blocks(
 
 
 def _advance(
-    plan: Schedule, course: Course, samples: range, recorder: "_Recorder", at_once: int
+    plan: Schedule, course: DriveCycle, samples: range, recorder: "_Recorder", at_once: int
 ) -> tuple[SampleBlock, str]:
     """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0

@@ -10,7 +10,7 @@ from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.record import Run
 from cycloid_mj.comparison import StartSpread, all_started
-from cycloid_mj.dynamics.course import Course, braking
+from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
@@ -164,7 +164,7 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
     compiled = model_for(solver, reducer.at_rated_load, held="")
     light = largest / (6.0 * reducer.design.reduction * compiled.crank_inertia)
     grows_for = max(GROWS_FOR, math.sqrt(LEAST_WAY / light), _crossing(reducer, largest))
-    course = Course(
+    course = DriveCycle(
         angle=0.0,
         speed=0.0,
         drive=lambda time: np.zeros_like(time),

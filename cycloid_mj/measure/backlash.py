@@ -22,7 +22,7 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.swing import way_time
+from cycloid_mj.dynamics.settling import way_time
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean

@@ -17,14 +17,14 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import Drive, Friction, Load, Settings
-from cycloid_mj.dynamics.course import Signal, locked_crank
+from cycloid_mj.dynamics.drive_cycle import Signal, locked_crank
 from cycloid_mj.dynamics.law import IMPRATIO
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.regime import at_rest
 from cycloid_mj.dynamics.run import Solver, simulate
-from cycloid_mj.dynamics.swing import swing_period
+from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once

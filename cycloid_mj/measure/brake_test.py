@@ -12,10 +12,10 @@ from dataclasses import replace
 
 from cycloid_mj.base.names import DRIVE
 from cycloid_mj.base.record import Run
-from cycloid_mj.dynamics.course import braked_output, rising
+from cycloid_mj.dynamics.drive_cycle import braked_output, rising
 from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, Solver, model_for
-from cycloid_mj.dynamics.swing import slowness
+from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.reducer import Reducer
 

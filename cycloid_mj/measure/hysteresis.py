@@ -17,9 +17,9 @@ from cycloid_mj.analysis.transmission import gear_error, output_error
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.record import Run
-from cycloid_mj.dynamics import course
+from cycloid_mj.dynamics.drive_cycle import Signal
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.swing import closed_stiffness
+from cycloid_mj.dynamics.settling import closed_stiffness
 from cycloid_mj.measure import bench
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
@@ -140,7 +140,7 @@ class HysteresisLoop:
         return np.asarray(np.polyfit(self.torque[near], chosen[near], 1))
 
 
-def signal(rated: float, period: float) -> course.Signal:
+def signal(rated: float, period: float) -> Signal:
     """Return the torque of the loop [N m]."""
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
 

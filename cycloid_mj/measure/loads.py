@@ -16,7 +16,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.dynamics.settling import deepest
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved

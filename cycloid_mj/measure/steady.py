@@ -6,10 +6,10 @@ from cycloid_mj.analysis.warnings import balance_warnings
 from cycloid_mj.base.errors import warn
 from cycloid_mj.base.names import GEAR
 from cycloid_mj.base.record import Run
-from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
-from cycloid_mj.dynamics.swing import slowness
+from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
 from cycloid_mj.measure.reaction import masses
 from cycloid_mj.reducer import Reducer
@@ -63,7 +63,7 @@ def steady(
     periods: int,
     solver: Solver = "planar",
     compiled: Model | None = None,
-    course: Course | None = None,
+    course: DriveCycle | None = None,
 ) -> Run:
     """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
 

@@ -8,10 +8,10 @@ from cycloid_mj.analysis.transmission import gear_error, output_error
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECONDS
-from cycloid_mj.dynamics.course import Course, braking, load_torque, servo_target
+from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking, load_torque, servo_target
 from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, simulate
-from cycloid_mj.dynamics.swing import slowness
+from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
@@ -84,7 +84,7 @@ def copied(compiled: Model) -> Model:
     return replace(compiled, spec=compiled.spec.copy())
 
 
-def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> Course:
+def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
     """Return the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
 
     A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
@@ -97,7 +97,7 @@ def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> Course:
     def load(time: Array) -> Array:
         return load_torque(reducer, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
 
-    return Course(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
+    return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
 def trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition) -> Trace:

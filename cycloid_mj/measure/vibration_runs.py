@@ -18,7 +18,7 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import RPM
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.dynamics.run import Model, simulate
-from cycloid_mj.dynamics.swing import slowness
+from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed

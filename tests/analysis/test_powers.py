@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import run
 from cycloid_mj.dynamics.contact.collider import installed
-from cycloid_mj.dynamics.course import initial_state
+from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.reducer import Reducer
 

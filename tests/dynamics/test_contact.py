@@ -10,7 +10,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider, gap
 from cycloid_mj.dynamics.contact.layout import discover
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, collision_table
-from cycloid_mj.dynamics.course import initial_state
+from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.profile import CycloidGear, curvature, trochoid
 from cycloid_mj.parts.gear import tooth_profile
@@ -195,7 +195,7 @@ def inject(model, data, compiled, design) -> None:
 
 
 def take_off_lift(model, data) -> None:
-    """Lower the reference of each contact that slides by what MuJoCo's cone will lift it (`contact.lift`)."""
+    """Lower the reference of each contact that slides by what MuJoCo's cone lifts it (`reference_correction`)."""
     accelerations = np.zeros(data.nefc)
     mujoco.mj_mulJacVec(model, data, accelerations, data.qacc)  # of the step before
     remaining = data.efc_aref - accelerations

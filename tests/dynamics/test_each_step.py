@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index, surface_name
 from cycloid_mj.dynamics.contact.layout import discover_steps
-from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import Contact, blocks, reducer_model, schedule, simulate
 from cycloid_mj.dynamics.timestep import timestep

@@ -22,7 +22,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.cli import main
 from cycloid_mj.cli import simulate as simulate_command
 from cycloid_mj.design import PRESETS, Design, load, override
-from cycloid_mj.dynamics.course import initial_state, load_torque, servo_target
+from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque, servo_target
 from cycloid_mj.dynamics.law import IMPRATIO
 from cycloid_mj.dynamics.mjcf import build, sensors
 from cycloid_mj.dynamics.mjcf.folder import design_hash, model_files

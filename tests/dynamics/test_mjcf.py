@@ -8,7 +8,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.contact.library import exact_xml
-from cycloid_mj.dynamics.course import initial_state
+from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build, sensors, xml
 from cycloid_mj.dynamics.run import columns
 from cycloid_mj.parts import mass_properties, parts

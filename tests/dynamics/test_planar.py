@@ -14,7 +14,7 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.dynamics import timestep as steps
-from cycloid_mj.dynamics.course import braked_output, locked_crank, rising
+from cycloid_mj.dynamics.drive_cycle import braked_output, locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS, for_accelerations

@@ -7,7 +7,7 @@ import pytest
 import spoiled_places
 
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact import collider, each_step, layout, lift, selftest
+from cycloid_mj.dynamics.contact import collider, each_step, layout, reference_correction, selftest
 from cycloid_mj.dynamics.contact.library import CYLINDER, KNOWN, TYPES, collision_table
 
 
@@ -23,7 +23,9 @@ def test_the_release_that_is_installed_passes():
     assert collide() == ""
     with each_step._installation.kept():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
-    assert selftest.try_lift(lift.between_speeds_and_forces(lift.places()).address) == ""
+    assert (
+        selftest.try_lift(reference_correction.between_speeds_and_forces(reference_correction.places()).address) == ""
+    )
 
 
 @pytest.mark.slow

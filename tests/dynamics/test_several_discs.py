@@ -24,7 +24,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.course import initial_state, load_torque, servo_target
+from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque, servo_target
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh, mesh_spec
 from cycloid_mj.dynamics.run import simulate

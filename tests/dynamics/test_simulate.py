@@ -11,7 +11,7 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import course
 from cycloid_mj.dynamics.contact.collider import installed
-from cycloid_mj.dynamics.course import initial_state, load_torque
+from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import blocks, schedule, simulate
 from cycloid_mj.dynamics.timestep import timestep

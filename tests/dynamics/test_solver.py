@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index
-from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build, unused
 from cycloid_mj.dynamics.run import disc_freedoms, schedule, simulate
 from cycloid_mj.reducer import Reducer

@@ -12,7 +12,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.dynamics.swing import closed_stiffness
+from cycloid_mj.dynamics.settling import closed_stiffness
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.lost_motion import lost_motion

@@ -6,7 +6,7 @@ from designs import cases
 
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.dynamics.course import rising
+from cycloid_mj.dynamics.drive_cycle import rising
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.measure import MEASURES, bench
 from cycloid_mj.measure.brake_test import with_slope

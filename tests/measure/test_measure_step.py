@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.regime import lowest_log_rate
-from cycloid_mj.dynamics.swing import swing_period
+from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.steady import REMEDY, steady, steady_design

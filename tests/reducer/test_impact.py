@@ -9,7 +9,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index
-from cycloid_mj.dynamics.course import initial_state
+from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import model_for, reducer_model, simulate
 from cycloid_mj.reducer import Reducer

@@ -17,12 +17,12 @@ from numba import types
 
 from cycloid_mj.base.compiling import cacheable, cfunc, digest
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact import gap, mating, memory, near, ring, selftest, teeth, touch
+from cycloid_mj.dynamics.contact import contact_search, gap, local_gap, mating, memory, ring, selftest, teeth
 from cycloid_mj.dynamics.contact.layout import Layout, discover
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
-from cycloid_mj.dynamics.contact.lift import between_speeds_and_forces, places
 from cycloid_mj.dynamics.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
+from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces, places
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.reducer.bodies import Role
 
@@ -40,7 +40,7 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 def _places(layout: Layout) -> tuple[int, ...]:
     """Return the places that a collider closes over, and a digest of the sources compiled into it."""
     arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
-    return (*arrays, layout.nuser_geom, digest(gap, mating, memory, near, ring, teeth, touch))
+    return (*arrays, layout.nuser_geom, digest(contact_search, gap, local_gap, mating, memory, ring, teeth))
 
 
 def _compile_pins(layout: Layout) -> Any:

@@ -26,14 +26,19 @@ from numba import njit, types
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc, digest
-from cycloid_mj.dynamics.contact import forces, gap, kept, lift, memory, selftest, teeth
+from cycloid_mj.dynamics.contact import forces, gap, memory, reference_correction, selftest, step_state, teeth
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
-from cycloid_mj.dynamics.contact.kept import KEPT, Kept, kept_at
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
-from cycloid_mj.dynamics.contact.lift import bind_multiplication, correct_references, multiply_jacobian, places
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.dynamics.contact.reference_correction import (
+    bind_multiplication,
+    correct_references,
+    multiply_jacobian,
+    places,
+)
 from cycloid_mj.dynamics.contact.shared import Shared
+from cycloid_mj.dynamics.contact.step_state import STEP_STATE, StepState, step_state_at
 from cycloid_mj.reducer import impact
 from cycloid_mj.reducer.impact import ImpactLaw
 
@@ -215,7 +220,7 @@ class EachStep:
             "sum": self._sum,
             "peak": self._peak,
         }
-        record = np.zeros((), KEPT)
+        record = np.zeros((), STEP_STATE)
         record["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
         for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
             record[name] = place
@@ -261,7 +266,7 @@ _installation = Shared(_install, _uninstall)
 @cache
 def _compiled() -> Any:
     layout = discover_steps()
-    at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, kept, lift, memory, teeth)
+    at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, memory, reference_correction, step_state, teeth)
     offsets = places()
     bind_multiplication()
     for stage in _STAGES:
@@ -274,7 +279,7 @@ def _compiled() -> Any:
         address = int(read_float(read_address(data + at[1])))
         if not address:
             return
-        run = kept_at(address)
+        run = step_state_at(address)
         if stage == _FIRST_STAGE:
             _strike(run)
             return
@@ -295,7 +300,7 @@ def _compiled() -> Any:
 
 
 @compiling.njit(inner=True)
-def _end_step(model: int, data: int, run: Kept) -> None:
+def _end_step(model: int, data: int, run: StepState) -> None:
     """Do what is done once the forces of a step are known."""
     _note(run)
     run.due -= 1
@@ -312,7 +317,7 @@ def _end_step(model: int, data: int, run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _strike(run: Kept) -> None:
+def _strike(run: StepState) -> None:
     """Set the stiffness and damping that IMPACT has at its depth on every contact found.
 
     MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
@@ -347,7 +352,7 @@ def _strike(run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _half_a_step_on(run: Kept) -> None:
+def _half_a_step_on(run: StepState) -> None:
     """Keep the joints' speeds, and let them go on by half a step."""
     half = read_float(run.half)
     for k in range(run.freedoms):
@@ -357,7 +362,7 @@ def _half_a_step_on(run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _command(run: Kept) -> None:
+def _command(run: StepState) -> None:
     """Set the commands of the next step."""
     if run.command < run.last:
         for k in range(run.actuators):
@@ -366,7 +371,7 @@ def _command(run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _note(run: Kept) -> None:
+def _note(run: StepState) -> None:
     """Note the forces of the contacts of this step."""
     first, force = read_address(run.contacts), read_address(run.forces)
     count = read_int(run.count)
@@ -385,7 +390,7 @@ def _note(run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _sample(run: Kept) -> None:
+def _sample(run: StepState) -> None:
     """Write the row of a sample."""
     row = run.rows
     run.rows += run.width

@@ -12,8 +12,8 @@ from numba import njit
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import flank_distance
-from cycloid_mj.dynamics.contact.kept import Kept
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.dynamics.contact.step_state import StepState
 from cycloid_mj.dynamics.contact.teeth import PLAY, read_teeth
 from cycloid_mj.reducer.bodies import Role
 
@@ -84,7 +84,7 @@ def surface_name(model: Any, geom: int) -> str:
 
 
 @njit(inline="always")
-def pair_of(kept: Kept, contact: int) -> int:
+def pair_of(kept: StepState, contact: int) -> int:
     """Get the number of the mating pair of a contact at an address, with a minus sign where its first geom is ``on``.
 
     Numbers begin at 1; 0 is none.
@@ -95,7 +95,7 @@ def pair_of(kept: Kept, contact: int) -> int:
 
 
 @compiling.njit(inner=True)
-def gather(kept: Kept, summary: int, of_pairs: int) -> None:
+def gather(kept: StepState, summary: int, of_pairs: int) -> None:
     """Gather the contacts of the step just taken.
 
     Written are, at one address, the number of contacts that carry a force, the deepest geometric penetration [m] and
@@ -141,7 +141,7 @@ def _add(place: int, value: float) -> None:
 
 
 @compiling.njit(inner=True)
-def _overlap(kept: Kept, contact: int) -> float:
+def _overlap(kept: StepState, contact: int) -> float:
     """Compute how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
 
     With them that distance is scaled: it makes the stiffness follow the local curvature (``mating``).

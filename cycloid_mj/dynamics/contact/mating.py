@@ -8,10 +8,18 @@ the margin [m]; it gives the number of contacts.
 from numba import njit
 
 from cycloid_mj.base import compiling
+from cycloid_mj.dynamics.contact.contact_search import (
+    STRIDE,
+    RingPin,
+    Touch,
+    inner_touches,
+    lobe_touches,
+    pin_touch,
+    read_touch,
+)
 from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
-from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch
 
 SIZE, PRIORITY, USER, XPOS, XMAT, NUMBERS = range(6)
 """What the places are of; the last of how many numbers each geom has in ``geom user``."""

@@ -12,9 +12,17 @@ import numpy.typing as npt
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact.contact_search import (
+    STRIDE,
+    RingPin,
+    Touch,
+    inner_touches,
+    lobe_touches,
+    pin_touch,
+    read_touch,
+)
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
-from cycloid_mj.dynamics.contact.touch import STRIDE, RingPin, Touch, inner_touches, lobe_touches, pin_touch, read_touch
 from cycloid_mj.dynamics.planar.system import CAM, OUTPUT, SEAT, TEETH, System
 from cycloid_mj.reducer import impact
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
-from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
@@ -61,7 +61,7 @@ class PlanarModel:
         servo[1] = 0.0, slope
         return replace(self, system=self.system._replace(servo=servo))
 
-    def stepper(self, course: Course, every: int) -> Stepper:
+    def stepper(self, course: DriveCycle, every: int) -> Stepper:
         """Start steps of a course, with a sample at one in `every`."""
         places, speeds = start(self.reducer, course.angle, course.speed)
         return Stepper(self.system, self.timestep, places, speeds, every, follows_pins(self.reducer, self.timestep))

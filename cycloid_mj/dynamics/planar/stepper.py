@@ -13,10 +13,10 @@ import numpy as np
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announced, cacheable, digest
-from cycloid_mj.dynamics.contact import gap, memory, near, ring, teeth, touch
+from cycloid_mj.dynamics.contact import contact_search, gap, local_gap, memory, ring, teeth
+from cycloid_mj.dynamics.contact.contact_search import STRIDE
 from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
 from cycloid_mj.dynamics.contact.forces import OF_PAIR
-from cycloid_mj.dynamics.contact.touch import STRIDE
 from cycloid_mj.dynamics.planar import contacts as touching
 from cycloid_mj.dynamics.planar import equations as solving
 from cycloid_mj.dynamics.planar import system as describing
@@ -133,7 +133,7 @@ class Stepper:
 @cache
 def _compiled() -> Any:
     """Compile the steps up to the last of some samples, or load them; for lobes and for pins each apart."""
-    sources = digest(gap, impact, memory, near, ring, teeth, touch, touching, solving, describing, newton)
+    sources = digest(contact_search, gap, impact, local_gap, memory, ring, teeth, touching, solving, describing, newton)
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(

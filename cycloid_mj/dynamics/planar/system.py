@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact.contact_search import RingPin
 from cycloid_mj.dynamics.contact.teeth import Teeth
-from cycloid_mj.dynamics.contact.touch import RingPin
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_disc
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs

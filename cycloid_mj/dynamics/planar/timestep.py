@@ -4,7 +4,7 @@ Means do not depend on what moving pins do in their play, accelerations do. A st
 follows it, by the midpoint rule; at a longer one implicit Euler damps it, as the midpoint rule would make it grow.
 """
 
-from cycloid_mj.dynamics.swing import swing_period
+from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.dynamics.timestep import Step, StepAccuracy, limits, passing_limit, whole_in_samples
 from cycloid_mj.reducer import Reducer
 

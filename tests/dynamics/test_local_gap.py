@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid, trochoid_curvature, trochoid_distance
-from cycloid_mj.dynamics.contact.near import Start, distance_near, pin_distance, turned_times
+from cycloid_mj.dynamics.contact.local_gap import Start, distance_near, pin_distance, turned_times
 
 GEARS = {
     "paper": Trochoid(0.04075, 0.001, 36.0),

@@ -6,8 +6,8 @@ import numpy as np
 from numba import carray, from_dtype, njit, types
 from numba.extending import intrinsic
 
-Kept = Any
-"""A record of `KEPT` in compiled code."""
+StepState = Any
+"""A record of `STEP_STATE` in compiled code."""
 
 _STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat")
 _MOTION = ("accelerations", "moving", "before", "half", "freedoms")
@@ -19,7 +19,7 @@ _COMMANDS = ("ctrl", "actuators", "command", "last")
 _SOLVER = ("iterations", "islands", "warnings", "kinds", "apart")
 _SAMPLES = ("sources", "copied", "drags", "braked", "left", "due", "every", "rows", "width")
 
-KEPT = np.dtype(
+STEP_STATE = np.dtype(
     [
         (name, np.int64)
         for name in _STEP + _MOTION + _CIRCLING + _IMPACT + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES
@@ -65,10 +65,10 @@ def _pointer(typing_context: Any, address: types.Integer) -> Any:
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
 
-    return types.CPointer(from_dtype(KEPT))(types.intp), codegen
+    return types.CPointer(from_dtype(STEP_STATE))(types.intp), codegen
 
 
 @njit(inline="always")
-def kept_at(address: int) -> Kept:
+def step_state_at(address: int) -> StepState:
     """Return the record at an address."""
     return carray(_pointer(address), 1)[0]

@@ -34,7 +34,7 @@ class Held(Protocol):
 
 
 @dataclass(frozen=True)
-class Course:
+class DriveCycle:
     """The course of one run.
 
     Attributes
@@ -56,11 +56,11 @@ class Course:
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
-def ramp_and_hold(compiled: Held, reducer: Reducer) -> Course:
+def ramp_and_hold(compiled: Held, reducer: Reducer) -> DriveCycle:
     """Return a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
     design = reducer.design
     law = CrankLaw(design.drive.speed, design.drive.ramp)
-    return Course(
+    return DriveCycle(
         angle=0.0,
         speed=float(law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
         drive=lambda time: servo_target(compiled, law, time),
@@ -68,13 +68,13 @@ def ramp_and_hold(compiled: Held, reducer: Reducer) -> Course:
     )
 
 
-def locked_crank(compiled: Held, angle: float, torque: Signal) -> Course:
+def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
     """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
     law = CrankLaw(0.0, 0.0)
-    return Course(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
+    return DriveCycle(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
-def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> Course:
+def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
     """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
 
     The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
@@ -82,7 +82,7 @@ def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float
     design = reducer.design
     speed = design.drive.speed
     law = CrankLaw(speed / design.ratio, 0.0)
-    return Course(angle, speed, torque, lambda time: servo_target(compiled, law, time) + angle / design.ratio)
+    return DriveCycle(angle, speed, torque, lambda time: servo_target(compiled, law, time) + angle / design.ratio)
 
 
 def rising(torque: float, rise: float) -> Signal:
@@ -90,7 +90,7 @@ def rising(torque: float, rise: float) -> Signal:
     return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
 
-def initial_state(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Any:
+def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle | None = None) -> Any:
     """Return the state at the start of a course, by default the design's own, as the closed form has it."""
     course = course or ramp_and_hold(compiled, reducer)
     data = mujoco.MjData(compiled.model)

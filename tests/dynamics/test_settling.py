@@ -9,10 +9,10 @@ from designs import unlike
 from cycloid_mj.analysis import window
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.dynamics.course import locked_crank, rising
+from cycloid_mj.dynamics.drive_cycle import locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
-from cycloid_mj.dynamics.swing import (
+from cycloid_mj.dynamics.settling import (
     DEEPEST,
     SETTLING,
     closed_stiffness,

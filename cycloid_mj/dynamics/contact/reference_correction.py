@@ -30,11 +30,11 @@ from numba import types
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.compiling import cacheable, cfunc, digest
-from cycloid_mj.dynamics.contact import kept, memory, teeth
-from cycloid_mj.dynamics.contact.kept import Kept, kept_at
+from cycloid_mj.dynamics.contact import memory, step_state, teeth
 from cycloid_mj.dynamics.contact.layout import discover, discover_steps
 from cycloid_mj.dynamics.contact.library import function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.dynamics.contact.step_state import StepState, step_state_at
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
 
 _FRICTIONAL = 3
@@ -94,7 +94,7 @@ def bind_multiplication() -> None:
 @cache
 def between_speeds_and_forces(where: Places) -> Any:
     """Compile the answer to ``mjcb_control``, or load it: `correct_references`."""
-    at = where, digest(kept, memory, teeth)
+    at = where, digest(memory, step_state, teeth)
     bind_multiplication()
 
     @cfunc(types.void(types.intp, types.intp), cache=cacheable())
@@ -117,12 +117,12 @@ def correct_references(at: Any, model: int, data: int) -> None:
         return
     run = int(read_float(read_address(data + at.userdata)))
     if run:
-        _account_for_circling(at, model, data, kept_at(run))
+        _account_for_circling(at, model, data, step_state_at(run))
     _take_off_lift(at, model, data)
 
 
 @compiling.njit(inner=True)
-def _account_for_circling(at: Any, model: int, data: int, run: Kept) -> None:
+def _account_for_circling(at: Any, model: int, data: int, run: StepState) -> None:
     """Correct the normal references of a run for the acceleration and the speed of discs that circle about the axis."""
     _multiply_circling(at, model, data, run, False)
     product, constants, references = (
@@ -146,7 +146,7 @@ def _account_for_circling(at: Any, model: int, data: int, run: Kept) -> None:
 
 
 @compiling.njit(inner=True)
-def _multiply_circling(at: Any, model: int, data: int, run: Kept, speeds: bool) -> None:
+def _multiply_circling(at: Any, model: int, data: int, run: StepState, speeds: bool) -> None:
     """Multiply the Jacobian by the accelerations of the circling discs, or by what the mean of two `speeds` lacks.
 
     The mean of the speeds half a step before and after a time falls short of the speed v then by (w dt)^2/6 v.

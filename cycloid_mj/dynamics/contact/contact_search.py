@@ -23,8 +23,8 @@ from cycloid_mj.dynamics.contact.gap import (
     places_in_arc,
     trochoid_curvature,
 )
+from cycloid_mj.dynamics.contact.local_gap import Start, pin_distance, turned_times
 from cycloid_mj.dynamics.contact.memory import read_float, write_float
-from cycloid_mj.dynamics.contact.near import Start, pin_distance, turned_times
 from cycloid_mj.dynamics.contact.ring import is_monotone, offset_root, root_minimum, root_slope, root_start
 from cycloid_mj.dynamics.contact.teeth import Teeth
 
