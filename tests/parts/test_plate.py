@@ -184,7 +184,7 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
 
 @pytest.mark.parametrize(("name", "offset"), [("pin", 1.1e-3), ("sleeved", 7.6e-4)])
 def test_an_offset_that_is_too_much_is_refused(name: str, offset: float) -> None:
-    with pytest.raises(DesignError, match=rf"offset of {1e6 * offset:g} um is too much for the design"):
+    with pytest.raises(DesignError, match=rf"offset of {1e6 * offset:g} um is too large"):
         widen_clearances(Reducer(DESIGNS[name]), offset)
 
 
@@ -308,7 +308,7 @@ def test_the_command_without_a_plate_writes_parts_alone(tmp_path: Path, capsys: 
     assert {path.name for path in tmp_path.iterdir()} == {"housing.stl", "shaft.stl", "gear.stl", "output.stl"}
     assert main([*arguments, "--offset-um", "-1"]) == 2
     assert main([*arguments, "--offset-um", "1000"]) == 1
-    assert "offset of 1000 um is too much" in capsys.readouterr().err
+    assert "offset of 1000 um is too large" in capsys.readouterr().err
 
 
 def test_a_bill_is_csv_of_its_lines() -> None:
