@@ -87,7 +87,7 @@ def test_without_friction_it_is_the_balance(name: str) -> None:
         assert found[place] == pytest.approx(expected, rel=1e-4)
 
 
-def test_constant_friction_comes_on_over_its_travel() -> None:
+def test_constant_friction_builds_up_over_its_travel() -> None:
     """From rest a seal's friction grows as 1 - exp(-turn/travel), but for the few elements that share it."""
     drag, travel = 3.0, 2e-3
     design = resolve("printed").but(clearance={"pin_gear": 500e-6, "output": 500e-6}, friction=FRICTIONLESS)
@@ -215,7 +215,7 @@ KNOWN = {
 
 
 @pytest.mark.slow
-def test_known_values_come_back_for_most_seeds() -> None:
+def test_calibration_recovers_known_values_for_most_seeds() -> None:
     """All five at once from one loop: what it determines of each is in its interval for 3 seeds of 4 at least.
 
     Intervals of 95 % hold a value for fewer in 1 % of such fours, those of 60 % in 52 %.

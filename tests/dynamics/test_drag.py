@@ -22,7 +22,7 @@ def dragged():
     return steady(Reducer(override(LOADED.design, DRAGGED)), SETTLED, PERIODS)
 
 
-def test_drag_takes_its_torque_times_the_speed(dragged):
+def test_drag_power_is_torque_times_speed(dragged):
     crank, output = (np.abs(dragged[f"{shaft}_speed"]) for shaft in ("crank", "output"))
     assert dragged["crank_drag_friction_power"] == pytest.approx(0.05 * crank, rel=1e-9)
     assert dragged["output_drag_friction_power"] == pytest.approx(1.0 * output, rel=1e-9)
@@ -47,7 +47,7 @@ def test_a_design_without_drag_has_no_columns_of_it():
 
 
 @pytest.mark.slow
-def test_drag_and_bearings_cost_what_the_closed_form_says():
+def test_drag_and_bearing_losses_match_closed_form():
     # ideal sharing: fixed teeth, next to no clearance, a stiff cam
     for changes in ([], DRAGGED, ["friction.cam_rolling=0.004"]):
         design = override(LOADED.design, changes)

@@ -48,7 +48,7 @@ def two_bodies(law: ContactParameters, timestep: float, mass: float = MASS, grav
 
 
 @pytest.mark.parametrize("added", [1e-3, 1e-2, 1.0])
-def test_a_static_force_goes_in_by_force_over_stiffness(added: float) -> None:
+def test_static_penetration_is_force_over_stiffness(added: float) -> None:
     law = ContactParameters(STIFFNESS, 2.0 * 0.7 * math.sqrt(STIFFNESS * MASS), added * MASS, 0.0)
     force = 400.0
     model = two_bodies(law, 1e-6, gravity=force / MASS)
@@ -77,12 +77,12 @@ def frequency(law: ContactParameters, timestep: float) -> float:
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
-def test_the_added_mass_swings_along(share: float) -> None:
+def test_added_mass_lowers_the_frequency(share: float) -> None:
     law = ContactParameters(STIFFNESS, 0.0, share * MASS, 0.0)
     assert frequency(law, 1e-6) == pytest.approx(math.sqrt(STIFFNESS / (MASS + share * MASS)), rel=7e-4)
 
 
-def test_where_the_step_allows_the_frequency_is_physical() -> None:
+def test_contact_frequency_is_physical_if_the_step_resolves_it() -> None:
     """The law of Fox and Goodwin is of fourth order: at K dt^2/m = 0.5 the frequency is right to a thousandth."""
     timestep = math.sqrt(0.5 * MASS / STIFFNESS)
     law = contact_law(STIFFNESS, 1e-9, MASS, 0.0, 0.0, timestep)
@@ -92,7 +92,7 @@ def test_where_the_step_allows_the_frequency_is_physical() -> None:
 
 
 @pytest.mark.parametrize("ratio", [0.05, 0.2, 0.5])
-def test_an_impact_returns_as_the_damping_ratio_says(ratio: float) -> None:
+def test_restitution_follows_from_the_damping_ratio(ratio: float) -> None:
     """The force may not pull: the impact ends when it reaches zero, which shortens the damped half wave."""
     law = contact_law(STIFFNESS, ratio, MASS, 0.0, 0.0, timestep=2e-7)
     model = two_bodies(law, 2e-7)
@@ -284,7 +284,7 @@ def test_one_working_force_may_be_given_for_all_pairs() -> None:
     assert Reducer(override(design, ["gear.bearing=plain"])).contacts["cam"].force == 70.0 * 36 / 4
 
 
-def test_rollers_have_a_friction_of_their_own() -> None:
+def test_rollers_have_separate_friction_coefficients() -> None:
     sliding = ["friction.cam=0.03", "friction.output=0.04"]
     sliding += ["friction.cam_rolling=0.001", "friction.output_rolling=0.002"]
     for cam, rollers in (("rolling", "true"), ("plain", "false")):

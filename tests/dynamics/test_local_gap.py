@@ -38,7 +38,7 @@ def test_turned_times_is_the_multiple_of_the_angle(times: int) -> None:
 
 @pytest.mark.parametrize("name", GEARS)
 @pytest.mark.parametrize("size", [1e-7, 1e-6, 1e-5])
-def test_it_gives_what_the_search_gives(name: str, size: float) -> None:
+def test_closed_form_matches_the_search(name: str, size: float) -> None:
     gear, rng = GEARS[name], np.random.default_rng(7)
     for t in rng.uniform(-3.0, 3.0, 300):
         point = place(gear, t) + size * rng.uniform(-1.0, 1.0, 2)

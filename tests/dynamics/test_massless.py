@@ -64,7 +64,7 @@ def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
 
 
 @pytest.mark.slow
-def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
+def test_contact_stiffness_follows_curvature_as_two_springs():
     """Each contact of a turned gear: force over true overlap, beside both springs at the curvature there."""
     design = massless(Reducer(PIN.but(contact={"working_load": 36.68})))
     compiled = build(design.design)
@@ -97,7 +97,7 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
 
 
 @pytest.mark.parametrize("name", cases(["pin", "large"], "pin"))
-def test_loaded_means_are_those_of_real_pins(name):
+def test_loaded_means_of_massless_pins_match_real_pins(name):
     """At steps that no real pin bears the means are the same."""
     real = Reducer(loaded(MOVING[name]))
     light = massless(real).but(settings={"timestep": 1e-5})
@@ -113,7 +113,7 @@ def test_loaded_means_are_those_of_real_pins(name):
     assert light_efficiency == pytest.approx(efficiency, abs=1e-3)
 
 
-def test_the_easier_contact_slides():
+def test_contact_with_less_friction_slides():
     rough = massless(Reducer(unlike("large"))).but(friction={"pin_gear": 0.2, "pin_sleeve": 0.04})
     ring = rough.design.ring
     law = build(rough.design).laws["pin_gear"]

@@ -215,7 +215,7 @@ def test_every_column_of_the_log_is_mujocos(layout: str) -> None:
 
 
 @pytest.mark.parametrize("layout", ["fixed", "free", pytest.param("sleeves on a ring", marks=pytest.mark.slow)])
-def test_energy_is_kept(layout: str) -> None:
+def test_energy_is_conserved(layout: str) -> None:
     """What comes in leaves as friction and damping, or stays in motion, height and the depth of contacts."""
     design = design_of(layout)
     step = planar_model(Reducer(design)).timestep

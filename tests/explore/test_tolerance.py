@@ -127,7 +127,7 @@ def test_small_tolerances_add_up_as_their_gradients(design: Design, monkeypatch)
 
 
 @pytest.mark.parametrize("design", [PIN, NONPIN], ids=["pin", "nonpin"])
-def test_the_cam_alone_gives_the_closed_form(design: Design) -> None:
+def test_cam_compliance_matches_closed_form(design: Design) -> None:
     """Its play delta turns the output by 2 delta/(c (N - 1)), where no other pair has any."""
     none = dict.fromkeys((kind for kind in design.pair_kinds if kind != "cam"), 1e-12)
     alone = override(design.but(clearance=none), {"tolerance.cam": "normal 0.05"})

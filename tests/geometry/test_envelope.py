@@ -159,7 +159,7 @@ def ring_radius(gear: CycloidGear, direction: float) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", [PAPER, STEEP], ids=["paper", "steep"])
-def test_ring_is_what_the_gear_sweeps_on_one_orbit(gear):
+def test_ring_is_the_envelope_of_the_disc_over_one_orbit(gear):
     directions = np.random.default_rng(11).uniform(-np.pi, np.pi, 40)
     expected = np.array([ring_radius(gear, direction) for direction in directions])
     assert np.abs(swept_radius(gear, directions) - expected).max() < 1e-9 * MM

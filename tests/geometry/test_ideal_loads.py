@@ -151,7 +151,7 @@ def test_hertz_pressure_carries_the_force_and_fits_the_curvature():
     assert ideal_loads.contact_modulus(210e9, 0.3, 70e9, 0.33) == pytest.approx(1 / (0.91 / 210e9 + 0.8911 / 70e9))
 
 
-def test_largest_shear_is_that_of_the_stress_field():
+def test_largest_shear_matches_the_stress_field():
     def shear(depth: float) -> float:
         """Half the difference of the principal stresses on the axis, over p0, at a depth over b."""
         root = math.sqrt(1 + depth**2)
@@ -202,7 +202,7 @@ def test_palmgren_in_millimetres_and_newtons():
 
 @each_gear
 @pytest.mark.parametrize("torque", [7.0, -7.0])
-def test_output_pins_hand_on_the_torque_and_all_push_inwards(gear, torque):
+def test_output_pins_transmit_the_torque_and_push_inwards(gear, torque):
     """Forces as plain vectors at the holes' centres, with the pins where the geometry puts them."""
     pins, radius = 8, 0.6 * gear.pin_circle_radius
     for crank in (0.0, 0.4, -2.0, 11.0):
@@ -246,7 +246,7 @@ def test_the_cam_of_the_paper_carries_more_than_the_ring_asks_for():
 
 
 @pytest.mark.parametrize(("force", "play"), [(900.0, 1e-6), (10.0, 1e-6), (5000.0, 20e-6), (900.0, 1e-12)])
-def test_a_conformal_bearing_presses_as_its_bed(force, play):
+def test_conformal_bearing_pressure_matches_elastic_foundation(force, play):
     """The pressure of an elastic bed as thick as the radius, summed over the bore by quadrature."""
     modulus, length, radius = ideal_loads.contact_modulus(210e9, 0.3), 10e-3, 15e-3
     depth = force / ideal_loads.conformal_stiffness(force, length, modulus, play)

@@ -124,7 +124,7 @@ def test_trochoid_derivatives_are_second_order_limits_of_differences(gear):
 
 
 @each_gear_and_convex
-def test_normals_and_curvature_follow_from_the_outline_alone(gear):
+def test_normals_and_curvature_match_finite_differences_of_the_outline(gear):
     t = np.linspace(0.0, 2 * np.pi, 401)
     h = 1e-4 / gear.ring_teeth
     ahead, back = profile.outline(gear, t + h), profile.outline(gear, t - h)

@@ -73,7 +73,7 @@ def test_reliability_factors_are_those_of_the_table(reliability: float, publishe
     assert rolling.reliability_factor(reliability) == pytest.approx(published, abs=0.006)
 
 
-def test_a_published_cam_bearing() -> None:
+def test_cam_bearing_life_matches_published_case() -> None:
     """Mean 2294 N over the turn; 126 953 h at the crank's speed, 122 721 h at the relative one, within 0.5 %."""
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 720, endpoint=False)  # until all repeats
     gear = tooth_profile(KUBAKOS)
@@ -252,7 +252,7 @@ def test_two_discs_share_what_one_carries() -> None:
     assert lives[0]["output_pin_fatigue"].safety < lives[1]["output_pin_fatigue"].safety
 
 
-def test_what_heat_does_to_clearances() -> None:
+def test_thermal_expansion_changes_clearances() -> None:
     """One material grows as a whole: a clearance by its own share. Steel pins in a plastic gear close, as by hand."""
     alpha = PIN.material.expansion
     assert clearance_growth(Reducer(PIN), "cam") == clearance_growth(Reducer(PIN), "pin_socket") == 0.0
@@ -288,7 +288,7 @@ def test_harder_steel_than_the_curve_has_is_not_credited() -> None:
     assert pitting_pressure(2241e6) == HARDEST
 
 
-def test_pits_come_after_ten_million_cycles_at_the_allowable_pressure() -> None:
+def test_pitting_life_is_ten_million_cycles_at_the_allowable_pressure() -> None:
     assert pitting_cycles(700e6, 700e6) == pytest.approx(1e7, rel=0.01)
     assert pitting_cycles(2 * 700e6, 700e6) == pytest.approx(1e7 * 0.5 ** (1 / 0.056), rel=0.01)
 

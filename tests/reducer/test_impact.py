@@ -19,7 +19,7 @@ IMPACT = ('contact.law="impact"', "settings.timestep_us=1", "drive.ramp_s=0", "d
 
 
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
-def test_every_contact_bears_what_the_law_says(preset):
+def test_contact_forces_follow_the_contact_law(preset):
     design = override(PRESETS[preset], IMPACT)
     law = Reducer(design).contacts.impact
     assert law is not None
@@ -105,7 +105,7 @@ def test_meshes_do_not_take_the_law():
 
 
 @pytest.mark.parametrize(("preset", "pins"), [("pin", "massless"), ("nonpin", "free")])
-def test_a_loaded_run_balances_by_both_solvers(preset, pins):
+def test_energy_of_a_loaded_run_is_conserved_by_both_solvers(preset, pins):
     changes = (f'ring.pins="{pins}"',) if preset == "pin" else ()
     design = override(
         PRESETS[preset], (*IMPACT, *changes, "load.torque_nm=20", "load.rise_s=0.002", "drive.hold_s=0.006")

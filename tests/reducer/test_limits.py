@@ -50,7 +50,7 @@ def test_the_output_stops_where_the_pin_with_the_longest_arm_touches(crank: floa
 
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], unlike("few"), unlike("large")], ids=["pin", "few", "large"])
-def test_to_rigid_parts_a_pin_that_moves_is_a_fixed_one_with_the_play_of_both(design: Design) -> None:
+def test_free_pin_equals_fixed_pin_with_summed_clearances_for_rigid_parts(design: Design) -> None:
     made = override(design, [one for one in ERRORS if "radius" not in one])
     moving = with_clearances(made, 2e-6, **{design.seat_pair: 3e-6})
     fixed = with_clearances(override(made, ["ring.pins=fixed"]), 2e-6, pin_gear=5e-6)
@@ -66,7 +66,7 @@ def gaps_of_fit(design: Design, crank: float, fit: Fit, pins: Array | float = 0.
 
 @pytest.mark.parametrize("member", ["carrier", "ring"])
 @pytest.mark.parametrize("discs", [1, 3])
-def test_the_least_gap_of_the_best_fit_is_its_room(discs: int, member: str) -> None:
+def test_smallest_gap_of_the_best_fit_is_its_play(discs: int, member: str) -> None:
     design = override(PRESETS["pin"], [*ERRORS, "ring.pins=fixed", f"gear.discs={discs}", f"output.member={member}"])
     design = with_clearances(design, 4e-6)
     fit = best_fit(Reducer(design), CRANK)

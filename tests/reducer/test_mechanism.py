@@ -56,7 +56,7 @@ def worst(design: Design, z: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("turn", "order"), [(1.0, 3), (0.0, 4)])
 @pytest.mark.parametrize("name", ["pin", *UNLIKE])
-def test_what_gaps_leave_out_is_of_third_order_of_turns_and_of_fourth_of_displacements(
+def test_gap_series_error_is_third_order_in_rotations_and_fourth_in_displacements(
     name: str, turn: float, order: int
 ) -> None:
     """A tenth of the departure leaves a thousandth of the error, or a ten-thousandth, or rounding."""
@@ -70,7 +70,7 @@ def test_what_gaps_leave_out_is_of_third_order_of_turns_and_of_fourth_of_displac
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", "large", "few", "teeth21"])
-def test_errors_and_modification_enter_as_they_displace_the_parts(name: str) -> None:
+def test_errors_and_modification_displace_the_gaps(name: str) -> None:
     design = override(design_of(name), [*ERRORS, *MODIFIED])
     for way in (np.zeros(4), np.array([0.5e-6, -0.4e-6, 1e-6, -1e-6])):
         teeth, output = worst(design, way)
@@ -98,7 +98,7 @@ def test_a_thicker_pin_has_less_play_in_its_socket_and_a_thicker_sleeve_has_the_
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", "few"])
-def test_the_slit_beside_a_line_of_contact_widens_by_its_relative_curvature(name: str) -> None:
+def test_gap_next_to_a_contact_line_grows_with_relative_curvature(name: str) -> None:
     """At s on either side of the line, the surfaces are s^2/2 times the relative curvature apart."""
     design = design_of(name)
     gear, output, found = tooth_profile(design), design.output, arc_gaps(Reducer(design), CRANK)
@@ -133,7 +133,7 @@ def test_the_path_of_a_pin_bends_and_twists_as_its_normal_turns(name: str) -> No
         np.testing.assert_allclose(ours[: gear.ring_teeth], exactly, rtol=0.0, atol=2e-3 * np.abs(exactly).max())
 
 
-def test_the_gradient_is_that_of_the_gaps() -> None:
+def test_gradient_matches_finite_differences_of_gaps() -> None:
     design = override(PRESETS["pin"], list(ERRORS))
     z, step = np.array([0.4e-6, -0.3e-6, 0.5e-6, -0.2e-6]), 1e-9
     _, slope = curved(design, z)
@@ -179,7 +179,7 @@ def test_many_crank_angles_at_once_are_each_of_them() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-def test_a_disc_ahead_on_the_crank_meshes_as_a_single_one_at_a_crank_that_is_as_far_ahead(kind: str) -> None:
+def test_second_disc_meshes_as_a_single_disc_at_the_advanced_crank_angle(kind: str) -> None:
     errors = "errors.pin_position_um=1.0" if kind == "pin" else "modification.pin_circle_um=1.0"
     design = override(PRESETS[kind], [errors, "errors.seed=4"])
     alone = [gaps(Reducer(design), CRANK + ahead) for ahead in AHEAD]
@@ -212,7 +212,7 @@ def test_the_cam_carries_the_gear_outwards_by_its_error() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-def test_ideal_parts_slide_and_never_part(kind: str) -> None:
+def test_ideal_parts_slide_without_separating(kind: str) -> None:
     """The normals meet in the pitch point: sliding is the distance from there times the relative speed of turning."""
     design = PRESETS[kind]
     gear, found, motion = tooth_profile(design), gaps(Reducer(design), CRANK), ideal_motion(Reducer(design), CRANK)

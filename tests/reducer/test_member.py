@@ -108,7 +108,7 @@ def test_the_points_of_a_gear_that_does_not_turn_run_on_circles() -> None:
 
 
 @pytest.mark.parametrize("design", [PIN, PRINTED])
-def test_the_ring_has_the_carriers_stops_by_the_ratio_of_the_ratios(design: Design) -> None:
+def test_stops_of_the_ring_are_those_of_the_carrier_times_the_ratio_of_ratios(design: Design) -> None:
     errors = design.but(errors={"pin_position": 5e-7, "hole_position": 5e-7})
     ring, of = errors.but(output=RING), errors.lobes / errors.ring.teeth
     for theta in (0.0, 1.0):
@@ -178,7 +178,7 @@ def test_checks_judge_the_same_mesh() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", cases(["fixed pins", "free pins", "internal gear"], "fixed pins", "internal gear"))
-def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
+def test_superposed_rotation_does_not_change_tooth_forces(kind: str) -> None:
     changes = {"internal gear": {"kind": "nonpin"}}.get(kind, {"pins": kind.partition(" ")[0]})
     step = 2e-6 if kind == "free pins" else 10e-6
     carrier = PIN.but(
@@ -227,7 +227,7 @@ def at_the_ring() -> Design:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("turning", cases(["carrier", "ring"], "ring"))
-def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
+def test_structural_twist_rotates_the_output_only(turning: str) -> None:
     """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""
     stiff = PRESETS["twodisc"].but(output={"member": turning}, friction=FREE_OF_LOSSES["friction"])
     torque = stiff.rated_torque

@@ -37,7 +37,7 @@ def nearest(place: np.ndarray, inner: float, arc: PartialCircle) -> tuple[float,
 
 
 @pytest.mark.parametrize("half", [0.6, 1.22, 1.598, 2.6])
-def test_a_pin_meets_the_nearest_point_of_its_socket(half):
+def test_pin_touches_the_nearest_point_of_its_socket(half):
     """Against a hundred thousand points of the arc; the normal leads to the nearest one."""
     radius, inner = 2.251e-3, 2.25e-3
     angles = TURNED + np.linspace(-half, half, 100_001)
@@ -51,7 +51,7 @@ def test_a_pin_meets_the_nearest_point_of_its_socket(half):
 
 
 @pytest.mark.parametrize("half", [1.22, 1.598])
-def test_gap_and_normal_do_not_jump_at_an_edge(half):
+def test_gap_and_normal_are_continuous_at_an_edge(half):
     arc, inner = arc_of(half, 2.251e-3), 2.25e-3
     before, after = (
         nearest(2e-6 * np.array([math.sin(TURNED + angle), math.cos(TURNED + angle)]), inner, arc)
@@ -60,7 +60,7 @@ def test_gap_and_normal_do_not_jump_at_an_edge(half):
     assert before == pytest.approx(after, abs=1e-8)
 
 
-def test_the_opening_is_that_of_the_solids():
+def test_socket_opening_matches_the_solids():
     """The points of the housing's hole that lie as far from a pin's centre as its socket's wall span the same angle."""
     hole = housing_solid(Reducer(PIN), VISUAL_CHORD_ERROR).prisms[0].holes[0]
     seat = hole - [0.0, PIN.ring.pin_circle_radius]
@@ -92,7 +92,7 @@ FALL = 9.8
 """Acceleration of a pin that slides off an edge [m/s2]."""
 
 
-def test_a_pin_slides_off_the_edge_of_its_socket_as_energy_has_it():
+def test_pin_leaves_its_socket_at_the_energy_limit():
     """Without friction its centre runs on a circle about the edge, which carries m (g cos - v^2/r): v^2 = 2 g (drop).
 
     It starts at rest, pressed on the edge 0.3 rad beyond where it would balance.
@@ -145,7 +145,7 @@ def lightly_loaded(hold: float, *changes: str) -> Design:
 
 @pytest.mark.filterwarnings("ignore:pin. pin_:cycloid_mj.base.errors.CycloidWarning")
 @pytest.mark.slow
-def test_pins_leave_open_sockets_as_far_by_profile_as_by_mesh():
+def test_pins_leave_open_sockets_equally_in_profile_and_mesh_models():
     """At 1 N m; convex meshes know nothing of arcs and edges."""
     design = lightly_loaded(0.025)
     profile, mesh = ways(design), ways(design, by_mesh=True)

@@ -22,7 +22,7 @@ def loaded(torque, *changes):
     return override(PIN, [f"load.torque_nm={torque!r}", *changes])
 
 
-def test_teeth_output_and_cam_each_work_at_their_share_of_the_load():
+def test_working_forces_are_shares_of_the_load():
     design = loaded(RATED)
     gear, crank = tooth_profile(design), np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, RATED, crank)

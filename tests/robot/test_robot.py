@@ -82,7 +82,7 @@ def test_a_joint_is_drawn_and_says_what_it_is_in_a_line(few: ReducedJoint) -> No
 
 
 @pytest.mark.slow
-def test_the_joint_is_as_the_full_model(told: dict) -> None:
+def test_joint_matches_the_full_model(told: dict) -> None:
     """The bounds of the comparison are those promised; it is run by MuJoCo, not read back."""
     assert BOUNDS == {
         "backlash_arcmin": 0.002,
@@ -102,7 +102,7 @@ def test_the_joint_is_as_the_full_model(told: dict) -> None:
 
 
 @pytest.mark.slow
-def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
+def test_joint_parameters_match_the_full_model(told: dict) -> None:
     design = PRESETS[told["design"]]
     found = sheet(Reducer(design)).quantities
     assert told["ratio"]["value"] == design.lobes

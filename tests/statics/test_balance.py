@@ -35,7 +35,7 @@ def wide(play: float) -> Design:
 
 
 @pytest.mark.parametrize("path", ZOO, ids=lambda path: path.stem)
-def test_every_odd_drive_balances_under_every_load(path: Path) -> None:
+def test_unusual_drives_have_an_equilibrium_at_all_loads(path: Path) -> None:
     """Forward, reversed and back-driven; what is left over is seen by the springs' own forces, without the search."""
     design = resolve(str(path))
     cranks = np.linspace(0.0, 2.0 * np.pi, 5, endpoint=False)
@@ -92,7 +92,7 @@ def test_a_wide_play_whose_path_passes_wedged_parts_balances() -> None:
     assert np.linalg.norm(found.cam[0]) < 10.0 * found.teeth[0].sum()
 
 
-def test_a_search_that_is_lost_is_no_jam_where_parts_without_play_bear_the_friction() -> None:
+def test_failed_equilibrium_is_no_jam_if_parts_without_clearance_balance() -> None:
     """The same load with and without friction, as if no balance had been found."""
     rubbing, smooth = (springs_of(Reducer(PRESETS["pin"]), [0.3], friction=one) for one in (True, False))
     lost = Left(0.25, 0, 1)
@@ -104,7 +104,7 @@ def test_a_search_that_is_lost_is_no_jam_where_parts_without_play_bear_the_frict
             require_balance(lost, springs.contacts, springs.load(36.0))
 
 
-def test_a_lost_balance_next_to_the_limit_of_friction_is_a_jam() -> None:
+def test_failed_equilibrium_near_the_friction_limit_is_a_jam() -> None:
     """Parts without play bear 104 % of this friction, where forces are many times the load."""
     fixed = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=1.2"])
     whole = springs_of(Reducer(fixed), [0.7])

@@ -164,7 +164,7 @@ def test_bearings_balance_forces_and_moments() -> None:
 
 
 @pytest.mark.parametrize("discs", [2, 3, 4])
-def test_discs_are_one_part_where_a_turn_brings_teeth_and_holes_of_each_together(discs: int) -> None:
+def test_discs_are_identical_if_a_rotation_aligns_teeth_and_holes(discs: int) -> None:
     """By brute force: turn a disc by every pitch of its holes, and look where its teeth come to lie."""
     seen = set()
     for lobes in range(5, 40):
@@ -296,7 +296,7 @@ NOT_IDEAL = two(ideal(PRESETS["pin"])).but(stiffness={"cam": 8e8}, clearance=dic
 
 @pytest.mark.parametrize("structure", ["rigid", "springs"])
 @pytest.mark.parametrize("larger", ["[0, 0]", "[1, 0]", "[0, 1]"])
-def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(larger, structure) -> None:
+def test_unequal_discs_share_load_as_in_an_independent_energy_minimum(larger, structure) -> None:
     design = override(NOT_IDEAL, [f"errors.disc_dr_um={larger}", f"structure={structure}"])
     found = carried(design, 36.0, np.array([0.7]))
     share, turn = searched(design, 36.0, 0.7)

@@ -32,7 +32,7 @@ def carried(design: Design, torque: float | None = None) -> tuple[statics.Spring
 
 
 @pytest.mark.parametrize("name", SIMULATED)
-def test_figures_are_those_of_the_simulation_within_two_percent(name):
+def test_static_figures_match_simulation_within_two_percent(name):
     design = PRESETS[name]
     tooth, output, cam, pressure, first, efficiency = SIMULATED[name]
     springs, found = carried(design)
@@ -72,7 +72,7 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large"
 
 
 @pytest.mark.parametrize("name", ["few", "teeth21", *SLOW])
-def test_without_friction_it_is_the_independent_equilibrium(name):
+def test_frictionless_equilibrium_matches_independent_solution(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={DESIGNS[name].rated_torque!r}"])
     springs, found = carried(design)
     stiffness = {kind: Reducer(design).contacts[kind].stiffness for kind in design.pair_kinds}

@@ -55,12 +55,12 @@ def require_all_balanced(count: int, seed: int) -> None:
                 require_balance(design, crank, way, sign, share)
 
 
-def test_twelve_random_drives_balance() -> None:
+def test_twelve_random_drives_have_an_equilibrium() -> None:
     require_all_balanced(12, 1)
 
 
 @pytest.mark.slow
-def test_two_hundred_random_drives_balance() -> None:
+def test_two_hundred_random_drives_have_an_equilibrium() -> None:
     require_all_balanced(200, 2)
 
 
@@ -139,7 +139,7 @@ def test_a_jam_is_told_where_friction_takes_all_that_ideal_teeth_give() -> None:
                 assert np.isfinite(loads(reducer, springs, design.rated_torque).teeth).all()
 
 
-def test_what_parts_without_play_bear_is_where_the_search_ends() -> None:
+def test_friction_limit_is_that_of_parts_without_clearance() -> None:
     """Two ways to the largest friction under which the preset turns, here with its play of some micrometres."""
     fixed, crank = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=1.2"]), 0.7
     springs = springs_of(Reducer(fixed), [crank])

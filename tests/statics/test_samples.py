@@ -195,7 +195,7 @@ def exactly(design: Design, crank: float, torque: float, start: np.ndarray) -> n
 @pytest.mark.slow
 @pytest.mark.parametrize(("largest", "bound"), [(2e-6, 1e-4), (10e-6, 0.02)])
 @pytest.mark.parametrize("name", ["fixed", "nonpin"])
-def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, bound: float) -> None:
+def test_equilibrium_matches_exact_geometry(name: str, largest: float, bound: float) -> None:
     """Errors up to 2 um move the output to within 1e-4 urad of where the exact gaps have it, of 10 um to within 0.02.
 
     Observed: 2e-5 and 0.006 of some 250 urad.

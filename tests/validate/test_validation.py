@@ -116,7 +116,7 @@ STIFFNESS = {"pin_gear": 3e8, "pin_socket": 6e8, "tooth": 3e8, "cam": 8e8, "outp
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_balance_is_the_slope_of_the_energy(kind):
+def test_residual_is_the_gradient_of_the_energy(kind):
     design = rig.reducer_of(kind, *LOADED)
     locked = equilibrium._lock_crank(Reducer(design), STIFFNESS, 0.3)
     rng = np.random.default_rng(4)
@@ -168,7 +168,7 @@ def test_two_bodies_fail_with_a_spoiled_law(monkeypatch, spoiled, victim):
     assert any(victim in quantity for quantity in failed(two_bodies.rows(True)))
 
 
-def test_friction_passes():
+def test_friction_validation_passes():
     assert failed(incline.rows(True)) == []
 
 
@@ -205,7 +205,7 @@ def test_the_efficiency_formula_gives_what_is_printed(monkeypatch):
     assert published.total_efficiency(published.WANG[0]) != pytest.approx(0.8947, abs=0.5e-4)
 
 
-def test_wangs_formula_is_the_closed_form_less_frictions_own_moment():
+def test_wangs_formula_is_the_closed_form_without_the_moment_of_friction():
     case = published.WANG[0]
     design = published.wang_design(case, True)
     crank = np.linspace(0.0, 2 * np.pi, 441)
