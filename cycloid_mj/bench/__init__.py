@@ -1,4 +1,4 @@
-"""What a test bench measured, held against a design: loops that calibrate it, transmission error by order."""
+"""Comparison of test-bench measurements with a design: calibration by hysteresis loops, transmission error by order."""
 
 from cycloid_mj.bench.calibration import Calibration, calibrate, compare_losses
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_loop

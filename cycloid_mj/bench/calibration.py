@@ -1,4 +1,4 @@
-"""A calibration: the design that a measured loop is that of, how sure each of its values is, and what stays open."""
+"""Calibration: the design that fits measured loops, the uncertainty of its values, and what remains undetermined."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -15,39 +15,45 @@ from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
-from cycloid_mj.bench.fit import AT_BOUND, FitStopped, Fitted, fit
+from cycloid_mj.bench.fit import PROFILE, FitStopped, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
-from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopReading, coulomb_of, read_figures, width_of
+from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, coulomb_of, loop_figures, width_of
 from cycloid_mj.bench.model_selection import (
     WRITTEN,
     LoopStretch,
-    Variant,
-    candidates,
+    ModelFit,
+    compare_candidates,
+    compare_fits,
+    compare_stretches,
     fit_candidates,
-    preferred,
-    stretches,
-    variants,
+    select_model,
 )
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
-from cycloid_mj.bench.parameters import DEFAULT, RUBBING, STANDS_FOR_RUBBING, Model, parameters, rub
-from cycloid_mj.bench.search import DISCREPANCY, STEP, FitProblem, Trials
-from cycloid_mj.bench.uncertainty import COVERED
+from cycloid_mj.bench.parameters import (
+    DEFAULT,
+    RUBBING,
+    STANDS_FOR_RUBBING,
+    Model,
+    needs_contact_friction,
+    parameters,
+)
+from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
+from cycloid_mj.bench.uncertainty import CONFIDENCE
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Held, Losses
 
-ALIKE = 0.95
-"""Correlation from which on a loop cannot tell two values apart."""
+MAX_CORRELATION = 0.95
+"""Correlation of two values from which the loops do not distinguish them."""
 
-MOST_KNOWN = 0.5
-"""Share of what is known of a value from which on the drawing tells it, and not the loops."""
+MAX_PRIOR_SHARE = 0.5
+"""Share of the knowledge of a value from which the drawing determines it, not the loops."""
 
-SILENT = 1e-6
-"""Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
+MIN_SENSITIVITY = 1e-6
+"""Smallest change of the residuals, by a scaled value, of a parameter on which a loop depends: above rounding."""
 
-RADIANS, MINUTES = 8.0, 30.0
-"""How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
-minutes of arc."""
+RADIANS_FACTOR, ARCMINUTES_FACTOR = 8.0, 30.0
+"""How many times lower than the design's a loop is that may be in radians, and higher one in arcminutes (heuristic)."""
 
 LOSSES = (
     ("constant", "constant friction alone", (), False),
@@ -55,38 +61,38 @@ LOSSES = (
     ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
     ("both", "and both", ("friction", "material_loss"), True),
 )
-"""Losses that are compared: key, meaning, what is fitted beside the rest, and whether contacts rub."""
+"""Losses that are compared: key, meaning, additional parameters, and whether the contacts have friction."""
 
 RESIDUAL = (
-    "rms difference of all measured deflections from the fitted loop's at the same torque, without those on the way to "
+    "rms difference of all measured deflections from the fitted loop's at the same torque, without the points before "
     "the loop"
 )
-"""How the residual of a calibration is read."""
+"""Definition of the residual of a calibration."""
 
 INTERVALS = (
-    f"the intervals of 95 % include an assumed model error of {DISCREPANCY:.0%} of each loop's ranges (rms), whatever "
+    f"the intervals of 95 % include an assumed model error of {MODEL_ERROR:.0%} of each loop's ranges (rms), whatever "
     "its course, and do not become narrower with less noise; those of noise alone assume that the model is exact"
 )
-"""What the intervals of the values cover."""
+"""Coverage of the intervals of the values."""
 
 STOPPED = (
-    "stopped before the end of the fit: the values are the likeliest so far, and intervals are those of the straight "
-    "neighbourhood where no search had widened them"
+    "stopped before the end of the fit: the values are the likeliest so far, and intervals that no search had widened "
+    "yet are those of the linearised model"
 )
-"""What holds of a fit that was stopped."""
+"""Remark on a fit that was stopped."""
 
 UNEXPLAINED = (
-    "twist of housing, discs, shafts and mounting is not told apart: structure_stiffness stands for all of it",
-    "friction of the crank is not told apart from that of the wind-up: drag and hysteresis stand for both",
-    "creep is left out: where the torque rests, a plastic part turns on, and the model does not",
-    "contacts are linear springs at one working force: what stiffens with the load is the number of teeth alone",
+    "twist of housing, discs, shafts and mounting is not separated: structure_stiffness represents all of it",
+    "friction of the crank is not separated from that of the wind-up: drag and hysteresis represent both",
+    "creep is not modelled: under a constant torque a plastic part continues to turn, and the model does not",
+    "contacts are linear springs at one working force: stiffness increases with the load only by the number of teeth",
 )
-"""What no parameter stands for."""
+"""Effects that no parameter represents."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One fitted value, in its `unit`.
+    """A fitted value, in its `unit`.
 
     Attributes
     ----------
@@ -99,8 +105,7 @@ class Estimate:
         Whether the loop determines it: both ends of `ci95` follow from the loop, not from the bounds of the search, nor
         for the most part from the drawing, and the interval is no wider than the value.
     drawn, deviation, source
-        What is known of it without the loops: where the search began, its standard deviation, inf where nothing is
-        known, and what says so.
+        Its prior: the start of the search, the standard deviation, inf without a prior, and the source of that.
     """
 
     value: float
@@ -145,16 +150,16 @@ class Calibration(Presented):
     design: Design
     estimates: dict[str, Estimate]
     alike: tuple[tuple[str, str, float], ...]
-    measured: LoopReading
-    modelled: LoopReading
-    variants: tuple[Variant, ...] = ()
-    candidates: tuple[Variant, ...] = ()
+    measured: LoopFigures
+    modelled: LoopFigures
+    variants: tuple[ModelFit, ...] = ()
+    candidates: tuple[ModelFit, ...] = ()
     notes: tuple[str, ...] = ()
     complete: bool = True
 
     @property
     def frame(self) -> Frame:
-        """The fitted values, a row each."""
+        """Fitted values, one row each."""
         rows: list[dict[str, Cell]] = [
             {
                 "key": key,
@@ -179,27 +184,27 @@ class Calibration(Presented):
     def rms(self) -> float:
         """Rms difference of all deflections from the model's [rad]."""
         loops = self.fitted.loops
-        squares = sum(len(loop.torque) * self.fitted.rms(place) ** 2 for place, loop in enumerate(loops))
+        squares = sum(len(loop.torque) * self.fitted.rms(number) ** 2 for number, loop in enumerate(loops))
         return float(np.sqrt(squares / sum(len(loop.torque) for loop in loops)))
 
     @property
     def unidentified(self) -> tuple[str, ...]:
-        """Keys of the values that the loop does not determine."""
+        """Keys of the values that the loops do not determine."""
         return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
 
     @property
     def stretches(self) -> tuple[LoopStretch, ...]:
-        """How far the fitted model is from each stretch of each loop."""
-        return stretches(self.fitted)
+        """Deviation of the fitted model from each stretch of each loop."""
+        return compare_stretches(self.fitted)
 
     @property
-    def preferred(self) -> Variant | None:
+    def preferred(self) -> ModelFit | None:
         """The candidate model that the loops support best; None where there are no candidates."""
-        return preferred(self.candidates) if self.candidates else None
+        return select_model(self.candidates) if self.candidates else None
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Where the fitted model cannot follow the loops, and which model does better; a sentence each."""
+        """Stretches that the fitted model cannot follow, and the model that does better; a sentence each."""
         best, sentences = self.preferred, [one.sentence for one in self.stretches if not one.followed]
         if best is None or best.key == WRITTEN:
             return tuple(sentences)
@@ -207,7 +212,7 @@ class Calibration(Presented):
         extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in own.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
-            f"{own.meaning}: Bayesian criterion lower by {own.criterion - best.criterion:.3g}, residual "
+            f"{own.meaning}: Bayesian criterion lower by {own.bayesian - best.bayesian:.3g}, residual "
             f"{_percent(best.shares)} instead of {_percent(own.shares)} of the heights"
         )
         remedy = (
@@ -218,7 +223,7 @@ class Calibration(Presented):
 
     @property
     def measure_next(self) -> tuple[str, ...]:
-        """What loop would tell most of what these leave open, a sentence each."""
+        """Loops that would determine most of the undetermined values, a sentence each."""
         return _next_loops(self.fitted, self.unidentified, self.alike)
 
     def tables(self) -> tuple[Table, ...]:
@@ -239,9 +244,9 @@ class Calibration(Presented):
         figures = tuple(
             (
                 key,
-                _written(one.value),
+                _formatted(one.value),
                 f"{one.low:.4g} to {one.high:.4g}" if np.isfinite(one.value) else "",
-                _written(modelled[key].value),
+                _formatted(modelled[key].value),
                 DEFINITIONS[key],
             )
             for key, one in read.items()
@@ -251,12 +256,12 @@ class Calibration(Presented):
                 loop.name,
                 float(len(loop.torque)),
                 loop.height / DEGREE,
-                self.fitted.rms(place) / DEGREE,
-                f"{self.fitted.rms(place) / loop.height:.1%}",
-                f"{self.fitted.rms_without(place) / loop.height:.1%}",
+                self.fitted.rms(number) / DEGREE,
+                f"{self.fitted.rms(number) / loop.height:.1%}",
+                f"{self.fitted.rms_without_offset(number) / loop.height:.1%}",
                 2.0 * loop.most,
             )
-            for place, loop in enumerate(self.fitted.loops)
+            for number, loop in enumerate(self.fitted.loops)
         )
         tables = [
             Table(
@@ -264,11 +269,11 @@ class Calibration(Presented):
                 (
                     "value",
                     "fitted",
-                    f"95 %, with a model error of {DISCREPANCY:.0%}",
+                    f"95 %, with a model error of {MODEL_ERROR:.0%}",
                     "95 %, noise alone",
                     "unit",
                     "determined by the loop",
-                    "known without it (one sigma)",
+                    "prior (one sigma)",
                 ),
                 rows,
             ),
@@ -280,8 +285,8 @@ class Calibration(Presented):
                     "points",
                     "height [deg]",
                     "residual rms [deg]",
-                    "of the height",
-                    "with no offset of torque",
+                    "relative to the height",
+                    "without an offset of torque",
                     "torque range [N m]",
                 ),
                 loops,
@@ -342,7 +347,7 @@ class Calibration(Presented):
                 }
                 for key, estimate in self.estimates.items()
             },
-            "model_error_share": DISCREPANCY,
+            "model_error_share": MODEL_ERROR,
             "intervals": INTERVALS,
             "complete": self.complete,
             "unidentified": list(self.unidentified),
@@ -362,16 +367,16 @@ class Calibration(Presented):
                     "name": loop.name,
                     "points": len(loop.torque),
                     "height_deg": loop.height / DEGREE,
-                    "residual_rms_deg": self.fitted.rms(place) / DEGREE,
-                    "residual_share": self.fitted.rms(place) / loop.height,
-                    "residual_share_without_offset": self.fitted.rms_without(place) / loop.height,
+                    "residual_rms_deg": self.fitted.rms(number) / DEGREE,
+                    "residual_share": self.fitted.rms(number) / loop.height,
+                    "residual_share_without_offset": self.fitted.rms_without_offset(number) / loop.height,
                     "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
-                    "offset_torque_nm": float(self.fitted.offsets[place, 0]),
-                    "offset_deg": float(self.fitted.offsets[place, 1]) / DEGREE,
+                    "offset_torque_nm": float(self.fitted.offsets[number, 0]),
+                    "offset_deg": float(self.fitted.offsets[number, 1]) / DEGREE,
                     "points_left_out": loop.lead,
                     "sign_turned": loop.flipped,
                 }
-                for place, loop in enumerate(loops)
+                for number, loop in enumerate(loops)
             ],
             "torque_offset": {
                 "fitted": self.fitted.torque_offset,
@@ -397,7 +402,7 @@ class Calibration(Presented):
 
 
 class CalibrationStopped(KeyboardInterrupt):
-    """Ctrl-C, or a signal of the same effect, came when a search had ended: `calibration` is what came of it."""
+    """Ctrl-C, or an equivalent signal, after at least one search ended: `calibration` has the values by then."""
 
     def __init__(self, stop: KeyboardInterrupt, calibration: Calibration) -> None:
         super().__init__(*stop.args)
@@ -417,47 +422,47 @@ def calibrate(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file, as drawn: where the search begins, and all that is not fitted.
+        A design, or the name of a preset or a file: start of the search, and all values that are not fitted.
     loops
-        Measured on one drive.
+        Loops of one drive.
     keys
-        What to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
+        Values to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
     held
-        Which shaft the bench held.
+        Shaft that was locked.
     crank
         Angle of the crank [rad].
     progress
-        Called at each trial with how many there have been, and how many there may be in all.
+        Called at each evaluation with the number of evaluations so far, and that expected in all.
 
     Raises
     ------
     UsageError
-        There is no loop, a key is unknown, no key answers to the loop, or a loop is not in degrees.
+        There is no loop, a key is unknown, no loop depends on the keys, or a loop is not in degrees.
     RunError
-        No static balance was found.
+        No static balance exists.
     CalibrationStopped
-        Ctrl-C: it has what was fitted by then.
+        Ctrl-C: it has the values by then.
     """
     design = resolve(design)
     reducer = Reducer(design)
     if not loops:
-        raise UsageError("there is no loop to calibrate by: give at least one with --loop")
+        raise UsageError("a calibration needs a measured loop: add at least one with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
-    model = Model(reducer, Losses(drag), rub(keys))
+    model = Model(reducer, Losses(drag), needs_contact_friction(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
     chosen, trials = parameters(reducer, keys, loops), Trials(progress)
-    _require_answers(FitProblem(model, chosen, tuple(loops), bench, Trials()))
+    _require_sensitivity(FitProblem(model, chosen, tuple(loops), bench, Trials()))
     fits: dict[str, Fitted] = {}
-    compared: tuple[Variant, ...] = ()
+    compared: tuple[ModelFit, ...] = ()
     torque_offset, offset_gain = None, math.nan
     try:
         if set(keys) == set(DEFAULT):
             for key, one in fit_candidates(model, loops, bench, trials):
                 fits[key] = one
-            compared = candidates(fits)
+            compared = compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
-            best = fits[preferred(compared).key]
+            best = fits[select_model(compared).key]
             torque_offset, offset_gain = best.torque_offset, best.offset_gain
         fitted = fit(model, chosen, loops, bench, trials, torque_offset=torque_offset)
     except FitStopped as stop:
@@ -479,26 +484,35 @@ def compare_losses(
     progress: Progress = silent,
     done: Callable[[Calibration], object] = lambda _: None,
 ) -> Calibration:
-    """Fit constant friction alone, with that of the contacts, with a lossy material, and with both, to the same loops.
+    """Fit constant friction, that of the contacts, a lossy material, and both, to the same loops (`LOSSES`).
 
-    Each search has starts of its own; `done` is called after each with what there is by then.
+    Parameters
+    ----------
+    calibration
+        The calibration whose loops and parameters are used.
+    progress
+        Called at each evaluation, as in `calibrate`.
+    done
+        Called after each fit with the calibration that has the fits so far as `variants`.
 
     Raises
     ------
     RunError
-        No static balance was found.
+        No static balance exists.
     """
     fitted = calibration.fitted
-    # contacts rub only where they give
+    # contacts have friction only where they are elastic
     common = [
         "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
         for parameter in fitted.parameters
         if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
     ]
-    smooth, trials = _smooth(fitted.model.reducer), Trials(progress)
+    smooth, trials = _without_friction(fitted.model.reducer), Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in LOSSES:
-        base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), rubs=True)
+        base = replace(
+            fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), contact_friction=True
+        )
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         fits[key, meaning] = fit(
             base,
@@ -510,15 +524,15 @@ def compare_losses(
             torque_offset=fitted.torque_offset,
         )
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
-        calibration = replace(calibration, variants=variants(fits))
+        calibration = replace(calibration, variants=compare_fits(fits))
         done(calibration)
     return calibration
 
 
 def correlations(fitted: Fitted) -> Array:
-    """Compute the correlations of the parameters, shape (p, p); 0 of those at a bound."""
+    """Compute the correlations of the parameters, shape (p, p); 0 for those at a bound."""
     count = len(fitted.parameters)
-    covariance = fitted.spread.covariance[:count, :count]
+    covariance = fitted.uncertainty.covariance[:count, :count]
     size = np.sqrt(np.diag(covariance))
     both = np.outer(size, size)
     return np.asarray(np.divide(covariance, both, out=np.eye(count), where=both > 0.0))
@@ -530,7 +544,10 @@ def _calibration(fitted: Fitted) -> Calibration:
     related = correlations(fitted)
     keys = list(estimates)
     alike = tuple(
-        (keys[i], keys[j], float(related[i, j])) for i in range(count) for j in range(i) if abs(related[i, j]) > ALIKE
+        (keys[i], keys[j], float(related[i, j]))
+        for i in range(count)
+        for j in range(i)
+        if abs(related[i, j]) > MAX_CORRELATION
     )
     calibrated = fitted.calibrated.reducer.design
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
@@ -539,29 +556,33 @@ def _calibration(fitted: Fitted) -> Calibration:
         design=calibrated.but(name=calibrated_name(Reducer(calibrated))),
         estimates=estimates,
         alike=alike,
-        measured=read_figures(fitted.loops),
-        modelled=read_figures(modelled),
+        measured=loop_figures(fitted.loops),
+        modelled=loop_figures(modelled),
         notes=_notes(fitted),
     )
 
 
 def _estimate(fitted: Fitted, number: int) -> Estimate:
     """Collect one fitted value with its intervals, and decide whether the loops determine it."""
-    parameter, place, ends = fitted.parameters[number], float(fitted.places[number]), fitted.ends[number]
-    value, low, high = (parameter.value(float(at)) for at in (place, *ends))
-    bounded = parameter.place(parameter.least) + STEP < ends[0] and ends[1] < parameter.place(parameter.most) - STEP
-    at_bound, known = bool(fitted.at_bound[number]), float(fitted.known[number])
-    identified = bool(not at_bound and bounded and known < MOST_KNOWN and high - low < abs(value))
-    reach = float(fitted.spread.reach(COVERED)[number] * fitted.spread.errors[number])
+    parameter, scaled, ends = fitted.parameters[number], float(fitted.scaled[number]), fitted.ends[number]
+    value, low, high = (parameter.from_scale(float(one)) for one in (scaled, *ends))
+    bounds, margin = (
+        (parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)),
+        SETTINGS.difference_step,
+    )
+    bounded = bounds[0] + margin < ends[0] and ends[1] < bounds[1] - margin
+    at_bound, prior = bool(fitted.at_bound[number]), float(fitted.prior_share[number])
+    identified = bool(not at_bound and bounded and prior < MAX_PRIOR_SHARE and high - low < abs(value))
+    half_width = float(fitted.uncertainty.quantiles(CONFIDENCE)[number] * fitted.uncertainty.errors[number])
     likeliest = float(fitted.likeliest[number])
     noise = math.nan, math.nan
     if not at_bound:
-        noise = parameter.value(likeliest - reach), parameter.value(likeliest + reach)
+        noise = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
     drawn = parameter.start, parameter.deviation, parameter.source
     return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, identified, *drawn)
 
 
-def _smooth(reducer: Reducer) -> Design:
+def _without_friction(reducer: Reducer) -> Design:
     """Return a design whose contacts have no friction."""
     return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
 
@@ -570,15 +591,15 @@ def _percent(shares: Sequence[float]) -> str:
     return " and ".join(f"{share:.1%}" for share in shares)
 
 
-def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[Variant]) -> Table:
+def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[ModelFit]) -> Table:
     """Tabulate fits of several models to the same loops, with their criteria above the lowest."""
-    bayesian, akaike = (min(getattr(one, key) for one in compared) for key in ("criterion", "akaike"))
+    bayesian, akaike = (min(getattr(one, key) for one in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
         (
             one.meaning,
             *(f"{share:.1%}" for share in one.shares),
-            one.criterion - bayesian,
+            one.bayesian - bayesian,
             one.akaike - akaike,
             ", ".join(f"{key} {value:.3g}" for key, value in one.values.items()),
         )
@@ -587,23 +608,23 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
     return Table(title, header, rows)
 
 
-def _variant_json(one: Variant) -> dict[str, Any]:
+def _variant_json(one: ModelFit) -> dict[str, Any]:
     return {
         "key": one.key,
         "meaning": one.meaning,
         "residual_shares": list(one.shares),
-        "bic": one.criterion,
+        "bic": one.bayesian,
         "aic": one.akaike,
         "values": one.values,
     }
 
 
-def _written(value: float) -> str:
+def _formatted(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
 def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[str, str, float]]) -> tuple[str, ...]:
-    """Suggest which loop to measure next, by which values are undetermined."""
+    """List loops that would determine the undetermined values, a sentence each."""
     open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
     most, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
@@ -611,35 +632,40 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
         half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
         angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
-        advice.append(f"play: a loop at a second crank angle, {angle:.4g} deg, where other teeth and holes carry")
+        advice.append(
+            f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
+        )
     if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
         small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * most
         advice.append(
-            f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, beside one of "
-            f"+-{most:.4g} N m"
+            f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, in addition to "
+            f"one of +-{most:.4g} N m"
         )
         other = "output" if bench.held == "crank" else "crank"
         advice.append(
-            f"friction: the same loop with the {other} held (--held {other}): friction acts the other way there"
+            f"friction: the same loop with the {other} locked (--held {other}), where friction acts in the other "
+            "direction"
         )
     if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:
-        advice.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, in which play and friction are a smaller part")
+        advice.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, of which play and friction are a smaller part")
     return tuple(advice)
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:
     notes = [
-        f"{loop.name} counts deflection against torque: its sign was turned" for loop in fitted.loops if loop.flipped
+        f"{loop.name} counts deflection against the torque: its sign was changed"
+        for loop in fitted.loops
+        if loop.flipped
     ]
     notes += [
-        f"{loop.name}: its first {loop.lead} points are the way to the loop, not the loop itself, and are left out"
+        f"{loop.name}: the first {loop.lead} points lead to the loop and are not used"
         for loop in fitted.loops
         if loop.lead
     ]
     notes += [
-        f"{one.key} came out at the end of what is looked for, {value:.4g} {one.unit}: its interval is one-sided"
-        for one, value, place in zip(fitted.parameters, fitted.values, fitted.places, strict=False)
-        if min(place - one.place(one.least), one.place(one.most) - place) < AT_BOUND
+        f"{one.key} is at the limit of the search, {value:.4g} {one.unit}: its interval is one-sided"
+        for one, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
+        if min(scaled - one.to_scale(one.lower), one.to_scale(one.upper) - scaled) < PROFILE.bound_distance
     ]
     notes.append(INTERVALS)
     if math.isfinite(fitted.offset_gain):
@@ -655,7 +681,7 @@ def _offset_note(fitted: bool, gain: float) -> str:
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
-    """Refuse a loop that is near the design's only if it was meant in N mm, in radians, or in minutes of arc."""
+    """Raise UsageError for a loop that fits the design's only in N mm, in radians, or in arcminutes."""
     rated = model.reducer.design.rated_torque
     for loop in loops:
         require_torque(loop, rated)
@@ -664,25 +690,25 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
         except RunError:
             continue
         expected = float(np.ptp(turn))
-        if loop.height * RADIANS < expected < loop.height / DEGREE * RADIANS:
+        if loop.height * RADIANS_FACTOR < expected < loop.height / DEGREE * RADIANS_FACTOR:
             raise UsageError(
-                f"{loop.name}: the deflection goes over {loop.height / DEGREE:.3g} deg, but the design's own loop over "
-                f"{expected / DEGREE:.3g} deg: is {DEFLECTION} in radians? then "
-                "multiply it by 57.2958; if not, give the design clearances nearer to the drive's"
+                f"{loop.name}: the deflection has a range of {loop.height / DEGREE:.3g} deg, the design's own loop one "
+                f"of {expected / DEGREE:.3g} deg. Is {DEFLECTION} in radians? Then multiply it by 57.2958; if not, set "
+                "clearances of the design nearer to those of the drive"
             )
-        if loop.height > MINUTES * expected:
+        if loop.height > ARCMINUTES_FACTOR * expected:
             raise UsageError(
-                f"{loop.name}: the deflection goes over {loop.height / DEGREE:.3g} deg, but the design's own loop over "
-                f"{expected / DEGREE:.3g} deg: is {DEFLECTION} in minutes of arc? then divide it by 60; if not, "
-                "give the design clearances and stiffness nearer to the drive's"
+                f"{loop.name}: the deflection has a range of {loop.height / DEGREE:.3g} deg, the design's own loop one "
+                f"of {expected / DEGREE:.3g} deg. Is {DEFLECTION} in arcminutes? Then divide it by 60; if not, set "
+                "clearances and stiffness of the design nearer to those of the drive"
             )
 
 
-def _require_answers(search: FitProblem) -> None:
-    """Refuse values none of which any loop answers to."""
-    start = np.array([one.place(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
-    if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > SILENT):
+def _require_sensitivity(search: FitProblem) -> None:
+    """Raise UsageError for parameters on none of which any loop depends."""
+    start = np.array([one.to_scale(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
+    if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > MIN_SENSITIVITY):
         raise UsageError(
-            f"--fit {','.join(one.key for one in search.parameters)}: the loop determines none of these; fit what it "
-            f"answers to, such as {','.join(DEFAULT)}"
+            f"--fit {','.join(one.key for one in search.parameters)}: the loop determines none of these. Fit values on "
+            f"which it depends, such as {','.join(DEFAULT)}"
         )

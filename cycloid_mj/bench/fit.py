@@ -1,20 +1,18 @@
-"""A model laid over measured loops: the values that bring it nearest, and how far each of them can be from there.
+"""Fit of a model to measured loops, with intervals by profile likelihood.
 
-An interval ends where the loops are missed by too much even with all other values fitted anew: that of the profile
-likelihood (Venzon and Moolgavkar, Appl. Statist. 37, 1988, 87-94). Where values lie in a long bent valley, as friction
-of contacts and constant friction do, that of the straight neighbourhood would be far too narrow. There may be several
-valleys that explain the loops alike: an interval reaches as far as any of them does, from the ends of all searches.
+An interval ends where the residuals become too large even with all other values fitted again: profile likelihood
+(Venzon and Moolgavkar, Appl. Statist. 37, 1988, 87-94). Where the cost has a long bent valley, as between friction of
+contacts and constant friction, intervals of the linearised model would be far too narrow. Several valleys may explain
+the loops equally well: an interval covers all that the searches reached.
 
-A model is off by more than noise. Whatever the course of an error of the rms value d is, it moves a value by no more
-than d times the root of its inverse curvature (by Cauchy and Schwarz, where the model is straight): intervals reach as
-much farther than noise alone carries them, with d = `DISCREPANCY`. What is known without the loops, as of a clearance
-whose tolerance the design states, counts as one that is off by as much at one standard deviation.
+A model has an error besides noise. An error of rms d, whatever its course, moves a value by at most d times the root of
+its inverse curvature (Cauchy-Schwarz, for a linear model). Intervals are wider by that, with d = `MODEL_ERROR`. A
+prior, such as a clearance with a tolerance in the design, counts as a residual of that size at one standard deviation.
 
-Such intervals leave a room in which the loops tell no values from others. What a design is asked for is the loop again:
-of all values within their intervals those are taken with which the model's turns miss the measured ones least, rms at
-the same torque, and what that does not ask for stays where it is likeliest (`FitProblem.nearest`). The likeliest values
-need not be these where the model is off: their measure is the distance from a branch, in which a leap across the play
-that comes a little early counts little, and an outlier less.
+Loops do not distinguish between values within such intervals. The values that are returned are those whose deflections
+are nearest to the measured ones at the same torque (`FitProblem.nearest_deflections`). They differ from the likeliest
+where the model has an error: the fit measures the distance from a branch, in which a leap across the play that comes a
+little early counts little, and an outlier less.
 """
 
 import math
@@ -29,46 +27,62 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, model_branches, put_all
+from cycloid_mj.bench.overlay import Branches, LoopCondition, apply_values, deflections, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.bench.search import DISCREPANCY, FAILED, LONG, SHORT, FitProblem, Trials, offset_scales
-from cycloid_mj.bench.uncertainty import COVERED, FitUncertainty, memory, spread
+from cycloid_mj.bench.search import (
+    FAILED_RESIDUAL,
+    MODEL_ERROR,
+    SETTINGS,
+    FitProblem,
+    Trials,
+    offset_scales,
+)
+from cycloid_mj.bench.uncertainty import CONFIDENCE, FitUncertainty, autocorrelation_time, estimate_uncertainty
 
-AT_BOUND = 1e-3
-"""Distance from a bound, on a value's scale, at which a value is at it."""
 
-PROFILED, DOUBLED = 4, 4
-"""Steps of the search for all other values with one of them held, and how often that one is moved twice as far."""
+@dataclass(frozen=True)
+class ProfileSettings:
+    """Settings of the intervals by profile likelihood."""
 
-GAINED, RENEWED = 1e-3, 3
-"""Relative gain at which a place found on the way is where the search goes on, and how often it may."""
+    max_steps: int = 4
+    """Largest number of steps of the search for all other values with one of them fixed."""
+    max_doublings: int = 4
+    """How often the distance of the fixed value is doubled; an interval that does not end by then is unbounded."""
+    improvement_rtol: float = 1e-3
+    """Relative improvement at which the fit restarts from a point that such a search reached."""
+    max_restarts: int = 3
+    """How often the fit may start from there."""
+    bound_distance: float = 1e-3
+    """Distance from a bound, of a scaled value, at which the value counts as at the bound."""
+
+
+PROFILE = ProfileSettings()
 
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A model laid over loops.
+    """A model fitted to loops.
 
     Attributes
     ----------
     model, parameters, bench, loops
-        What was fitted to what.
+        The model before the fit, its parameters, and the loops with the condition under which they were measured.
     likeliest
-        Places of the parameters, then of each loop's offsets of torque and deflection, on their scales: where the
-        residuals are least.
-    places
-        The same where the model repeats the loops best, within the intervals of 95 %.
+        Scaled values with the smallest residuals: parameters, then offsets of torque and deflection of each loop.
+    scaled
+        Scaled values within the intervals whose deflections are nearest to the measured ones.
     residuals
-        Of each loop's points, as shares of its range, where they are least.
+        Residuals of each loop's points at `likeliest`, as shares of its ranges.
     slopes
-        Of all residuals by all places there, shape (points, values).
-    spread
-        How sure the places are; of those at a bound, which is no measurement, 0.
+        Slopes of all residuals by all scaled values there, shape (points, values).
+    uncertainty
+        Uncertainty of the scaled values; 0 of those at a bound, which are no measurement.
     at_bound
-        Which of them are.
+        Which values are at a bound, shape (values,).
     ends
-        Of the interval of each place that covers `COVERED`, shape (values, 2); one-sided at a bound.
-    known
-        Share of what is known of each place that the loops do not tell, but the drawing: from 0 to 1, shape (values,).
+        Ends of the interval of each scaled value, of coverage `CONFIDENCE`, shape (values, 2); one-sided at a bound.
+    prior_share
+        Share of the knowledge of each value that is the prior's and not the loops', from 0 to 1, shape (values,).
     torque_offset
         Whether the loops have zero offsets of torque; else these are 0.
     offset_gain
@@ -80,30 +94,30 @@ class Fitted:
     bench: LoopCondition
     loops: tuple[MeasuredLoop, ...]
     likeliest: Array
-    places: Array
+    scaled: Array
     residuals: tuple[Array, ...]
     slopes: Array
-    spread: FitUncertainty
+    uncertainty: FitUncertainty
     at_bound: Mask
     ends: Array
-    known: Array
+    prior_share: Array
     torque_offset: bool = True
     offset_gain: float = math.nan
 
     @property
     def values(self) -> Array:
-        """The parameters' values, in their units."""
-        return self.values_at(self.places)
+        """Fitted values of the parameters, in their units."""
+        return self.values_at(self.scaled)
 
     @cached_property
     def calibrated(self) -> Model:
-        """The model with them."""
-        return put_all(self.model, self.parameters, self.values)
+        """The model with the fitted values."""
+        return apply_values(self.model, self.parameters, self.values)
 
     @property
     def offsets(self) -> Array:
-        """Of each loop in torque [N m] and deflection [rad], shape (loops, 2)."""
-        shares = self.places[len(self.parameters) :].reshape(-1, 2)
+        """Offsets of each loop in torque [N m] and deflection [rad], shape (loops, 2)."""
+        shares = self.scaled[len(self.parameters) :].reshape(-1, 2)
         return shares * np.array([offset_scales(loop) for loop in self.loops])
 
     @cached_property
@@ -117,49 +131,49 @@ class Fitted:
 
     @cached_property
     def turns(self) -> tuple[Array, ...]:
-        """The model's deflection at every measured point [rad]: that of its branch at the measured torque."""
+        """Deflection of the model at every measured point [rad]: that of its branch at the measured torque."""
         return tuple(deflections(loop, branches) for loop, branches in zip(self.loops, self.branches, strict=True))
 
     @property
     def independent(self) -> tuple[float, ...]:
-        """How many residuals of each loop count as independent (`memory`)."""
-        return tuple(len(residual) / memory(residual) for residual in self.residuals)
+        """Number of independent residuals of each loop (`autocorrelation_time`)."""
+        return tuple(len(residual) / autocorrelation_time(residual) for residual in self.residuals)
 
     @property
     def free_values(self) -> int:
         """Number of values that were fitted, offsets included."""
-        return len(self.places) - (0 if self.torque_offset else len(self.loops))
+        return len(self.scaled) - (0 if self.torque_offset else len(self.loops))
 
-    def criterion(self, independent: Sequence[float]) -> float:
-        """Compute the Bayesian information criterion, with a number of independent residuals of each loop.
+    def bayesian_criterion(self, independent: Sequence[float]) -> float:
+        """Compute the Bayesian information criterion, given the number of independent residuals of each loop.
 
         Criteria of models compare only where that number is the same: a model that leaves something out has correlated
         residuals, and by its own count would have less to explain.
         """
         return _misfit(self.residuals, independent) + self.free_values * float(np.log(sum(independent)))
 
-    def akaike(self, independent: Sequence[float]) -> float:
+    def akaike_criterion(self, independent: Sequence[float]) -> float:
         """Compute Akaike's information criterion by the same residuals."""
         return _misfit(self.residuals, independent) + 2.0 * self.free_values
 
-    def values_at(self, places: Array) -> Array:
-        """Compute the parameters' values at other places."""
-        return np.array([parameter.value(place) for parameter, place in zip(self.parameters, places, strict=False)])
+    def values_at(self, scaled: Array) -> Array:
+        """Compute the parameters' values from scaled ones."""
+        return np.array([parameter.from_scale(one) for parameter, one in zip(self.parameters, scaled, strict=False)])
 
-    def rms(self, place: int) -> float:
-        """Compute the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
-        loop = self.loops[place]
-        return rms((self.turns[place] - loop.deflection)[loop.lead :])
+    def rms(self, number: int) -> float:
+        """Compute the rms difference of a loop's deflection from the model's at the same torque [rad]."""
+        loop = self.loops[number]
+        return rms((self.turns[number] - loop.deflection)[loop.lead :])
 
-    def rms_without(self, place: int) -> float:
-        """Compute that difference with no offset of torque, as in a scene, and the best of deflection [rad]."""
-        loop = self.loops[place]
+    def rms_without_offset(self, number: int) -> float:
+        """Compute that difference for an offset of torque of 0, as in a scene, and the best of deflection [rad]."""
+        loop = self.loops[number]
         turn = deflections(loop, model_branches(self.calibrated, self.bench, loop))
         return float(np.std((turn - loop.deflection)[loop.lead :]))
 
 
 class FitStopped(KeyboardInterrupt):
-    """Ctrl-C, or a signal of the same effect, came when a search had ended: `fitted` is the best there was by then."""
+    """Ctrl-C, or an equivalent signal, after at least one search ended: `fitted` is the best fit by then."""
 
     def __init__(self, stop: KeyboardInterrupt, fitted: Fitted) -> None:
         super().__init__(*stop.args)
@@ -176,18 +190,28 @@ def fit(
     intervals: bool = True,
     torque_offset: bool | None = None,
 ) -> Fitted:
-    """Fit parameters to loops by robust least squares, from several starts or one; `trials` are counted.
+    """Fit parameters of a model to loops by robust least squares.
 
-    Without `intervals` they are those of the straight neighbourhood, which take no further search, and the values are
-    the likeliest. Whether each loop has a zero offset of torque, `torque_offset`, is by default chosen by the Bayesian
-    information criterion.
+    Parameters
+    ----------
+    model, parameters, loops, bench
+        What is fitted to what.
+    trials
+        Counter of evaluations.
+    start
+        Scaled values of a single start; by default several starts (`FitProblem.starts`).
+    intervals
+        Whether intervals are by profile likelihood. Else they are those of the linearised model, which take no further
+        search, and the values are the likeliest.
+    torque_offset
+        Whether each loop has a zero offset of torque; by default chosen by the Bayesian information criterion.
 
     Raises
     ------
     RunError
-        No static balance was found.
+        No static balance exists.
     FitStopped
-        Ctrl-C: it has the best values by then, and intervals of the straight neighbourhood where no other was found.
+        Ctrl-C: it has the best values by then, with intervals of the linearised model where there are no others.
     """
     search = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
     searches = {"ends": 2 * len(search.parameters), "nearest": 1} if intervals else {}
@@ -199,32 +223,35 @@ def fit(
         again = len(starts) if torque_offset is None else 0
         for number, one in enumerate(starts):
             search.trials.expect(search.expected_trials(starts=len(starts) - number, again=again, long=1, **searches))
-            ended.append(search.run(one, SHORT, "trf"))
+            ended.append(search.minimise(one, SETTINGS.max_steps_from_start, "trf"))
         ended.sort(key=itemgetter(0))
         gain = math.nan
         if torque_offset is None:
             search, gain, ended = _choose_offset(search, ended)
         best, *others = ended
-        place = best[1]
-        for _ in range(RENEWED):
+        scaled = best[1]
+        for _ in range(PROFILE.max_restarts):
             search.trials.expect(search.expected_trials(long=1, **searches))
-            cost, place = search.run(place, LONG, "trf")
-            ended.append((cost, place))
-            fits.append(replace(fitted_at(search, place), offset_gain=gain))
-            better = widen(search, fits[-1], [(cost, place), *others]) if intervals else None
+            cost, scaled = search.minimise(scaled, SETTINGS.max_steps, "trf")
+            ended.append((cost, scaled))
+            fits.append(replace(evaluate_fit(search, scaled), offset_gain=gain))
+            better = widen_intervals(search, fits[-1], [(cost, scaled), *others]) if intervals else None
             if better is None:
                 break
-            others.append((cost, place))
-            place = better
-        return replace(fits[-1], places=search.nearest(place, *fits[-1].ends.T)) if intervals else fits[-1]
+            others.append((cost, scaled))
+            scaled = better
+        if not intervals:
+            return fits[-1]
+        return replace(fits[-1], scaled=search.nearest_deflections(scaled, *fits[-1].ends.T))
     except KeyboardInterrupt as stop:
         if not ended:
             raise
-        raise FitStopped(stop, fits[-1] if fits else fitted_at(search, min(ended, key=itemgetter(0))[1])) from stop
+        so_far = fits[-1] if fits else evaluate_fit(search, min(ended, key=itemgetter(0))[1])
+        raise FitStopped(stop, so_far) from stop
 
 
-def fitted_at(search: FitProblem, places: Array) -> Fitted:
-    """Compute the fit at places, with the intervals of the straight neighbourhood.
+def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
+    """Compute the fit at scaled values, with the intervals of the linearised model.
 
     Raises
     ------
@@ -232,46 +259,48 @@ def fitted_at(search: FitProblem, places: Array) -> Fitted:
         A loop has no model there.
     """
     low, high = search.bounds
-    parts = search.parts(places)
-    if failed := [loop.name for loop, part in zip(search.loops, parts, strict=True) if np.all(part == FAILED)]:
+    parts = search.residuals_by_loop(scaled)
+    failed = [loop.name for loop, part in zip(search.loops, parts, strict=True) if np.all(part == FAILED_RESIDUAL)]
+    if failed:
         raise RunError(
-            f"no model of {' and '.join(failed)} has a static balance near the design: is its friction too large?"
+            f"{' and '.join(failed)}: no model has a static balance near the design. Lower its friction coefficients "
+            "(friction.*), or set clearances nearer to those of the drive"
         )
-    # those of what is known without the loops stand last
-    slopes = search.slopes(places, range(len(places)), central=True)[: sum(map(len, parts))]
-    known = DISCREPANCY * search.known
-    at_bound = ~((places > low + AT_BOUND) & (places < high - AT_BOUND))
-    of_loops = np.split(slopes, np.cumsum([len(part) for part in parts])[:-1])
+    # the residuals of the priors are last
+    slopes = search.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, parts))]
+    prior = MODEL_ERROR * search.prior_weights
+    at_bound = ~((scaled > low + PROFILE.bound_distance) & (scaled < high - PROFILE.bound_distance))
+    by_loop = np.split(slopes, np.cumsum([len(part) for part in parts])[:-1])
     weighted = [part / np.sqrt(len(part)) for part in parts]
-    sure = spread(of_loops, weighted, ~at_bound, known)
-    whole = spread(of_loops, weighted, np.ones_like(at_bound), known) if at_bound.any() else sure
-    each = (whole if bound else sure for bound in at_bound.tolist())
-    reach = np.array(
+    free = estimate_uncertainty(by_loop, weighted, ~at_bound, prior)
+    every = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
+    each = (every if bound else free for bound in at_bound.tolist())
+    half_width = np.array(
         [
-            one.reach(COVERED)[place] * one.errors[place] + DISCREPANCY * one.inverse[place, place] ** 0.5
-            for place, one in enumerate(each)
+            one.quantiles(CONFIDENCE)[index] * one.errors[index] + MODEL_ERROR * one.inverse[index, index] ** 0.5
+            for index, one in enumerate(each)
         ]
     )
-    ends = np.clip(places[:, np.newaxis] + np.outer(reach, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
+    ends = np.clip(scaled[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
     return Fitted(
         model=search.model,
         parameters=search.parameters,
         bench=search.bench,
         loops=search.loops,
-        likeliest=places,
-        places=places,
+        likeliest=scaled,
+        scaled=scaled,
         residuals=tuple(parts),
         slopes=slopes,
-        spread=sure,
+        uncertainty=free,
         at_bound=at_bound,
         ends=ends,
-        known=known**2 * np.diag(sure.inverse),
+        prior_share=prior**2 * np.diag(free.inverse),
         torque_offset=search.torque_offset,
     )
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Compute n log(mean square) over the loops: twice the negative logarithm of the likelihood, but for a constant."""
+    """Compute n log(mean square) over the loops: twice the negative log-likelihood, except for a constant."""
     each = zip(independent, residuals, strict=True)
     return sum(count * float(np.log(np.mean(one**2))) for count, one in each)
 
@@ -281,76 +310,101 @@ def _choose_offset(
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
 
-    `ended` are the ends of the searches with such offsets and their costs, the best first. Returned are the problem, by
-    how much the criterion is lower with offsets, and the ends of the searches of that problem, the best first.
+    Parameters
+    ----------
+    search
+        The problem with offsets.
+    ended
+        Cost and scaled values at the ends of its searches, the best first.
+
+    Returns
+    -------
+    tuple
+        The chosen problem, by how much the criterion is lower with offsets, and the ends of that problem's searches.
     """
     without = replace(search, torque_offset=False)
-    again = sorted((without.run(place, SHORT, "trf") for _, place in ended), key=itemgetter(0))
-    parts, fixed = search.parts(ended[0][1]), without.parts(again[0][1])
-    independent = [len(part) / memory(part) for part in parts]
+    steps = SETTINGS.max_steps_from_start
+    again = sorted((without.minimise(scaled, steps, "trf") for _, scaled in ended), key=itemgetter(0))
+    parts, fixed = search.residuals_by_loop(ended[0][1]), without.residuals_by_loop(again[0][1])
+    independent = [len(part) / autocorrelation_time(part) for part in parts]
     gain = _misfit(fixed, independent) - _misfit(parts, independent) - len(search.loops) * math.log(sum(independent))
     return (search, gain, ended) if gain > 0.0 else (without, gain, again)
 
 
-def widen(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
-    """Put the ends of each interval where the loops are missed by too much; or return a place that misses them less.
+def widen_intervals(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+    """Set the ends of each interval by profile likelihood.
 
-    `valleys` are where searches ended, each with its cost, the fit itself first: in each of them that explains the
-    loops as well as the interval allows, an end of its own is looked for, and the farthest one counts.
+    Parameters
+    ----------
+    search
+        The problem.
+    fitted
+        Its solution; `ends` is changed in place.
+    valleys
+        Cost and scaled values where searches ended, the solution first. An end is computed from each valley that
+        explains the loops as well as the interval allows, and the farthest counts.
+
+    Returns
+    -------
+    Array or None
+        Scaled values with a lower cost than the solution, if a search reached some.
     """
-    inverse, least = fitted.spread.inverse, valleys[0][0]
-    apart = [np.any(np.abs(one - fitted.likeliest) > fitted.spread.errors) for _, one in valleys[1:]]
+    inverse, least = fitted.uncertainty.inverse, valleys[0][0]
+    apart = [np.any(np.abs(one - fitted.likeliest) > fitted.uncertainty.errors) for _, one in valleys[1:]]
     valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
-    open_places = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])
+    open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])
     before, done, usual = search.trials.done, 0, search.expected_trials(ends=1)
-    for place in open_places:
-        for side, end in enumerate(fitted.ends[place].tolist()):
+    for index in open_values:
+        for side, end in enumerate(fitted.ends[index].tolist()):
             each = (search.trials.done - before + usual) / (done + 1)
-            search.trials.expect((2 * len(open_places) - done) * each + search.expected_trials(nearest=1))
+            search.trials.expect((2 * len(open_values) - done) * each + search.expected_trials(nearest=1))
             done += 1
-            straight = end - fitted.likeliest[place]
-            # what the sum of squares rises by there, where it is a paraboloid
-            allowed, reached = 0.5 * straight**2 / inverse[place, place], []
+            linear = end - fitted.likeliest[index]
+            # rise of the sum of squares there, if it is a paraboloid
+            allowed, reached = 0.5 * linear**2 / inverse[index, index], []
             for cost, middle in valleys:
                 if (left := allowed - (cost - least)) <= 0.0:
                     continue
-                way, better = _reach(search, fitted, (cost, middle), int(place), side, left)
-                if better is not None and better[0] < (1.0 - GAINED) * least:
+                distance, better = _profile_distance(search, fitted, (cost, middle), int(index), side, left)
+                if better is not None and better[0] < (1.0 - PROFILE.improvement_rtol) * least:
                     return better[1]
-                reached.append(float(middle[place]) + way)
-            fitted.ends[place, side] = max(reached) if side else min(reached)
+                reached.append(float(middle[index]) + distance)
+            fitted.ends[index, side] = max(reached) if side else min(reached)
     return None
 
 
-def _reach(
-    search: FitProblem, fitted: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
+def _profile_distance(
+    search: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Compute how far a value can be from where a valley has it, until the cost has risen by what is allowed.
+    """Compute the signed distance of a value from a valley at which the profile cost has risen by what is allowed.
 
-    With it comes a place, and its cost, where the search ran into one that misses the loops less than the valley.
+    Returns
+    -------
+    tuple
+        The distance, and cost and scaled values of a point that is lower than the valley, if one was reached.
     """
-    (cost, middle), inverse = valley, fitted.spread.inverse
-    along = inverse[:, place] / inverse[place, place]
-    most = float(search.bounds[side][place] - middle[place])
-    way = (2.0 * allowed * float(inverse[place, place])) ** 0.5
-    way = min(way, most) if side else max(-way, most)
+    (cost, middle), inverse = valley, fitted.uncertainty.inverse
+    along = inverse[:, index] / inverse[index, index]
+    limit = float(search.bounds[side][index] - middle[index])
+    distance = (2.0 * allowed * float(inverse[index, index])) ** 0.5
+    distance = min(distance, limit) if side else max(-distance, limit)
     before = reached = rise = 0.0
     better = None
-    for _ in range(DOUBLED):
-        start = np.clip(middle + way * along, *search.bounds)
-        now, trial = search.run(start, PROFILED, "dogbox", held=place)
+    for _ in range(PROFILE.max_doublings):
+        start = np.clip(middle + distance * along, *search.bounds)
+        now, trial = search.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
         if now < cost:
             better = now, trial
         rise = max(now - cost, 0.0)
-        if rise >= allowed or way == most:
+        if rise >= allowed or distance == limit:
             break
-        reached, before = way, rise
-        way = min(2.0 * way, most) if side else max(2.0 * way, most)
+        reached, before = distance, rise
+        distance = min(2.0 * distance, limit) if side else max(2.0 * distance, limit)
     else:
         # nothing that was tried ends the interval
-        way = most
+        distance = limit
     if rise > allowed:
         ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
-        way = reached + ratio * (way - reached)
-    return way, better
+        distance = reached + ratio * (distance - reached)
+    return distance, better

@@ -1,4 +1,4 @@
-"""A loop as a bench measured it: torque against deflection of the output, read, checked, and in branches."""
+"""Measured hysteresis loops: torque against deflection of the output, read, checked and split into branches."""
 
 import csv
 import math
@@ -16,50 +16,56 @@ from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
 
-FEWEST = 20
-"""Points of a loop: fewer hold no branches."""
 
-REVERSAL = 0.2
-"""A torque has turned round once it has come back by this share of its range."""
+@dataclass(frozen=True)
+class LoopSettings:
+    """Settings of reading a loop (heuristic)."""
 
-SMOOTHED = 5
-"""Neighbours whose median stands for a torque where the course turns round: single outliers are no ends."""
+    min_points: int = 20
+    """Smallest number of points of a loop."""
+    min_branch_points: int = 6
+    """Smallest mean number of points of a branch: with fewer, rows are not in the order of time."""
+    reversal: float = 0.2
+    """Share of its range by which the torque returns after a reversal."""
+    median_window: int = 5
+    """Number of neighbours whose median locates a reversal, so that single outliers are none."""
+    lead_distance: float = 1.0 / 3.0
+    """Distance of the first points from the loop's branch, over its width there, from which they lead to the loop."""
+    end_torque: float = 0.9
+    """Torque of the first point, over the largest, from which it is at the loop's end and not before the loop."""
+    max_negative_opening: float = 0.02
+    """Rotation by which falling branches may lie below rising ones, over the height; beyond, a loop releases energy."""
+    min_height_deg: float = 1e-4
+    """Smallest plausible height of a loop [deg]."""
+    max_height_deg: float = 90.0
+    """Largest plausible height of a loop [deg]: a locked output does not turn further."""
+    max_rated_torques: float = 30.0
+    """Largest torque over the rated one that is not in N mm."""
+    min_rated_torques: float = 1e-3
+    """Smallest torque over the rated one that is not in kN m."""
 
-OFF_LOOP, NEAR_END = 1.0 / 3.0, 0.9
-"""Distance of a beginning from the loop's own branch, as a share of its width there, from which it is not of the loop;
-and torque, as a share of the largest, from which a beginning is at the loop's end."""
 
-FEWEST_OF_A_BRANCH = 6
-"""Points of a branch in the mean: with fewer the torque goes to and fro, as where rows are not in the order of time."""
-
-TAKEN_OUT = 0.02
-"""Turn, as a share of the height, by which falling branches lie below the rising ones where a loop gives work away."""
-
-LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
-"""Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
-
-MILLIMETRES, KILO = 30.0, 1e-3
-"""How many times the rated torque a torque goes to that is taken to be in N mm, and in kN m."""
+SETTINGS = LoopSettings()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredLoop(Presented):
-    """One measured loop.
+    """One measured hysteresis loop of n points.
 
     Attributes
     ----------
     name
-        Its file's, without the ending.
+        Name of its file without the ending.
     torque, deflection
-        At the output [N m] and of it [rad], in the order of time, shape (n,); both counter-clockwise.
+        Torque at the output [N m] and rotation of it [rad], counter-clockwise, in the order of time, shape (n,).
     turns
-        Torques at which the course turns round [N m], in their order.
+        Torques at which the course reverses [N m], in the order of time.
     branch
-        Of each point: how often the course has turned round before, shape (n,).
+        Number of reversals before each point, shape (n,).
     flipped
-        Whether the file counts deflection against the torque: then its sign has been turned here.
+        Whether the sign of the deflection was changed, as the file counts it against the torque.
     lead
-        How many of the first points are the way to the loop, as from rest, and not of the loop.
+        Number of first points before the loop, as of a bench that starts from rest.
     """
 
     name: str
@@ -72,13 +78,13 @@ class MeasuredLoop(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Its points, a row each."""
+        """Points of the loop, one row each."""
         columns = {"torque": self.torque, "deflection": self.deflection, "branch": self.branch}
         return Frame(columns, {"torque": "N m", "deflection": "rad"})
 
     @property
     def line(self) -> str:
-        """What it is."""
+        """Name, number of points, torque range and height."""
         low, high = self.ends
         return (
             f"{self.name}, {len(self.torque)} points, {low:.4g} to {high:.4g} N m, {self.height / DEGREE:.4g} deg high"
@@ -91,12 +97,12 @@ class MeasuredLoop(Presented):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lowest and the highest torque at which the course turns round [N m]."""
+        """Lowest and highest torque at which the course reverses [N m]."""
         return min(self.turns), max(self.turns)
 
     @property
     def most(self) -> float:
-        """The largest torque at which the course turns round, of either sign [N m]."""
+        """Largest torque at which the course reverses, of either sign [N m]."""
         return max(map(abs, self.turns))
 
     @property
@@ -104,59 +110,66 @@ class MeasuredLoop(Presented):
         """Whether the torque of the first branch rises."""
         return self.turns[1] > self.turns[0]
 
-    def on_the_way(self, way: int) -> Mask:
-        """Tell which points of the loop lie where the torque rises, `way` 1, or falls, -1, shape (n,)."""
+    def moving(self, direction: int) -> Mask:
+        """Return which points of the loop have a rising (`direction` 1) or falling torque (-1), shape (n,)."""
         rising = (self.branch % 2 == 0) == self.rising
-        return (rising == (way > 0)) & (np.arange(len(self.torque)) >= self.lead)
+        return (rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.lead)
 
 
-def _between(along: Array, values: Array, level: float | Array) -> Array:
-    """Compute the value at a level by the straight line between the points next to it on either side."""
+def _interpolate(along: Array, values: Array, level: float | Array) -> Array:
+    """Interpolate values linearly at a level of `along`."""
     order = np.argsort(along)
     return np.asarray(np.interp(level, along[order], values[order]))
 
 
 def read_loop(path: Path | str) -> MeasuredLoop:
-    """Read a loop from a CSV file of the columns torque_output_Nm and deflection_deg; lines of other text may be named.
-
-    A header after ``#`` is one too.
+    """Read a loop from a CSV file with the columns torque_output_Nm and deflection_deg.
 
     Parameters
     ----------
     path
-        The CSV file.
+        The CSV file. Its header may follow ``#``.
 
     Raises
     ------
     UsageError
-        The file is not there, not of that form, or holds no loop.
+        The file is missing or malformed, or contains no loop.
     """
     path = Path(path)
     columns = read_columns(path, COLUMNS, "a loop")
     return measured_loop(path.stem, columns[TORQUE], columns[DEFLECTION], str(path))
 
 
-def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Array]:
-    """Read columns of numbers from a CSV file whose header, with or without a ``#``, names them.
+def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, Array]:
+    """Read columns of numbers from a CSV file.
+
+    Parameters
+    ----------
+    path
+        The file; its header may follow ``#``.
+    names
+        Columns to read.
+    content
+        Content of the file in words, for messages.
 
     Raises
     ------
     UsageError
-        The file cannot be read, lacks a column, has no rows, or has something else than a number in one.
+        The file cannot be read, lacks a column, has no rows, or contains something else than numbers.
     """
-    form = f"{what} has the columns {','.join(names)}, separated by commas"
+    form = f"{content} needs the columns {','.join(names)}, separated by commas"
     try:
         lines = as_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"cannot read {path}: {reason(error)}; {form}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
-    header = next((place for place, (_, line) in enumerate(numbered) if names[0] in line), None)
-    columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "nothing: the file is empty"
+    header = next((row for row, (_, line) in enumerate(numbered) if names[0] in line), None)
+    columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "no line: the file is empty"
     if header is None:
-        raise UsageError(f"{path}: {form}, named in its first line; found {columns[:80]}")
+        raise UsageError(f"{path}: the header is missing: {form}, named in the first line. It has {columns[:80]}")
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
-        raise UsageError(f"{path}: the column {missing[0]} is missing: {form}; found {', '.join(keys)}")
+        raise UsageError(f"{path}: the column {missing[0]} is missing: {form}. It has {', '.join(keys)}")
     rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
         raise UsageError(f"{path}: there are no rows below the header; {form}")
@@ -164,8 +177,8 @@ def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Arr
     for number, line in rows:
         words = next(csv.reader([line]))
         for name in names:
-            place = keys.index(name)
-            values[name].append(_number(words[place] if place < len(words) else "", f"{path}, line {number}: {name}"))
+            column = keys.index(name)
+            values[name].append(_number(words[column] if column < len(words) else "", f"{path}, line {number}: {name}"))
     return {name: np.array(column) for name, column in values.items()}
 
 
@@ -175,149 +188,159 @@ def _number(word: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UsageError(f"{where} is {word.strip()!r}; give a number, or take the line out")
+        raise UsageError(f"{where} is {word.strip()!r}, not a number. Correct or remove the line")
     return value
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = "") -> MeasuredLoop:
-    """Build a loop from torque [N m] and deflection [deg], shape (n,) each; `where` it comes from, for errors.
+    """Create a loop from torque and deflection in the order of time.
+
+    Parameters
+    ----------
+    name
+        Name of the loop.
+    torque, deflection_deg
+        Torque at the output [N m] and its rotation [deg], shape (n,).
+    where
+        Origin of the points for messages; by default the name.
 
     Raises
     ------
     UsageError
-        They are no loop: too few points, one far from all others, one branch, rows out of order, columns exchanged, or
-        a deflection that is in no way in degrees.
+        The points are no loop: too few points, an outlier, a single branch, rows out of order, exchanged columns, or a
+        deflection that cannot be in degrees.
     """
     where, count = where or name, len(torque)
-    if count < FEWEST:
-        raise UsageError(f"{where}: {count} points are no loop; give at least {FEWEST}")
+    if count < SETTINGS.min_points:
+        raise UsageError(f"{where}: {count} points are too few for a loop; at least {SETTINGS.min_points} are needed")
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
-        still = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
-        raise UsageError(f"{where}: {still} is the same in all rows: that is no loop")
+        constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
+        raise UsageError(f"{where}: {constant} is the same in all rows, which is no loop. Record a full loop")
     turns, branch = _turns(torque)
-    if count < FEWEST_OF_A_BRANCH * (turned := len(np.unique(branch))):
+    if count < SETTINGS.min_branch_points * (turned := len(np.unique(branch))):
         raise UsageError(
-            f"{where}: the torque turns round {turned - 1} times in {count} points: are the rows in the order of time?"
+            f"{where}: the torque reverses {turned - 1} times in {count} points. Are the rows in the order of time?"
         )
-    _require_no_stray(torque, TORQUE, where)
-    _require_no_stray(deflection_deg, DEFLECTION, where)
-    if not LEAST_HEIGHT <= height <= MOST_HEIGHT:
-        other = "in minutes or seconds of arc" if height > MOST_HEIGHT else "in turns, or of another drive"
+    _require_no_outlier(torque, TORQUE, where)
+    _require_no_outlier(deflection_deg, DEFLECTION, where)
+    if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
+        other = "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
         raise UsageError(
-            f"{where}: the deflection goes over {height:.3g} deg, which no held output does: is it {other}? "
-            f"{DEFLECTION} is in degrees"
+            f"{where}: the deflection has a range of {height:.3g} deg, which is not that of a locked drive. Is it "
+            f"{other}? {DEFLECTION} must be in degrees"
         )
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
-            f"{where}: one branch only, from {torque[0]:.4g} to {torque[-1]:.4g} N m: a loop goes to a torque, to one "
-            "of the other sign, and back; without it friction cannot be told from stiffness"
+            f"{where}: a single branch from {torque[0]:.4g} to {torque[-1]:.4g} N m. Record a loop from one torque to "
+            "one of the opposite sign and back: a single branch does not separate friction from stiffness"
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
     lead = _lead(torque, deflection, branch)
     loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, lead)
-    if _opening(loop) < -TAKEN_OUT * loop.height:
+    if _opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
-            f"{where}: the loop gives work away: under a torque that falls the output is turned less far than under "
-            "one that rises. Are the two columns exchanged, or the rows in the reverse order of time?"
+            f"{where}: the loop releases energy: at the same torque, the output is turned less far while the torque "
+            "falls than while it rises. Are the two columns exchanged, or the rows in the reverse order of time?"
         )
     return loop
 
 
 def require_torque(loop: MeasuredLoop, rated: float) -> None:
-    """Raise UsageError for a loop that is near a drive's rated torque [N m] only if it was meant in N mm or kN m."""
-    if rated and loop.most > MILLIMETRES * rated:
+    """Raise UsageError for a loop whose torque fits a drive's rated torque [N m] only in N mm or kN m."""
+    if rated and loop.most > SETTINGS.max_rated_torques * rated:
         raise UsageError(
-            f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's "
-            f"rated {rated:.4g} N m: is {TORQUE} in N mm? then divide it by 1000; if not, give the design its "
-            "drive.torque_nm"
+            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's rated "
+            f"torque of {rated:.4g} N m. Is {TORQUE} in N mm? Then divide it by 1000; if not, set drive.torque_nm of "
+            "the design"
         )
-    if loop.most < KILO * rated:
+    if loop.most < SETTINGS.min_rated_torques * rated:
         raise UsageError(
-            f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
-            f"{rated:.4g} N m: is {TORQUE} in kN m? then multiply it by 1000; if not, measure a loop of more torque"
+            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
+            f"torque of {rated:.4g} N m. Is {TORQUE} in kN m? Then multiply it by 1000; if not, measure a loop with "
+            "more torque"
         )
 
 
-def _require_no_stray(values: Array, column: str, where: str) -> None:
-    """Refuse a value that is farther from its neighbours than the whole loop goes."""
+def _require_no_outlier(values: Array, column: str, where: str) -> None:
+    """Raise UsageError for a value that differs from its neighbours by more than the range of the loop."""
     smooth = _smoothed(values)
     away = np.abs(values - smooth)
     worst = int(np.argmax(away))
     if away[worst] > np.ptp(smooth):
         raise UsageError(
-            f"{where}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, and near "
-            f"{smooth[worst]:.4g} in those beside it: take that row out"
+            f"{where}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
+            f"{smooth[worst]:.4g} in the rows next to it. Remove that row"
         )
 
 
 def _opening(loop: MeasuredLoop) -> float:
-    """Compute by how much the falling branches lie above the rising ones [rad], in the mean over the torque of both."""
-    ways = [loop.on_the_way(way) for way in (1, -1)]
-    inside = max(loop.torque[way].min() for way in ways), min(loop.torque[way].max() for way in ways)
+    """Compute the mean rotation of the falling branches above the rising ones [rad], over the torques of both."""
+    sides = [loop.moving(direction) for direction in (1, -1)]
+    inside = max(loop.torque[side].min() for side in sides), min(loop.torque[side].max() for side in sides)
     levels = np.linspace(*inside, len(loop.torque))
-    rising, falling = (_between(loop.torque[way], loop.deflection[way], levels) for way in ways)
+    rising, falling = (_interpolate(loop.torque[side], loop.deflection[side], levels) for side in sides)
     return float(np.mean(falling - rising))
 
 
 def _smoothed(values: Array) -> Array:
     """Compute the median of each value and its neighbours, shape (n,)."""
-    padded = np.pad(values, SMOOTHED // 2, mode="edge")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTHED), axis=1))
+    padded = np.pad(values, SETTINGS.median_window // 2, mode="edge")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SETTINGS.median_window), axis=1))
 
 
 def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
-    """Count how many points come before the loop: those of a first branch that begins off the others that go its way.
+    """Count the points before the loop: those of a first branch that starts away from the later ones in its direction.
 
-    A bench that starts from rest begins in the middle of the loop, and a loop that has closed, on its own branch.
+    A bench that starts from rest starts in the middle of the loop, and a closed loop on its own branch.
     """
     same, other = (branch > 0) & (branch % 2 == 0), branch == 1
-    if not same.any() or abs(torque[0]) > NEAR_END * np.abs(torque).max():
+    if not same.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
-    begun = float(np.median(deflection[:SMOOTHED]))
-    at = float(np.median(torque[:SMOOTHED]))
-    again, across = (float(_between(torque[one], deflection[one], at)) for one in (same, other))
-    return int(np.sum(branch == 0)) if abs(begun - again) > OFF_LOOP * abs(across - again) else 0
+    begun = float(np.median(deflection[: SETTINGS.median_window]))
+    at = float(np.median(torque[: SETTINGS.median_window]))
+    again, across = (float(_interpolate(torque[one], deflection[one], at)) for one in (same, other))
+    return int(np.sum(branch == 0)) if abs(begun - again) > SETTINGS.lead_distance * abs(across - again) else 0
 
 
-def _end(torque: Array, smooth: Array, place: int) -> float:
-    """Compute the torque at which a course turns round near a place: the outermost there, unless it is an outlier."""
-    near = torque[max(place - SMOOTHED, 0) : place + SMOOTHED + 1]
-    outermost = float(near.max() if smooth[place] >= np.median(near) else near.min())
+def _end(torque: Array, smooth: Array, index: int) -> float:
+    """Compute the torque of a reversal near an index: the outermost there, unless it is an outlier."""
+    near = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
+    outermost = float(near.max() if smooth[index] >= np.median(near) else near.min())
     usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
-    return float(np.clip(outermost, smooth[place] - usual, smooth[place] + usual))
+    return float(np.clip(outermost, smooth[index] - usual, smooth[index] + usual))
 
 
 def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
-    """Find the torques at which a course turns round, with where it comes from and goes, and the branch of each point.
+    """Compute the torques of all reversals, with those of the start and the end, and the branch of each point.
 
-    A first branch that starts half-way is taken to come from the extreme before it, as that of a closed loop does; the
-    last to go to the one after.
+    A first branch that starts half-way is taken to come from the extreme before it, as in a closed loop, and the last
+    to go to the next one.
     """
     smooth = _smoothed(torque)
-    least = REVERSAL * float(np.ptp(smooth))
-    places: list[int] = []
+    least = SETTINGS.reversal * float(np.ptp(smooth))
+    reversals: list[int] = []
     best = low = high = 0
-    way = 0
-    for place, value in enumerate(smooth):
-        if way == 0:
-            low = place if value < smooth[low] else low
-            high = place if value > smooth[high] else high
+    direction = 0
+    for index, value in enumerate(smooth):
+        if direction == 0:
+            low = index if value < smooth[low] else low
+            high = index if value > smooth[high] else high
             if smooth[high] - smooth[low] > least:
-                way, best = (1, place) if high > low else (-1, place)
-        elif way * (value - smooth[best]) > 0.0:
-            best = place
-        elif way * (smooth[best] - value) > least:
-            places.append(best)
-            way, best = -way, place
-    if not places:
+                direction, best = (1, index) if high > low else (-1, index)
+        elif direction * (value - smooth[best]) > 0.0:
+            best = index
+        elif direction * (smooth[best] - value) > least:
+            reversals.append(best)
+            direction, best = -direction, index
+    if not reversals:
         return (), np.zeros(len(torque), int)
-    inner = [_end(torque, smooth, place) for place in places]
-    # where the first branch comes from, and the last goes to: where the torque is at its other end
-    first = inner[1] if len(inner) > 1 else float(smooth[: places[0] + 1][0])
-    last = inner[-2] if len(inner) > 1 else float(smooth[places[-1] :][-1])
-    beginning, end = smooth[: places[0] + 1], smooth[places[-1] :]
+    inner = [_end(torque, smooth, index) for index in reversals]
+    # torques from which the first branch comes and to which the last goes: the other ends of the loop
+    first = inner[1] if len(inner) > 1 else float(smooth[: reversals[0] + 1][0])
+    last = inner[-2] if len(inner) > 1 else float(smooth[reversals[-1] :][-1])
+    beginning, end = smooth[: reversals[0] + 1], smooth[reversals[-1] :]
     start = min(first, float(beginning.min())) if inner[0] > first else max(first, float(beginning.max()))
     stop = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
-    return (start, *inner, stop), np.searchsorted(places, np.arange(len(torque)), side="left")
+    return (start, *inner, stop), np.searchsorted(reversals, np.arange(len(torque)), side="left")

@@ -10,13 +10,13 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.loop_figures import LEAPT, coulomb_of
+from cycloid_mj.bench.loop_figures import LOADED_COULOMB, coulomb_of
 from cycloid_mj.bench.overlay import LoopCondition
 from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, parameters
-from cycloid_mj.bench.search import DISCREPANCY, FitProblem, Trials
+from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
 
 WRITTEN = "hysteresis"
-"""Candidate whose values the calibrated design has: friction of constant size is all that stock MuJoCo has, too."""
+"""Candidate whose values the calibrated design has: a design and stock MuJoCo have only friction of constant size."""
 
 CANDIDATES: Mapping[str, tuple[str, tuple[str, ...]]] = {
     WRITTEN: ("constant friction and hysteresis", ("hysteresis", "hysteresis_travel")),
@@ -30,7 +30,7 @@ COMMON = tuple(key for key in DEFAULT if key not in STANDS_FOR_RUBBING)
 
 
 @dataclass(frozen=True)
-class Variant:
+class ModelFit:
     """The fit of one model to the same loops.
 
     Attributes
@@ -39,8 +39,8 @@ class Variant:
         Its key in JSON, and what it is.
     shares
         Rms difference of each loop's deflection from the model's at the same torque, over the loop's height.
-    criterion, akaike
-        Bayesian and Akaike's information criterion; they compare with those of the other variants alone.
+    bayesian, akaike
+        Bayesian and Akaike's information criterion; they compare only with those of the same comparison.
     values
         The fitted values by key, in their units.
     """
@@ -48,7 +48,7 @@ class Variant:
     key: str
     meaning: str
     shares: tuple[float, ...]
-    criterion: float
+    bayesian: float
     akaike: float
     values: dict[str, float]
 
@@ -79,12 +79,12 @@ class LoopStretch:
 
     @property
     def followed(self) -> bool:
-        """Whether the model is as near as the intervals of a calibration assume (`DISCREPANCY`)."""
-        return self.share <= DISCREPANCY
+        """Whether the deviation is within the model error that the intervals assume (`MODEL_ERROR`)."""
+        return self.share <= MODEL_ERROR
 
     @property
     def sentence(self) -> str:
-        """Where the model is how far off, in words."""
+        """Position and size of the deviation, in words."""
         side = "above" if self.mean > 0.0 else "below"
         return (
             f"{self.loop}, {self.stretch} from {self.first:+.3g} to {self.last:+.3g} N m: the measured deflection is "
@@ -92,12 +92,12 @@ class LoopStretch:
         )
 
 
-def candidates(fits: Mapping[str, Fitted]) -> tuple[Variant, ...]:
+def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
     """Compare the fits of `CANDIDATES` by their keys."""
-    return variants({(key, CANDIDATES[key][0]): fitted for key, fitted in fits.items()})
+    return compare_fits({(key, CANDIDATES[key][0]): fitted for key, fitted in fits.items()})
 
 
-def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
+def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
     """Compare the fits of several models to the same loops, by their keys and meanings.
 
     The model with the most values states how many residuals count as independent, for all of them: its residuals are
@@ -105,12 +105,12 @@ def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
     """
     independent = max(fits.values(), key=lambda one: len(one.parameters)).independent
     return tuple(
-        Variant(
+        ModelFit(
             key,
             meaning,
-            tuple(fitted.rms(place) / loop.height for place, loop in enumerate(fitted.loops)),
-            fitted.criterion(independent),
-            fitted.akaike(independent),
+            tuple(fitted.rms(number) / loop.height for number, loop in enumerate(fitted.loops)),
+            fitted.bayesian_criterion(independent),
+            fitted.akaike_criterion(independent),
             {name.key: float(value) for name, value in zip(fitted.parameters, fitted.values, strict=True)},
         )
         for (key, meaning), fitted in fits.items()
@@ -141,34 +141,34 @@ def fit_candidates(
     trials.later = 0.0
 
 
-def preferred(found: Sequence[Variant]) -> Variant:
-    """Return the variant with the lowest Bayesian information criterion."""
-    return min(found, key=lambda one: one.criterion)
+def select_model(fits: Sequence[ModelFit]) -> ModelFit:
+    """Return the model with the lowest Bayesian information criterion."""
+    return min(fits, key=lambda one: one.bayesian)
 
 
-def stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
+def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """Split each loop into six stretches, and compare the model's deflection with the measured one in each.
 
-    On either way the torque falls off to zero, crosses the play, and loads the other side (from `LEAPT` Coulomb torques
-    on). A stretch without points is left out.
+    In either direction the torque first falls to zero, then crosses the play, and then loads the other side, from
+    `LOADED_COULOMB` Coulomb torques on. A stretch without points is left out.
     """
     rows = []
     for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
         coulomb = coulomb_of(loop).value
-        leap = LEAPT * coulomb if np.isfinite(coulomb) else 0.0
-        for way, along in ((1, "torque rising"), (-1, "torque falling")):
-            here, carried = loop.on_the_way(way), way * loop.torque
+        leap = LOADED_COULOMB * coulomb if np.isfinite(coulomb) else 0.0
+        for direction, along in ((1, "torque rising"), (-1, "torque falling")):
+            moving, carried = loop.moving(direction), direction * loop.torque
             for stretch, inside in (
                 ("unloading", carried < 0.0),
                 ("across the play", (carried >= 0.0) & (carried < leap)),
                 ("loading", carried >= leap),
             ):
-                if np.any(here & inside):
-                    rows.append(_stretch(loop, turn, f"{along}, {stretch}", here & inside, way))
+                if np.any(moving & inside):
+                    rows.append(_stretch(loop, turn, f"{along}, {stretch}", moving & inside, direction))
     return tuple(rows)
 
 
-def _stretch(loop: MeasuredLoop, turn: Array, name: str, inside: Mask, way: int) -> LoopStretch:
+def _stretch(loop: MeasuredLoop, turn: Array, name: str, inside: Mask, direction: int) -> LoopStretch:
     away, torque = (loop.deflection - turn)[inside], loop.torque[inside]
-    first, last = (float(torque.min()), float(torque.max()))[::way]
+    first, last = (float(torque.min()), float(torque.max()))[::direction]
     return LoopStretch(loop.name, name, first, last, float(np.mean(away)), rms(away), rms(away) / loop.height)

@@ -1,4 +1,4 @@
-"""What a calibration can fit: names for the values that a loop depends on, beside every number of the design file."""
+"""Parameters of a calibration: named values on which a loop depends, and every number of the design file."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,18 +19,27 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
 
-MOST_PLAY = 900.0
-"""Largest clearance that is looked for [um]."""
 
-MOST_DRAG = 0.9
-"""Constant friction that is looked for at most, over the largest torque of the loops."""
+@dataclass(frozen=True)
+class SearchBounds:
+    """Bounds of the fitted values (heuristic)."""
 
-SOONEST = 0.01
-"""Turn over which friction comes on at least, over the height of the lowest loop: what is sooner no loop shows, and in
-MuJoCo a spring as stiff would need an armature that makes the joint slow."""
+    max_play_um: float = 900.0
+    """Largest clearance [um]."""
+    max_drag: float = 0.9
+    """Largest constant friction, over the largest torque of the loops."""
+    min_travel: float = 0.01
+    """Smallest turn over which friction comes on, over the height of the lowest loop. No loop shows a smaller one, and
+    in MuJoCo a spring that stiff would need an armature that makes the joint slow."""
+    max_structure: float = 0.95
+    """Largest stiffness of the structure, over that of carrier and shaft alone."""
+    max_load_friction: float = 0.8
+    """Largest `load_friction` [1]: at 1 a loaded drive would lock itself."""
+    max_friction: float = 1.5
+    """Largest coefficient of friction."""
 
-STIFFEST = 0.95
-"""Stiffness of the structure that is looked for at most, over that of carrier and shaft alone."""
+
+BOUNDS = SearchBounds()
 
 
 SHIFTING = {
@@ -44,27 +53,27 @@ SHIFTING = {
     "hole_position": "output",
     "cam": "cam",
 }
-"""Tolerances that move a clearance, and which."""
+"""Tolerances that change a clearance -> that clearance."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A design, and the losses of a loop that a design file does not hold.
+    """A design, and losses of a loop that a design file does not contain.
 
     Attributes
     ----------
     reducer
-        As the values that are fitted make it.
+        The reducer of the design with the fitted values.
     losses
-        Beside those of contacts that rub.
-    rubs
-        Whether the contacts' own friction is followed (`statics.friction_path`); else the friction of the wind-up
-        stands for all of it (`statics.locked`).
+        Losses in addition to the friction of the contacts.
+    contact_friction
+        Whether the friction of the contacts is computed (`statics.friction_path`); else friction of the wind-up
+        represents all of it (`statics.locked`).
     """
 
     reducer: Reducer
     losses: Losses
-    rubs: bool = True
+    contact_friction: bool = True
 
 
 @dataclass(frozen=True)
@@ -74,17 +83,18 @@ class Parameter:
     Attributes
     ----------
     key, unit, meaning
-        Its name on the command line and in JSON, its unit, and what it is.
+        Its name on the command line and in JSON, its unit, and its definition.
     start, scale
-        Where the search begins, and a step that matters.
-    least, most
-        Its bounds.
-    put
-        A model with another value of it.
-    by_factor
-        Whether it is looked for by factors, as what is known to within a decade at first; `scale` is then one of them.
+        Start of the search, and a change that matters.
+    lower, upper
+        Bounds of the search.
+    apply
+        Function from a model and a value to the model with that value.
+    logarithmic
+        Whether its logarithm is searched, as of a value that is known to within a decade; `scale` is then a change of
+        the logarithm.
     deviation, source
-        Standard deviation about `start` that is known without the loops, and what says so; inf where nothing does.
+        Standard deviation of its prior about `start`, and the source of that; inf without a prior.
     """
 
     key: str
@@ -92,186 +102,223 @@ class Parameter:
     meaning: str
     start: float
     scale: float
-    least: float
-    most: float
-    put: Callable[[Model, float], Model]
-    by_factor: bool = False
+    lower: float
+    upper: float
+    apply: Callable[[Model, float], Model]
+    logarithmic: bool = False
     deviation: float = math.inf
     source: str = ""
 
     @property
-    def place_deviation(self) -> float:
-        """How far it may be from where the search begins, without the loops: standard deviation on its scale."""
+    def scaled_deviation(self) -> float:
+        """Standard deviation of the prior of the scaled value."""
         return self.deviation / self.scale
 
-    def place(self, value: float) -> float:
-        """Compute where a value is on the scale on which it is looked for."""
-        return math.log(value) / self.scale if self.by_factor else value / self.scale
+    def to_scale(self, value: float) -> float:
+        """Compute the scaled value, of which a change of 1 matters."""
+        return math.log(value) / self.scale if self.logarithmic else value / self.scale
 
-    def value(self, place: float) -> float:
-        """Compute the value at a place, or the bound that is nearest to it."""
-        value = math.exp(self.scale * place) if self.by_factor else self.scale * place
-        return min(max(value, self.least), self.most)
+    def from_scale(self, scaled: float) -> float:
+        """Compute the value from a scaled one, clipped to the bounds."""
+        value = math.exp(self.scale * scaled) if self.logarithmic else self.scale * scaled
+        return min(max(value, self.lower), self.upper)
 
 
 DEFAULT = ("play", "structure_stiffness", "drag", "drag_travel", "hysteresis", "hysteresis_travel")
-"""What is fitted unless something else is asked for: a loop shows the sum of the clearances, not each of them."""
+"""Parameters that are fitted by default: a loop shows the sum of the clearances, not each of them."""
 
 RUBBING = ("friction", "material_loss")
-"""Names that need contacts that rub."""
+"""Parameters of the friction of the contacts."""
 
 STANDS_FOR_RUBBING = ("hysteresis", "hysteresis_travel", "load_friction")
-"""Names that stand for the friction of the contacts."""
-
-MAX_LOAD_FRICTION = 0.8
-"""Largest `load_friction` that is fitted [1]: at 1 a loaded drive would lock itself."""
+"""Parameters that represent the friction of the contacts."""
 
 NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "output_play", "cam_play")
-"""Every name that is no key of the design file."""
+"""All parameters that are no key of the design file."""
 
 
-def rub(keys: Sequence[str]) -> bool:
-    """Tell whether values are those of contacts that rub.
+def needs_contact_friction(keys: Sequence[str]) -> bool:
+    """Return whether parameters need the friction of the contacts.
 
     Raises
     ------
     UsageError
-        Others of them stand for what such contacts hold back.
+        Other parameters represent that friction.
     """
     rubbing = [key for key in keys if key in RUBBING or key.startswith("friction.")]
     standing = [key for key in keys if key in STANDS_FOR_RUBBING]
     if rubbing and standing:
         raise UsageError(
-            f"--fit: {standing[0]} stands for what {rubbing[0]} would hold back, so that one loop tells neither: "
-            "leave one of them out"
+            f"--fit: {standing[0]} and {rubbing[0]} describe the same friction, and a loop determines only one of "
+            "them. Remove one from --fit"
         )
     return bool(rubbing)
 
 
 def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """List the parameters of some keys: where the search for them begins, on which scale and between which bounds.
+    """Return the parameters of some keys, with start, scale and bounds by the loops.
 
     Raises
     ------
     UsageError
-        A key is unknown, is no number, or is given twice.
+        A key is unknown, not a number, or repeated.
     """
     if not keys:
-        raise UsageError(f"--fit: give what to fit, such as {','.join(DEFAULT)}")
-    if twice := next((key for place, key in enumerate(keys) if key in keys[:place]), None):
-        raise UsageError(f"--fit: {twice} is given twice")
+        raise UsageError(f"--fit needs at least one value, such as {','.join(DEFAULT)}")
+    if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
+        raise UsageError(f"--fit: {repeated} is listed twice; list each value once")
     known = _named(reducer, loops)
     return tuple(known[key] if key in known else _of_file(reducer, key) for key in keys)
 
 
 def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
-    design = reducer.design
-    loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
-    most, widest = loaded.most, loaded.height / DEGREE
-    turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
-    drag = coulomb if 0.0 < coulomb < MOST_DRAG * most else 0.02 * most
-    tooth, clearance = design.tooth_pair, design.clearance
-    mesh = getattr(clearance, tooth) + design.pin_play
-    um = MICROMETRE.from_si
+    """Return all parameters of `NAMED` by their keys."""
+    named = (*_plays(reducer), *_stiffnesses(reducer, loops), *_frictions(reducer, loops), *_hystereses(loops))
+    return {parameter.key: parameter for parameter in named}
 
-    zones = tolerances(reducer)
+
+def _mated(reducer: Reducer) -> tuple[str, ...]:
+    """Return the kinds of pairs between disc and ring: teeth, and seats of pins where they have play."""
+    design = reducer.design
+    return (design.tooth_pair, *([design.seat_pair] if design.seat_pair else []))
+
+
+def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
+    """Return the parameters of clearances."""
+    design = reducer.design
+    tooth, clearance, mated = design.tooth_pair, design.clearance, _mated(reducer)
+    mesh = getattr(clearance, tooth) + design.pin_play
+    um, zones = MICROMETRE.from_si, tolerances(reducer)
 
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
         shifting = [
             one for one in SHIFTING if one in zones and {"teeth": tooth}.get(SHIFTING[one], SHIFTING[one]) in kinds
         ]
-        parameter = Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
+        scale, apply = max(0.3 * um(start), 0.1), _play_setter(kinds)
+        parameter = Parameter(key, "um", meaning, um(start), scale, 1e-3, BOUNDS.max_play_um, apply)
         if not shifting:
             return parameter
         squares = sum(zones[one].deviation ** 2 + zones[one].middle ** 2 for one in shifting)
         source = f"tolerance: {', '.join(shifting)}"
         return replace(parameter, deviation=um(math.sqrt(squares)), source=source)
 
-    mated = (tooth, *([design.seat_pair] if design.seat_pair else []))
-    friction = design.friction_of(tooth) or 0.05
-    stiffness, most_stiff = 2.0 * loaded.most / loaded.height, _most_structure(reducer)
-    named = (
-        play("mesh_play", "clearance between gear and ring, that of pins in their seats counted in", mesh, *mated),
+    return (
+        play("mesh_play", "clearance between disc and ring, including that of pins in their seats", mesh, *mated),
         play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
-        play("cam_play", "clearance of the cam in the gear's bore", clearance.cam, "cam"),
-        play("play", "one clearance for teeth and holes alike", mesh, *mated, "output"),
+        play("cam_play", "clearance of the cam in the disc's bore", clearance.cam, "cam"),
+        play("play", "clearance of teeth and holes, the same for both", mesh, *mated, "output"),
+    )
+
+
+def _stiffnesses(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters of stiffness."""
+    loaded = max(loops, key=attrgetter("most"))
+    stiffness, stiffest = 2.0 * loaded.most / loaded.height, _max_structure_stiffness(reducer)
+    return (
         Parameter(
             "tooth_stiffness",
             "1",
-            "stiffness of the teeth and of what carries them, over that of their contacts alone",
+            "stiffness of the teeth and their support, relative to that of their contacts alone",
             1.0,
             0.1,
             1e-3,
             20.0,
-            _stiffness(mated),
-            by_factor=True,
+            _stiffness_setter(_mated(reducer)),
+            logarithmic=True,
         ),
         Parameter(
             "structure_stiffness",
             "N m/rad",
-            "torsional stiffness at the output of what carries the contacts: housing, discs, shafts, mounting",
-            min(stiffness, 0.5 * most_stiff),
+            "torsional stiffness at the output of housing, discs, shafts and mounting",
+            min(stiffness, 0.5 * stiffest),
             0.1,
             1e-2 * stiffness,
-            most_stiff,
-            _structure,
-            by_factor=True,
+            stiffest,
+            _set_structure_stiffness,
+            logarithmic=True,
         ),
+    )
+
+
+def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters of constant friction, and of friction that grows with the load."""
+    most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
+    turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
+    drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * most else 0.02 * most
+    friction = reducer.design.friction_of(reducer.design.tooth_pair) or 0.05
+    return (
         Parameter(
             "friction",
             "1",
-            "coefficient of friction of all that slides: teeth, seats of pins, and holes and cam without rollers",
+            "coefficient of friction of all sliding contacts: teeth, seats of pins, and holes and cam without rollers",
             friction,
             max(0.2 * friction, 0.01),
             0.0,
-            1.5,
-            _friction,
-        ),
-        Parameter("drag", "N m", "constant friction, at the output", drag, 0.02 * most, 0.0, MOST_DRAG * most, _drag),
-        Parameter(
-            "drag_travel",
-            "deg",
-            "turn of the output over which the constant friction comes on",
-            0.05 * turn,
-            0.05 * turn,
-            SOONEST * turn,
-            turn,
-            _drag_travel,
-        ),
-        Parameter(
-            "hysteresis",
-            "N m",
-            "friction at the output that comes on little by little, as of loaded seats and of plastics",
-            0.1 * most,
-            0.02 * most,
-            0.0,
-            2.0 * most,
-            lambda model, value: _of_springs(model, "hysteresis", value),
-        ),
-        Parameter(
-            "hysteresis_travel",
-            "deg",
-            "turn of the output over which that comes on",
-            0.2 * widest,
-            0.05 * widest,
-            0.2 * turn,
-            2.0 * widest,
-            lambda model, value: _of_springs(model, "hysteresis_travel", DEGREE * value),
+            BOUNDS.max_friction,
+            _set_friction,
         ),
         Parameter(
             "load_friction",
             "1",
-            "friction over the torque that the contacts carry; it comes on over drag_travel",
+            "friction relative to the torque that the contacts carry; it builds up over drag_travel",
             0.2,
             0.05,
             0.0,
-            MAX_LOAD_FRICTION,
+            BOUNDS.max_load_friction,
             lambda model, value: replace(model, losses=replace(model.losses, load=value)),
+        ),
+        Parameter(
+            "drag",
+            "N m",
+            "constant friction, at the output",
+            drag,
+            0.02 * most,
+            0.0,
+            BOUNDS.max_drag * most,
+            _set_drag,
+        ),
+        Parameter(
+            "drag_travel",
+            "deg",
+            "rotation of the output over which the constant friction builds up",
+            0.05 * turn,
+            0.05 * turn,
+            BOUNDS.min_travel * turn,
+            turn,
+            _set_drag_travel,
+        ),
+    )
+
+
+def _hystereses(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters of hysteresis, of the wind-up and of the material."""
+    loaded = max(loops, key=attrgetter("most"))
+    most, widest, turn = loaded.most, loaded.height / DEGREE, min(loop.height for loop in loops) / DEGREE
+    return (
+        Parameter(
+            "hysteresis",
+            "N m",
+            "friction at the output that builds up gradually, as of loaded seats and of plastics",
+            0.1 * most,
+            0.02 * most,
+            0.0,
+            2.0 * most,
+            lambda model, value: _with_spring(model, "hysteresis", value),
+        ),
+        Parameter(
+            "hysteresis_travel",
+            "deg",
+            "rotation of the output over which the hysteresis builds up",
+            0.2 * widest,
+            0.05 * widest,
+            0.2 * turn,
+            2.0 * widest,
+            lambda model, value: _with_spring(model, "hysteresis_travel", DEGREE * value),
         ),
         Parameter(
             "material_loss",
             "1",
-            "share of every contact's force that its material holds back while it is let go",
+            "share of each contact's force that its material loses while it is unloaded",
             0.05,
             0.05,
             0.0,
@@ -279,13 +326,12 @@ def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Para
             lambda model, value: replace(model, losses=replace(model.losses, material=value)),
         ),
     )
-    return {one.key: one for one in named}
 
 
-def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Share a clearance out to kinds of pairs: to teeth and seats in the proportion that they have, all to others."""
+def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
+    """Return a function that sets a clearance of kinds of pairs: teeth and seats share it as in the design."""
 
-    def put(model: Model, value: float) -> Model:
+    def apply(model: Model, value: float) -> Model:
         clearance, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
         mated = [kind for kind in kinds if kind != "output"]
         whole = sum(getattr(clearance, kind) for kind in mated)
@@ -293,34 +339,36 @@ def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
         change |= {"output": total} if "output" in kinds else {}
         return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
 
-    return put
+    return apply
 
 
-def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    def put(model: Model, value: float) -> Model:
+def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
+    """Return a function that sets the stiffness of kinds of pairs, relative to that at the rated load."""
+
+    def apply(model: Model, value: float) -> Model:
         rated = model.reducer.at_rated_load
         change = {kind: value * rated.contacts[kind].stiffness for kind in kinds}
         return replace(model, reducer=Reducer(model.reducer.design.but(stiffness=change)))
 
-    return put
+    return apply
 
 
-def _structure(model: Model, value: float) -> Model:
-    """Put into the housing what the structure gives beyond carrier and shaft: all that twists turns the output."""
+def _set_structure_stiffness(model: Model, value: float) -> Model:
+    """Set the stiffness of the housing so that housing, carrier and shaft in series have a stiffness [N m/rad]."""
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
     rest = 1.0 / value - compliance["carrier"] - compliance["shaft"]
     housing = stiffness["housing"] * compliance["housing"] / rest
-    return _of_springs(replace(model, reducer=reducer), "housing", housing)
+    return _with_spring(replace(model, reducer=reducer), "housing", housing)
 
 
-def _most_structure(reducer: Reducer) -> float:
-    """Compute the stiffness [N m/rad] that a structure has whose housing hardly gives."""
+def _max_structure_stiffness(reducer: Reducer) -> float:
+    """Compute the stiffness [N m/rad] of the structure with a housing that is nearly rigid."""
     compliance = twisting_compliance(Reducer(reducer.design.but(structure="springs")))
-    return STIFFEST / (compliance["carrier"] + compliance["shaft"])
+    return BOUNDS.max_structure / (compliance["carrier"] + compliance["shaft"])
 
 
-def _friction(model: Model, value: float) -> Model:
+def _set_friction(model: Model, value: float) -> Model:
     kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
     return replace(model, reducer=Reducer(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
 
@@ -330,41 +378,41 @@ def _rolling(reducer: Reducer) -> set[str]:
     return {kind for kind, rolling in rolls.items() if rolling}
 
 
-def _drag(model: Model, value: float) -> Model:
-    if not model.rubs:
-        return _of_springs(model, "friction", value)
+def _set_drag(model: Model, value: float) -> Model:
+    if not model.contact_friction:
+        return _with_spring(model, "friction", value)
     design = model.reducer.design.but(drag={"output": value})
     return replace(model, reducer=Reducer(design), losses=replace(model.losses, drag=value))
 
 
-def _drag_travel(model: Model, value: float) -> Model:
-    if not model.rubs:
-        return _of_springs(model, "friction_travel", DEGREE * value)
+def _set_drag_travel(model: Model, value: float) -> Model:
+    if not model.contact_friction:
+        return _with_spring(model, "friction_travel", DEGREE * value)
     return replace(model, losses=replace(model.losses, travel=DEGREE * value))
 
 
-def _of_springs(model: Model, name: str, value: float) -> Model:
-    """Put a value that is within the bounds of its key: a search does so at each step, so that nothing is checked."""
+def _with_spring(model: Model, name: str, value: float) -> Model:
+    """Set a value of `springs` without validation, for speed: a search stays within the bounds of the key."""
     design = model.reducer.design
     springs = design.springs.model_copy(update={name: value})
     return replace(model, reducer=Reducer(design.model_copy(update={"springs": springs})))
 
 
 def _of_file(reducer: Reducer, key: str) -> Parameter:
-    """Read a number of the design file as a parameter."""
+    """Return the parameter of a number of the design file."""
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None
     names = {file_key(one, declared): one for one, declared in section.model_fields.items()} if section else {}
     if name not in names:
         raise UsageError(
-            f"--fit: there is nothing to fit called {key!r}; give {', '.join(NAMED)}, or a key of the design file, "
-            "such as clearance.output_um"
+            f"--fit: unknown value {key!r}. Available: {', '.join(NAMED)}, and numbers of the design file, such as "
+            "clearance.output_um"
         )
     declared: FieldInfo = section.model_fields[names[name]]
     value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
-        raise UsageError(f"--fit: {key} is {value!r}: only a number that can change little by little can be fitted")
+        raise UsageError(f"--fit: {key} is {value!r}; only real numbers of the design file can be fitted")
     unit = unit_of(declared)
     start = unit.from_si(value)
     bounds = {
@@ -374,10 +422,10 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
     most = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
     scale = 0.2 * abs(start) or 1e-3 * min(abs(most), 1e3)
 
-    def put(model: Model, value: float) -> Model:
+    def apply(model: Model, value: float) -> Model:
         try:
             return replace(model, reducer=Reducer(override(model.reducer.design, {key: value})))
         except DesignError as error:
             raise UsageError(f"--fit {key}: {error}") from error
 
-    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, least, most, put)
+    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, least, most, apply)

@@ -1,4 +1,4 @@
-"""A reducer's own loop beside measured ones, nothing fitted: what one drive's values say of another drive."""
+"""Loops of a reducer at the torques of measured loops, without a fit: a prediction from another drive's values."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.loop_figures import LoopReading, read_figures
+from cycloid_mj.bench.loop_figures import LoopFigures, loop_figures
 from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
 from cycloid_mj.bench.parameters import Model
 from cycloid_mj.reducer import Reducer
@@ -23,24 +23,24 @@ class Prediction(Presented):
     Attributes
     ----------
     loops
-        The measured ones.
+        The measured loops.
     turns
-        Deflection at each point of each loop [rad], in the middle of the measured ones.
+        Predicted deflection at each point of each loop [rad], shifted to the mean of the measured one.
     shares
-        Rms difference of each from the measured one, over its height.
+        Rms difference of each loop from the measured one, over its height.
     measured, modelled
-        The figures of both, by the same definitions.
+        Figures of the measured and the predicted loops, by the same definitions.
     """
 
     loops: tuple[MeasuredLoop, ...]
     turns: tuple[Array, ...]
     shares: tuple[float, ...]
-    measured: LoopReading
-    modelled: LoopReading
+    measured: LoopFigures
+    modelled: LoopFigures
 
     @property
     def frame(self) -> Frame:
-        """The figures of both, a row each."""
+        """Figures of the measured and the predicted loops, one row each."""
         modelled = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
             {"key": key, "measured": one.value, "modelled": modelled[key].value}
@@ -50,29 +50,30 @@ class Prediction(Presented):
 
     @property
     def line(self) -> str:
-        """How far each loop is off."""
-        off = (f"{loop.name} {share:.2%}" for loop, share in zip(self.loops, self.shares, strict=True))
-        return f"rms difference over the height of the loop: {', '.join(off)}"
+        """Rms difference of each loop."""
+        differences = (f"{loop.name} {share:.2%}" for loop, share in zip(self.loops, self.shares, strict=True))
+        return f"rms difference relative to the height of the loop: {', '.join(differences)}"
 
 
 def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float = 0.0) -> Prediction:
-    """Compute the loops of a reducer at a locked crank [rad] at the torques of measured loops.
+    """Predict the loops of a reducer with a locked crank at the torques of measured loops.
 
     Parameters
     ----------
     reducer
-        Whose clearances, stiffness and friction of the wind-up (`springs`) count; its contacts do not rub.
+        Its clearances, stiffness and friction of the wind-up (`springs`) count; its contacts have no friction.
     loops
-        Measured: each has a zero of deflection of its own, which is laid on the mean of the model's, none of torque.
+        Measured loops. Each has its own zero of deflection, which is set to the mean of the model's; that of torque is
+        taken as exact.
     crank
         Angle of the crank [rad].
 
     Raises
     ------
     RunError
-        No static balance was found.
+        No static balance exists.
     """
-    model = Model(reducer, Losses(), rubs=False)
+    model = Model(reducer, Losses(), contact_friction=False)
     condition = LoopCondition("crank", crank, max(loop.most for loop in loops))
     turns = []
     for loop in loops:
@@ -83,4 +84,4 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
         for turn, loop in zip(turns, loops, strict=True)
     )
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(loops, turns, strict=True)]
-    return Prediction(tuple(loops), tuple(turns), shares, read_figures(loops), read_figures(modelled))
+    return Prediction(tuple(loops), tuple(turns), shares, loop_figures(loops), loop_figures(modelled))

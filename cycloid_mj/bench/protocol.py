@@ -1,6 +1,6 @@
-"""What makers and standards state of a reducer's accuracy, stiffness and friction, from the model and from a bench.
+"""Standard test figures of accuracy, stiffness and friction, as makers and standards define them, of model and bench.
 
-A loop of the model and a loop of a bench are read by the same functions; docs/protocol.md says how to measure each.
+Loops of the model and of the bench are evaluated by the same functions; docs/protocol.md explains how to measure each.
 """
 
 import math
@@ -28,23 +28,23 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
 
 INTERVALS = {"low": (0.03, 0.15), "middle": (0.15, 0.5), "high": (0.5, 1.0)}
-"""Parts of the rated torque over which stiffness is given."""
+"""Ranges of torque over which stiffness is computed, as shares of the rated torque."""
 
-ANGLES = 6
-"""Crank angles at which the model is held, unless another number is asked for."""
+DEFAULT_ANGLES = 6
+"""Default number of crank angles at which the model is locked."""
 
-POINTS = 401
+BRANCH_POINTS = 401
 """Torques of a branch of the model's loop by statics."""
 
-UNLOADED = 0.01
-"""Share of the rated torque under which the model's transmission error is told: without any, parts float."""
+UNLOADED_SHARE = 0.01
+"""Share of the rated torque under which the model's transmission error is computed: without it, parts are loose."""
 
 CRANK, CRANK_TORQUE, OUTPUT_TORQUE = "crank_deg", "torque_crank_Nm", "torque_output_Nm"
 """Columns of a bench's files of friction."""
 
 
 class StatedLine(NamedTuple):
-    """One line of the protocol: what it is, its unit, how it is defined, and who defines it so."""
+    """One line of the protocol: name, unit, definition, and the source of that."""
 
     name: str
     unit: str
@@ -59,14 +59,14 @@ LINES: Mapping[str, StatedLine] = {
     "lost_motion_arcmin": StatedLine(
         "lost motion",
         "arcmin",
-        "turn between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank held",
+        "rotation between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank locked",
         RV,
     ),
     "hysteresis_loss_arcmin": StatedLine(
         "hysteresis loss",
         "arcmin",
-        "turn between the loop's branches at no torque, each let go from the rated torque of its side; Nabtesco calls "
-        "it backlash",
+        "rotation between the loop's branches at zero torque, each unloaded from the rated torque of its side; "
+        "Nabtesco calls it backlash",
         f"{HARMONIC}; {RV}",
     ),
     **{
@@ -82,26 +82,27 @@ LINES: Mapping[str, StatedLine] = {
     "te_arcsec": StatedLine(
         "transmission error",
         "arcsec",
-        "largest less least departure of the output's angle from the ideal one, over a turn of the output, one way, "
-        f"unloaded (the model: {100.0 * UNLOADED:g} % of the rated torque, without friction)",
+        "largest less smallest deviation of the output's angle from the ideal one, over a turn of the output in one "
+        "direction, "
+        f"unloaded (the model: {100.0 * UNLOADED_SHARE:g} % of the rated torque, without friction)",
         f"{HARMONIC}, transmission accuracy; GB/T 35089-2018",
     ),
     "starting_torque_nm": StatedLine(
         "no-load starting torque",
         "N m",
-        "torque on the crank at which it begins to turn, no load on the output",
+        "torque on the crank at which it begins to turn, without a load on the output",
         f"{HARMONIC}; GB/T 35089-2018",
     ),
     "running_torque_nm": StatedLine(
         "no-load running torque",
         "N m",
-        "mean torque on the crank that keeps it at its speed, no load on the output",
+        "mean torque on the crank that keeps its speed, without a load on the output",
         f"{HARMONIC}; GB/T 35089-2018",
     ),
     "back_driving_torque_nm": StatedLine(
         "no-load back-driving torque",
         "N m",
-        "torque on the output at which the crank begins to turn, nothing on the crank",
+        "torque on the output at which the crank begins to turn, without a torque on the crank",
         HARMONIC,
     ),
 }
@@ -110,7 +111,7 @@ LINES: Mapping[str, StatedLine] = {
 
 @dataclass(frozen=True)
 class BenchFiles:
-    """What a bench recorded: files, as far as there are any."""
+    """Recordings of a bench, as far as they exist."""
 
     loops: tuple[MeasuredLoop, ...] = ()
     te: MeasuredError | None = None
@@ -121,19 +122,19 @@ class BenchFiles:
 
 @dataclass(frozen=True, eq=False)
 class Protocol:
-    """The lines of one drive.
+    """Standard test figures of one drive.
 
     Attributes
     ----------
     design, rated
-        Name, and the torque on the output that is taken as rated [N m].
+        Name of the design, and rated torque on the output [N m].
     model, bench
-        Figures by the keys of `LINES`, those that there are: a mean over the positions of the crank, and the least and
-        the largest of them with their intervals.
+        Figures by the keys of `LINES`, as far as they exist: the mean over the positions of the crank, and the
+        smallest and largest with their intervals.
     loops, bench_loops
-        What loop figures are read off.
+        Loops from which the loop figures are computed.
     notes
-        What the figures stand on, a sentence each.
+        Assumptions, a sentence each.
     """
 
     design: str
@@ -145,7 +146,7 @@ class Protocol:
     notes: tuple[str, ...]
 
     def table(self) -> Table:
-        """Tabulate the lines, model beside bench."""
+        """Tabulate the figures of model and bench."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -155,7 +156,7 @@ class Protocol:
 
     @property
     def frame(self) -> Frame:
-        """The lines, a row each; no number where there is none."""
+        """Figures, one row each; NaN where there is none."""
         sides = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(of.get(key), part, math.nan) for key in LINES])
@@ -187,31 +188,31 @@ def protocol(
     reducer: Reducer,
     files: BenchFiles,
     rated: float,
-    angles: int = ANGLES,
+    angles: int = DEFAULT_ANGLES,
     progress: Progress = silent,
     engine: Engine | None = None,
 ) -> Protocol:
-    """Compute every line from the model, and those that a bench's files have from them.
+    """Compute all standard test figures of the model, and those that the files of a bench contain.
 
     Parameters
     ----------
     reducer
         The model.
     files
-        Of the bench.
+        Files of the bench.
     rated
-        The rated torque [N m].
+        Rated torque [N m].
     angles
-        Crank angles at which the model is held.
+        Number of crank angles at which the model is locked.
     progress, engine
-        As the work of a command has them; by default none, and threads here.
+        Progress and workers; by default none, and threads.
 
     Raises
     ------
     UsageError
-        A file is not of its form, or the torque of a loop not in N m.
+        A file is malformed, or the torque of a loop is not in N m.
     RunError
-        The model has no balance, or a run went wrong.
+        The model has no static balance, or a run failed.
     """
     for loop in files.loops:
         require_torque(loop, rated)
@@ -222,16 +223,16 @@ def protocol(
     loops = tuple(engine.each(lambda crank: model_loop(loaded, rated, crank), cranks, progress))
     of_model = {**_of_loops(loops, rated), **_of_model(loaded, rated)}
     notes = [
-        f"the model: loops at {angles} crank angles, the mean and the least and largest of them; contacts "
-        f"have the stiffness of {rated:.4g} N m",
-        "the model's friction is Coulomb's: what starts it is what keeps it turning, but for what grows with the speed "
+        f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
+        f"of {rated:.4g} N m",
+        "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
         f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)",
-        "shaft bearings, seals and grease are in neither of the model's torques, but for [drag] of the design",
+        "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
     ]
     if math.isnan(of_model["back_driving_torque_nm"].value):
-        notes.append("the model locks itself: friction under a load takes all that its output gives")
+        notes.append("the model is self-locking: friction under a load consumes all of the output's power")
     short = [loop for loop in files.loops if loop.most < 0.98 * rated]
-    notes += [f"{loop.name} goes to {loop.most:.4g} N m, not to the rated torque" for loop in short]
+    notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in short]
     return Protocol(
         reducer.design.name,
         rated,
@@ -244,27 +245,27 @@ def protocol(
 
 
 def model_loop(reducer: Reducer, rated: float, crank: float) -> MeasuredLoop:
-    """Compute the loop to a torque on the output [N m] and back at a held crank [rad], as a bench would record it.
+    """Compute the loop to a torque on the output [N m] and back with a locked crank [rad], as a bench would record it.
 
-    A run as `measure lost-motion` makes it; where the design has friction of its wind-up (`springs`), which no run has,
-    by statics, that friction standing for all.
+    It is a run as of `measure lost-motion`. Where the design has friction of its wind-up (`springs`), which no run has,
+    it is computed by statics, and that friction represents all.
     """
     slips = slip_elements(reducer)
     if len(slips.limits):
-        up = rated * np.linspace(-1.0, 1.0, POINTS)
-        course = np.concatenate([up[POINTS // 2 :], -up[1:], up[1:], -up[1:], up[1:]])
+        up = rated * np.linspace(-1.0, 1.0, BRANCH_POINTS)
+        course = np.concatenate([up[BRANCH_POINTS // 2 :], -up[1:], up[1:], -up[1:], up[1:]])
         turn = locked_course(locked_curve(reducer, rated, crank), slips, course)
-        torque, turn = course[-2 * POINTS + 1 :], turn[-2 * POINTS + 1 :]
+        torque, turn = course[-2 * BRANCH_POINTS + 1 :], turn[-2 * BRANCH_POINTS + 1 :]
     else:
         loop = hysteresis.loop(reducer, crank, rated, hysteresis.slow_period(reducer, rated))
         torque, turn = loop.torque, loop.turn
     return measured_loop(f"model at {crank / DEGREE:.3g} deg", torque, turn / DEGREE)
 
 
-def started(crank: Array, torque: Array) -> float:
-    """Find the torque at which a crank begins to turn: the last before it leaves where it was by 0.1 deg for good.
+def breakaway_torque(crank: Array, torque: Array) -> float:
+    """Compute the torque at which a crank begins to turn: the last before it has moved by 0.1 deg for good.
 
-    Angles [rad] and torques in the order of time, shape (n,); no number where it stays.
+    Angles [rad] and torques are in the order of time, shape (n,). NaN where the crank stays.
     """
     away = np.abs(crank - crank[0]) > TURNED
     if not away[-1]:
@@ -273,23 +274,23 @@ def started(crank: Array, torque: Array) -> float:
     return float(abs(torque[still[-1]]))
 
 
-def read_started(path: Path, torque: str) -> float:
+def read_breakaway_torque(path: Path, torque: str) -> float:
     """Read the torque at which the crank begins to turn from a CSV file of the columns crank_deg and `torque` [N m].
 
     Raises
     ------
     UsageError
-        The file is not of that form, or its crank does not turn.
+        The file is malformed, or its crank does not turn.
     """
     columns = read_columns(path, (CRANK, torque), "a start from rest")
-    value = started(DEGREE * columns[CRANK], columns[torque])
+    value = breakaway_torque(DEGREE * columns[CRANK], columns[torque])
     if math.isnan(value):
         raise UsageError(f"{path}: {CRANK} stays within 0.1 deg of its first value: record until the crank turns")
     return value
 
 
 def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigure]:
-    """Read the loop figures of every loop that goes furthest; their mean, least and largest."""
+    """Compute the figures of the loops with the largest torques: their mean, smallest and largest value."""
     furthest = [loop for loop in loops if loop.most >= 0.9 * min(rated, max(one.most for one in loops))]
     if not furthest:
         return {}
@@ -304,11 +305,11 @@ def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigu
         }
         for loop in furthest
     ]
-    return {key: _over([one[key] for one in each]) for key in each[0]}
+    return {key: _merge([one[key] for one in each]) for key in each[0]}
 
 
-def _over(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Compute the mean of a figure over the positions that show it, and the ends of all their intervals."""
+def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
+    """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
     seen = [one for one in figures if not math.isnan(one.value)]
     if not seen:
         return LoopFigure(math.nan, math.nan, math.nan)
@@ -318,30 +319,30 @@ def _over(figures: Sequence[LoopFigure]) -> LoopFigure:
 
 
 def _of_model(reducer: Reducer, rated: float) -> dict[str, LoopFigure]:
-    """Compute the model's lines that no loop shows: those of the catalogue by its functions."""
+    """Compute the model's figures that are not of a loop, by the functions of the catalogue."""
     of_catalogue = {
         "starting_torque_nm": "starting_torque_nm",
         "running_torque_nm": "no_load_torque_nm",
         "back_driving_torque_nm": "back_driving_torque_free_nm",
     }
     return {
-        "te_arcsec": _within(float(np.ptp(model_error(reducer, UNLOADED * rated))) / ARCSECOND, 0.0),
+        "te_arcsec": _within(float(np.ptp(model_error(reducer, UNLOADED_SHARE * rated))) / ARCSECOND, 0.0),
         **{line: _within(figure(key).value(reducer), 0.0) for line, key in of_catalogue.items()},
     }
 
 
 def _of_files(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Read the lines that the files beside the loops show."""
+    """Compute the figures of the bench's other files."""
     figures = {}
     if files.te:
         figures["te_arcsec"] = _within(float(np.ptp(files.te.error)) / ARCSECOND, 0.0)
     if files.starting:
-        figures["starting_torque_nm"] = _within(read_started(files.starting, CRANK_TORQUE), 0.0)
+        figures["starting_torque_nm"] = _within(read_breakaway_torque(files.starting, CRANK_TORQUE), 0.0)
     if files.running:
         torque = np.abs(read_columns(files.running, (CRANK_TORQUE,), "a run without a load")[CRANK_TORQUE])
         figures["running_torque_nm"] = _within(float(torque.mean()), 0.0)
     if files.back_driving:
-        figures["back_driving_torque_nm"] = _within(read_started(files.back_driving, OUTPUT_TORQUE), 0.0)
+        figures["back_driving_torque_nm"] = _within(read_breakaway_torque(files.back_driving, OUTPUT_TORQUE), 0.0)
     return figures
 
 

@@ -1,7 +1,8 @@
-"""The search of a calibration: residuals of measured loops by where all values are, and robust least squares of them.
+"""The least-squares problem of a calibration: residuals of measured loops by scaled values, and their minimisation.
 
-Each loop has an offset of its own in torque and in deflection, which are no part of the drive. All values are looked
-for on scales of their own, on which a step of one matters (`Parameter.place`).
+Each loop has an offset of its own in torque and in deflection, which does not belong to the drive. All values are
+scaled so that a change of 1 matters (`Parameter.to_scale`); "scaled values" are those of the parameters, followed by
+offset of torque and of deflection of each loop.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,67 +21,72 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, distances, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
 
-OUTLIER = 0.03
-"""Residual, as a share of a loop's range, from which a point counts less and less (soft L1)."""
+MODEL_ERROR = 0.03
+"""Assumed error of the model, rms, as a share of a loop's ranges (heuristic). All intervals include it: the fitted
+models miss the measured loops of printed drives by 2 to 7 %."""
 
-DISCREPANCY = 0.03
-"""What the model itself may miss the loops by, rms, as a share of their ranges: no model of a drive is nearer."""
+FAILED_RESIDUAL = 1.0
+"""Residual of every point where the model has no static balance."""
 
-FAILED = 1.0
-"""Residual of every point where the model has no balance."""
 
-STEP = 0.05
-"""Step of differences, on a value's scale."""
+@dataclass(frozen=True)
+class LeastSquaresSettings:
+    """Settings of the robust least squares: trust region with soft L1 loss (`scipy.optimize.least_squares`)."""
 
-SHORT, LONG = 12, 60
-"""Most steps of a search from each of the starts, and of the one that goes on from the best of them."""
+    outlier: float = 0.03
+    """Residual, as a share of a loop's range, from which a point counts less (scale of the soft L1 loss)."""
+    difference_step: float = 0.05
+    """Step of the finite differences, of scaled values."""
+    max_steps_from_start: int = 12
+    """Largest number of steps from each of the starts."""
+    max_steps: int = 60
+    """Largest number of steps of the search that continues from the best of them."""
+    fixed_width: float = 1e-6
+    """Distance between both bounds of a scaled value below which it is fixed."""
+    deflection_rtol: float = 1e-3
+    """Relative gain in squares at which the search for the nearest deflections stops: half as much of their rms."""
 
-HELD = 1e-6
-"""Way between both ends of a value, on its scale, below which it does not move."""
 
-ENOUGH = 1e-3
-"""Relative gain in squares at which a search for the nearest turns stops: half as much of their rms."""
+SETTINGS = LeastSquaresSettings()
 
-STARTS: tuple[dict[str, float], ...] = (
+START_FACTORS: tuple[dict[str, float], ...] = (
     {},
     {"friction": 2.5, "drag": 0.5},
     {"hysteresis": 3.0, "hysteresis_travel": 3.0},
     {"hysteresis": 3.0, "drag": 0.5},
 )
-"""Where searches start, in factors on what a loop suggests: friction of contacts, or one that comes on little by
-little, and constant friction, which make a loop wide, are told apart by little, so that there is a valley between them
-in which a single search stops."""
+"""Starts of the searches, as factors on what a loop suggests. Constant friction, friction of the contacts and
+hysteresis widen a loop nearly alike, so that the cost has a long valley in which a single search stops."""
 
-
-TAKEN = {"starts": 8, "again": 3, "long": 14, "ends": 9, "nearest": 14}
-"""Steps that the searches of a fit take by experience, for a progress: one from each start, one from there without
-an offset of torque, the one that goes on, all for an end of an interval, and that for the nearest deflections."""
+TYPICAL_STEPS = {"starts": 8, "again": 3, "long": 14, "ends": 9, "nearest": 14}
+"""Measured number of steps of the searches of a fit, for the progress bar: from each start, again without an offset of
+torque, the search that continues, all searches for an end of an interval, and that for the nearest deflections."""
 
 
 class Trials:
-    """Counts the trials of a search for a progress, which is told how many are done and how many there may be."""
+    """Counts the evaluations of a fit, and reports them to a progress with the number expected in all."""
 
     def __init__(self, progress: Progress = silent) -> None:
-        self.done, self.later, self._whole, self._progress = 0, 0.0, 0.0, progress
+        self.done, self.later, self._total, self._progress = 0, 0.0, 0.0, progress
 
     def expect(self, more: float) -> None:
-        """Say how many trials of this fit are to come; `later` ones, of other fits, are added."""
-        self._whole = self.done + more + self.later
+        """Set how many evaluations of this fit follow; `later` ones, of other fits, are added."""
+        self._total = self.done + more + self.later
 
     def __call__(self) -> None:
-        """Count one; none is told to be the last, as a search does not know."""
+        """Count one evaluation. None is reported as the last, since a search does not know."""
         self.done += 1
-        self._progress(self.done, max(round(self._whole), self.done + 1))
+        self._progress(self.done, max(round(self._total), self.done + 1))
 
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """The residuals of a model, and their slopes, by where all values are on their scales.
+    """Residuals of a model and their slopes as functions of the scaled values.
 
     Attributes
     ----------
     model, parameters, loops, bench
-        What is fitted to what.
+        The model, its fitted parameters, the measured loops, and the condition under which they were measured.
     trials
         Counter of the model's evaluations.
     torque_offset
@@ -95,184 +101,212 @@ class FitProblem:
     torque_offset: bool = True
 
     @cached_property
-    def known(self) -> Array:
-        """What is known of each place without the loops: 1 over its standard deviation, 0 where that is nothing."""
-        deviations = [parameter.place_deviation for parameter in self.parameters]
+    def prior_weights(self) -> Array:
+        """1 over the standard deviation of the prior of each scaled value; 0 without a prior."""
+        deviations = [parameter.scaled_deviation for parameter in self.parameters]
         return 1.0 / np.array([*deviations, *([np.inf] * (2 * len(self.loops)))])
 
     @cached_property
-    def expected(self) -> Array:
-        """The places that are expected without the loops."""
-        drawn = [parameter.place(parameter.start) for parameter in self.parameters]
+    def prior_means(self) -> Array:
+        """Mean of the prior of each scaled value."""
+        drawn = [parameter.to_scale(parameter.start) for parameter in self.parameters]
         return np.array([*drawn, *([0.0] * (2 * len(self.loops)))])
 
     @cached_property
-    def counts(self) -> Array:
-        """Share of its loop that each residual is; one of what was known is whole."""
-        return np.concatenate([*_weights(self.loops), np.ones(np.count_nonzero(self.known))])
+    def point_weights(self) -> Array:
+        """Share of its loop that each residual is; 1 for the residual of a prior."""
+        return np.concatenate([*_weights(self.loops), np.ones(np.count_nonzero(self.prior_weights))])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """The smallest and the largest places; alike where a place is fixed."""
+        """Lower and upper bounds of the scaled values; equal where a value is fixed."""
         free = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
-        low, high = (
-            [parameter.place(getattr(parameter, end)) for parameter in self.parameters] for end in ("least", "most")
-        )
-        return np.concatenate([low, -free]), np.concatenate([high, free])
+        lower = [parameter.to_scale(parameter.lower) for parameter in self.parameters]
+        upper = [parameter.to_scale(parameter.upper) for parameter in self.parameters]
+        return np.concatenate([lower, -free]), np.concatenate([upper, free])
 
     def expected_trials(self, **searches: int) -> float:
-        """Estimate the trials of some searches, as many of each kind of `TAKEN`."""
-        step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
-        return float(step * sum(TAKEN[kind] * count for kind, count in searches.items()))
+        """Estimate the evaluations of some searches, given the number of each kind of `TYPICAL_STEPS`."""
+        per_step = 1 + 2 * (len(self.parameters) + 2 * len(self.loops))
+        return float(per_step * sum(TYPICAL_STEPS[kind] * count for kind, count in searches.items()))
 
     @cached_property
     def start_factors(self) -> list[dict[str, float]]:
-        """Those of `STARTS` whose values are fitted."""
+        """Those of `START_FACTORS` whose values are all fitted."""
         keys = {parameter.key for parameter in self.parameters}
-        return [wide for wide in STARTS if set(wide) <= keys]
+        return [factors for factors in START_FACTORS if set(factors) <= keys]
 
     def usual_trials(self, intervals: bool) -> float:
-        """Estimate the trials of a fit from all starts, with intervals or without."""
+        """Estimate the evaluations of a fit from all starts, with or without intervals."""
         starts, ends = len(self.start_factors), 2 * len(self.parameters)
         searches = {"ends": ends, "nearest": 1} if intervals else {}
         return self.expected_trials(starts=starts, again=starts, long=1, **searches)
 
     @cached_property
     def _models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Put the first values, as many as there are: what only later ones change is kept."""
+        """Cached function from the first scaled values, as many as there are, to the model with them."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
-        def with_first(places: tuple[float, ...]) -> Model:
-            if not places:
+        def with_first(scaled: tuple[float, ...]) -> Model:
+            if not scaled:
                 return self.model
-            parameter = self.parameters[len(places) - 1]
-            return parameter.put(with_first(places[:-1]), parameter.value(places[-1]))
+            parameter = self.parameters[len(scaled) - 1]
+            return parameter.apply(with_first(scaled[:-1]), parameter.from_scale(scaled[-1]))
 
         return with_first
 
     @cached_property
     def _branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
+        """Cached function from scaled values, loop and torque offset [N m] to the model's branches, or None."""
+
         @lru_cache(maxsize=4 * len(self.loops))
-        def branches(places: tuple[float, ...], loop: int, shift: float) -> Branches | None:
+        def branches(scaled: tuple[float, ...], loop: int, shift: float) -> Branches | None:
             try:
-                return model_branches(self._models(places), self.bench, self.loops[loop], shift)
+                return model_branches(self._models(scaled), self.bench, self.loops[loop], shift)
             except RunError:
                 return None
 
         return branches
 
-    def parts(self, places: Array) -> list[Array]:
-        """Compute the residuals of each loop's points."""
+    def residuals_by_loop(self, scaled: Array) -> list[Array]:
+        """Compute the residuals of the points of each loop, as shares of its ranges."""
         count, residuals = len(self.parameters), []
         for number, loop in enumerate(self.loops):
-            offset = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2]
-            branches = self._branches(tuple(places[:count].tolist()), number, float(offset[0]))
-            failed = np.full(len(loop.torque) - loop.lead, FAILED)
+            offset = offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]
+            branches = self._branches(tuple(scaled[:count].tolist()), number, float(offset[0]))
+            failed = np.full(len(loop.torque) - loop.lead, FAILED_RESIDUAL)
             residuals.append(failed if branches is None else distances(loop, branches, *offset.tolist()))
         return residuals
 
-    def residuals(self, places: Array) -> Array:
-        """Join the residuals of all loops, so that each loop counts the same, and those of what is known without them.
+    def residuals(self, scaled: Array) -> Array:
+        """Join the residuals of all loops, each loop with the same weight, and those of the priors.
 
-        A value that is off by its standard deviation counts as a loop that is missed by `DISCREPANCY`.
+        A value that differs from its prior by one standard deviation counts as a loop with a residual of `MODEL_ERROR`.
         """
         self.trials()
-        off = DISCREPANCY * (self.known * (places - self.expected))[self.known > 0.0]
-        return np.concatenate([*(part / np.sqrt(len(part)) for part in self.parts(places)), off])
+        off = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
+        return np.concatenate([*(part / np.sqrt(len(part)) for part in self.residuals_by_loop(scaled)), off])
 
-    def misses(self, places: Array, offset: bool) -> Array:
-        """Compute by how much the model's turn misses each measured one at its torque, as shares of the loops' heights.
+    def deflection_errors(self, scaled: Array) -> Array:
+        """Compute the model's deflection less the measured one at the same torque, over the loops' heights.
 
-        With each loop's `offset` of torque, or with none, as a scene has it; so that each loop counts the same.
+        Each loop has the same weight.
         """
         self.trials()
-        count, missed = len(self.parameters), []
+        count, errors = len(self.parameters), []
         for number, loop in enumerate(self.loops):
-            torque, turn = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2] * [offset, 1.0]
-            branches = self._branches(tuple(places[:count].tolist()), number, float(torque))
+            torque, turn = offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]
+            branches = self._branches(tuple(scaled[:count].tolist()), number, float(torque))
             if branches is None:
-                off = np.full(len(loop.torque), FAILED * loop.height)
+                error = np.full(len(loop.torque), FAILED_RESIDUAL * loop.height)
             else:
-                off = deflections(loop, [(loads + torque, turns) for loads, turns in branches]) - loop.deflection
-                off = off + turn if offset else off - np.mean(off[loop.lead :])
-            missed.append(off[loop.lead :] / (loop.height * np.sqrt(len(off) - loop.lead)))
-        return np.concatenate(missed)
+                error = deflections(loop, [(loads + torque, turns) for loads, turns in branches]) - loop.deflection
+                error = error + turn
+            errors.append(error[loop.lead :] / (loop.height * np.sqrt(len(error) - loop.lead)))
+        return np.concatenate(errors)
 
     def slopes(
         self,
-        places: Array,
+        scaled: Array,
         by: Sequence[int],
         central: bool = False,
         ends: tuple[Array, Array] | None = None,
-        of: Callable[[Array], Array] | None = None,
+        residuals: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Compute slopes of residuals by some places, shape (points, by): forward differences, or central ones.
+        """Compute finite differences of residuals by some scaled values.
 
-        The residuals are those of the fit, or `of` some others; the steps stay within the bounds, or narrower `ends`.
+        Parameters
+        ----------
+        scaled
+            The values.
+        by
+            Indices of the values by which to differentiate.
+        central
+            Whether differences are central, not forward.
+        ends
+            Bounds within which the steps stay; by default those of the problem.
+        residuals
+            Function to differentiate; by default `residuals`.
+
+        Returns
+        -------
+        Array
+            Shape (points, len(by)).
         """
         low, high = ends or self.bounds
-        residuals, columns = of or self.residuals, []
-        for place in by:
-            pair = np.stack([places, places])
-            pair[1, place] += STEP
-            pair[0, place] -= STEP if central else 0.0
-            if pair[1, place] > high[place]:
-                pair[:, place] = places[place] - STEP, places[place]
-            pair[:, place] = np.clip(pair[:, place], low[place], high[place])
-            step = pair[1, place] - pair[0, place]
-            change = residuals(pair[1]) - residuals(pair[0])
-            columns.append(change / step if step else np.zeros_like(change))
+        compute, columns = residuals or self.residuals, []
+        for index in by:
+            pair = np.stack([scaled, scaled])
+            pair[1, index] += SETTINGS.difference_step
+            pair[0, index] -= SETTINGS.difference_step if central else 0.0
+            if pair[1, index] > high[index]:
+                pair[:, index] = scaled[index] - SETTINGS.difference_step, scaled[index]
+            pair[:, index] = np.clip(pair[:, index], low[index], high[index])
+            width = pair[1, index] - pair[0, index]
+            change = compute(pair[1]) - compute(pair[0])
+            columns.append(change / width if width else np.zeros_like(change))
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Compute where searches start: by `STARTS`, with the design's own values and the middle of each loop.
+        """Compute the starts of the searches: `START_FACTORS` on the design's values, and the centre of each loop.
 
-        Where stiffness or play is fitted, those that bring the model's loops nearest to the measured ones.
+        Where stiffness or play is fitted, the factors on them are those that bring the model nearest to the loops.
         """
         keys = {parameter.key for parameter in self.parameters}
         shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
         starts = []
-        for wide in self.start_factors:
+        for chosen in self.start_factors:
             tried = []
             for play, stiffness in product(plays, softer):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
-                factors |= {"structure_stiffness": stiffness} | wide
-                start = [
-                    parameter.place(
-                        min(max(parameter.start * factors.get(parameter.key, 1.0), parameter.least), parameter.most)
-                    )
-                    for parameter in self.parameters
+                factors |= {"structure_stiffness": stiffness} | chosen
+                values = [
+                    min(max(one.start * factors.get(one.key, 1.0), one.lower), one.upper) for one in self.parameters
                 ]
-                places = np.concatenate([start, *shifts])
+                start = [one.to_scale(value) for one, value in zip(self.parameters, values, strict=True)]
+                scaled = np.concatenate([start, *shifts])
                 self.trials()
-                tried.append((sum(float(np.mean(np.abs(part))) for part in self.parts(places)), places))
+                cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled))
+                tried.append((cost, scaled))
             starts.append(min(tried, key=itemgetter(0))[1])
         return starts
 
-    def run(
-        self, start: Array, steps: int, method: Literal["trf", "dogbox"], held: int | None = None
+    def minimise(
+        self, start: Array, max_steps: int, method: Literal["trf", "dogbox"], fixed: int | None = None
     ) -> tuple[float, Array]:
-        """Search from a start, with the value at one place `held` if it is given; return cost and end."""
+        """Minimise the robust sum of squares from a start; return the cost and the scaled values.
+
+        Parameters
+        ----------
+        start
+            Scaled values; clipped to the bounds.
+        max_steps
+            Largest number of steps.
+        method
+            Trust-region method of `scipy.optimize.least_squares`.
+        fixed
+            Index of a value that keeps its start.
+        """
         from scipy.optimize import least_squares
 
         low, high = self.bounds
         start = np.clip(start, low, high)
-        free = [place for place in np.flatnonzero(high - low > HELD).tolist() if place != held]
-
-        whole = _filled(start, free)
+        free = [index for index in np.flatnonzero(high - low > SETTINGS.fixed_width).tolist() if index != fixed]
+        fill = _filler(start, free)
 
         def residuals(part: Array) -> Array:
-            return self.residuals(whole(part))
+            return self.residuals(fill(part))
 
         def slopes(part: Array) -> Array:
-            return self.slopes(whole(part), free)
+            return self.slopes(fill(part), free)
 
         def robust(squares: Array) -> Array:
-            """Compute the soft L1 loss of residuals, each by its size as a point of its loop, and two derivatives."""
-            root = np.sqrt(1.0 + squares / self.counts)
-            return np.stack([2.0 * self.counts * (root - 1.0), 1.0 / root, -0.5 / (self.counts * root**3)])
+            """Compute the soft L1 loss and two derivatives, of residuals by their size as points of their loops."""
+            root = np.sqrt(1.0 + squares / self.point_weights)
+            weights = self.point_weights
+            return np.stack([2.0 * weights * (root - 1.0), 1.0 / root, -0.5 / (weights * root**3)])
 
         loss: Any = robust  # the stubs ask for a protocol with a name of theirs
         solution = least_squares(
@@ -282,63 +316,58 @@ class FitProblem:
             bounds=(low[free], high[free]),
             method=method,
             loss=loss,
-            f_scale=OUTLIER,
+            f_scale=SETTINGS.outlier,
             xtol=1e-6,
             ftol=1e-6,
             gtol=1e-9,
-            max_nfev=steps,
+            max_nfev=max_steps,
         )
-        return float(solution.cost), np.clip(whole(solution.x), low, high)
+        return float(solution.cost), np.clip(fill(solution.x), low, high)
 
-    def nearest(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the places between two ends at which the model's deflections are nearest to the measured ones, rms.
+    def nearest_deflections(self, start: Array, low: Array, high: Array) -> Array:
+        """Return the scaled values between two ends at which the model's deflections are nearest to the measured, rms.
 
         A value that moves from the start by a quarter of the distance between its ends, which is its standard
-        deviation, adds the cost of a loop that is missed by `DISCREPANCY`, so that a value on which the deflections
+        deviation, adds the cost of a loop with a residual of `MODEL_ERROR`, so that a value on which the deflections
         hardly depend stays.
         """
-        tied = DISCREPANCY * np.divide(4.0, high - low, out=np.zeros_like(start), where=high - low > HELD)
-
-        def residuals(places: Array) -> Array:
-            return np.concatenate([self.misses(places, offset=self.torque_offset), tied * (places - start)])
-
-        return self._least(residuals, start, low, high)[1]
-
-    def _least(self, residuals: Callable[[Array], Array], start: Array, low: Array, high: Array) -> tuple[float, Array]:
-        """Search from a start for the least sum of squares between two ends; return it and where it is."""
         from scipy.optimize import least_squares
 
-        start, free = np.clip(start, low, high), np.flatnonzero(high - low > HELD)
+        free = np.flatnonzero(high - low > SETTINGS.fixed_width)
+        weights = np.zeros_like(start)
+        weights[free] = MODEL_ERROR * 4.0 / (high - low)[free]
+        fill = _filler(np.clip(start, low, high), free)
 
-        whole = _filled(start, free)
-
-        def of(part: Array) -> Array:
-            return residuals(whole(part))
+        def residuals(scaled: Array) -> Array:
+            return np.concatenate([self.deflection_errors(scaled), weights * (scaled - start)])
 
         def slopes(part: Array) -> Array:
-            return self.slopes(whole(part), free.tolist(), ends=(low, high), of=residuals)
+            return self.slopes(fill(part), free.tolist(), ends=(low, high), residuals=residuals)
+
+        def filled_residuals(part: Array) -> Array:
+            return residuals(fill(part))
 
         solution = least_squares(
-            of,
+            filled_residuals,
             np.clip(start, low + 1e-9, high - 1e-9)[free],
             jac=slopes,
             bounds=(low[free], high[free]),
-            xtol=ENOUGH,
-            ftol=ENOUGH,
-            max_nfev=LONG,
+            xtol=SETTINGS.deflection_rtol,
+            ftol=SETTINGS.deflection_rtol,
+            max_nfev=SETTINGS.max_steps,
         )
-        return float(solution.cost), whole(solution.x)
+        return fill(solution.x)
 
 
-def _filled(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function that puts values in the free places of a start, and leaves the others there."""
+def _filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
+    """Return a function that sets the free elements of a start to values, and keeps the others."""
 
-    def whole(part: Array) -> Array:
-        places = start.copy()
-        places[free] = part
-        return places
+    def fill(part: Array) -> Array:
+        scaled = start.copy()
+        scaled[free] = part
+        return scaled
 
-    return whole
+    return fill
 
 
 def _weights(loops: Sequence[MeasuredLoop]) -> list[Array]:

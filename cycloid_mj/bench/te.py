@@ -1,8 +1,8 @@
-"""A measured transmission error held against a design's: orders matched, the crank's zero fitted, each order explained.
+"""Comparison of a measured transmission error with a design, order by order, with a fitted zero of the crank.
 
-The model is the static balance under the load at crank angles over a whole turn of the output, without friction. Both
-curves are taken apart by least squares into the orders that the measurement tells apart: whole ones, of what belongs to
-the ring, and multiples of N/(N-1), of what belongs to gear and output.
+The model is the static balance under the load over a full turn of the output, without friction. Both curves are
+decomposed by least squares into the orders that the measurement resolves: integer orders, of the ring, and multiples of
+N/(N-1), of disc and output.
 """
 
 from dataclasses import dataclass
@@ -24,25 +24,26 @@ from cycloid_mj.statics import transmission_error
 
 CRANK, ERROR = COLUMNS = ("crank_deg", "te_arcsec")
 
-HARMONICS = 3
-"""Multiples of the mesh order up to which orders are matched."""
+MAX_MESH_HARMONIC = 3
+"""Largest multiple of the mesh order that is compared."""
 
-ROUNDING = 1e-9
-"""By how much less a zero may explain that is as good, as a share of what angles change."""
+ZERO_RTOL = 1e-9
+"""Tolerance of equally good zeros of the crank, as a share of the range of the squared residual: protects against
+rounding."""
 
-PER_MESH_PERIOD = 16
-"""Angles in a mesh period at which the model is solved, and the crank's zero looked for."""
+POSES_PER_MESH_PERIOD = 16
+"""Crank angles in a mesh period at which the model is solved, and among which the crank's zero is searched."""
 
-MOST_ERROR = 36_000.0
-"""Largest transmission error [arcsec] that is one: ten degrees are no error."""
+MAX_ERROR_ARCSEC = 36_000.0
+"""Largest plausible transmission error [arcsec]: ten degrees."""
 
-SHOWN = 1e-3
-"""Least amplitude that is told, as a share of the strongest."""
+MIN_AMPLITUDE = 1e-3
+"""Smallest amplitude that is reported, relative to the strongest."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredError:
-    """A measured transmission error [rad] against crank angle [rad], shape (n,) each, and its file's name."""
+    """Measured transmission error [rad] against crank angle [rad], shape (n,) each, and the name of its file."""
 
     name: str
     crank: Array
@@ -50,28 +51,28 @@ class MeasuredError:
 
     @property
     def turns(self) -> float:
-        """Crank turns that it goes over."""
+        """Number of crank turns that it covers."""
         return float(np.ptp(self.crank)) / (2.0 * np.pi)
 
 
 @dataclass(frozen=True, eq=False)
 class BenchComparison:
-    """A measured transmission error beside a design's.
+    """Measured transmission error and that of a design.
 
     Attributes
     ----------
     design, load, zero
-        The design's name, the torque of the model [N m], and the model's crank angle at the bench's zero [rad].
+        Name of the design, torque of the model [N m], and the model's crank angle at the bench's zero [rad].
     measured
-        What was measured.
+        The measured error.
     model
-        The model's error at the measured angles, less its mean [rad], shape (n,).
+        The model's error at the measured angles, about its mean [rad], shape (n,).
     order
-        Orders that are matched [1], shape (k,).
+        Orders that are compared [1], shape (k,).
     bench_amplitude, model_amplitude
         Complex amplitudes by order [rad], shape (k,).
     causes
-        What can give each order, in words.
+        Possible causes of each order, in words.
     """
 
     design: str
@@ -86,34 +87,34 @@ class BenchComparison:
 
     @property
     def explained(self) -> Array:
-        """Share of each order's power that the model explains, shape (k,): 1 all of it, below 0 worse than nothing."""
+        """Share of each order's power that the model explains, shape (k,); negative where it is worse than no model."""
         left = np.abs(self.bench_amplitude - self.model_amplitude) ** 2
         return 1.0 - left / np.maximum(np.abs(self.bench_amplitude) ** 2, 1e-300)
 
     @property
     def whole(self) -> float:
-        """Share of the measured curve's variance that the model explains, its mean left out."""
+        """Share of the measured curve's variance that the model explains."""
         measured = self.measured.error - self.measured.error.mean()
         return 1.0 - float(np.mean((measured - self.model) ** 2) / np.mean(measured**2))
 
     @property
     def strongest_first(self) -> list[int]:
-        """Places of the orders that show in either curve, the strongest first."""
+        """Indices of the orders with an amplitude of note in either curve, the strongest first."""
         size = np.maximum(np.abs(self.bench_amplitude), np.abs(self.model_amplitude))
-        return [int(place) for place in np.argsort(-size) if size[place] > SHOWN * size.max()]
+        return [int(index) for index in np.argsort(-size) if size[index] > MIN_AMPLITUDE * size.max()]
 
-    def table(self, most: int = 20) -> Table:
+    def table(self, max_rows: int = 20) -> Table:
         """Tabulate the strongest orders."""
         rows = tuple(
             (
-                f"{self.order[place]:.6g}",
-                float(np.abs(self.bench_amplitude[place])) / ARCSECOND,
-                float(np.abs(self.model_amplitude[place])) / ARCSECOND,
-                float(np.angle(self.model_amplitude[place] / self.bench_amplitude[place])) / DEGREE,
-                f"{self.explained[place]:.1%}",
-                self.causes[place],
+                f"{self.order[index]:.6g}",
+                float(np.abs(self.bench_amplitude[index])) / ARCSECOND,
+                float(np.abs(self.model_amplitude[index])) / ARCSECOND,
+                float(np.angle(self.model_amplitude[index] / self.bench_amplitude[index])) / DEGREE,
+                f"{self.explained[index]:.1%}",
+                self.causes[index],
             )
-            for place in self.strongest_first[:most]
+            for index in self.strongest_first[:max_rows]
         )
         header = (
             "order",
@@ -121,9 +122,9 @@ class BenchComparison:
             "model [arcsec]",
             "model leads by [deg]",
             "explained",
-            "what can give it",
+            "possible causes",
         )
-        return Table(f"{self.measured.name} against {self.design}, {self.load:.4g} N m", header, rows)
+        return Table(f"{self.measured.name} compared with {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
@@ -138,14 +139,14 @@ class BenchComparison:
             "residual_rms_arcsec": rms(self.measured.error - self.measured.error.mean() - self.model) / ARCSECOND,
             "orders": [
                 {
-                    "order": float(self.order[place]),
-                    "measured_arcsec": float(np.abs(self.bench_amplitude[place])) / ARCSECOND,
-                    "model_arcsec": float(np.abs(self.model_amplitude[place])) / ARCSECOND,
-                    "phase_deg": float(np.angle(self.model_amplitude[place] / self.bench_amplitude[place])) / DEGREE,
-                    "explained": float(self.explained[place]),
-                    "cause": self.causes[place],
+                    "order": float(self.order[index]),
+                    "measured_arcsec": float(np.abs(self.bench_amplitude[index])) / ARCSECOND,
+                    "model_arcsec": float(np.abs(self.model_amplitude[index])) / ARCSECOND,
+                    "phase_deg": float(np.angle(self.model_amplitude[index] / self.bench_amplitude[index])) / DEGREE,
+                    "explained": float(self.explained[index]),
+                    "cause": self.causes[index],
                 }
-                for place in self.strongest_first
+                for index in self.strongest_first
             ],
         }
 
@@ -156,48 +157,57 @@ def read_te(path: Path) -> MeasuredError:
     Raises
     ------
     UsageError
-        The file is not there, not of that form, or is no transmission error over at least a turn of the crank.
+        The file is missing or malformed, or is no transmission error over at least a turn of the crank.
     """
     columns = read_columns(path, COLUMNS, "a transmission error")
     crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
     measured = MeasuredError(path.stem, crank, error)
     if measured.turns < 1.0 - 2.0 / len(crank):
         span = f"{measured.turns * 360.0:.4g} deg"
-        radians = f": is {CRANK} in radians?" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
-        raise UsageError(f"{path}: {CRANK} goes over {span}; orders need at least a whole turn of 360 deg{radians}")
-    if np.ptp(columns[ERROR]) > MOST_ERROR or not np.ptp(columns[ERROR]) > 0.0:
+        radians = f". Is {CRANK} in radians?" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
+        raise UsageError(f"{path}: {CRANK} covers {span}; at least a full turn of 360 deg is needed{radians}")
+    if np.ptp(columns[ERROR]) > MAX_ERROR_ARCSEC or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
-            f"{path}: {ERROR} goes over {np.ptp(columns[ERROR]):.4g} arcsec, which is no transmission error: give the "
-            "output's angle less the crank's over the ratio, in seconds of arc"
+            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec, which is no transmission error. It "
+            "must be the angle of the output less that of the crank over the ratio, in arcseconds"
         )
     return measured
 
 
 def compare_bench(design: Design, measured: MeasuredError, load: float | None = None) -> BenchComparison:
-    """Hold a measured transmission error of the output against a design's, under a load on the output [N m].
+    """Compare a measured transmission error of the output with that of a design.
 
-    Without a `load` it is the design's own, or a hundredth of the rated torque.
+    Parameters
+    ----------
+    design
+        The design.
+    measured
+        The measured error.
+    load
+        Torque on the output [N m]; by default the design's own, or a hundredth of the rated torque.
 
     Raises
     ------
     UsageError
-        The load is 0, or the measurement has fewer points than orders to tell apart.
+        The load is 0, or the measurement has too few points to resolve its orders.
     RunError
-        No static balance was found.
+        No static balance exists.
     """
     reducer = Reducer(design)
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
-        raise UsageError("--load-nm 0: without a load the parts float in their clearances; give a torque")
+        raise UsageError(
+            "--load-nm 0: without a load the parts are loose in their clearances; set a torque other than 0"
+        )
     lobes = reducer.design.lobes
     ideal = model_error(reducer, torque)
-    zero = _zero(ideal, measured, lobes)
-    model = _at(ideal, measured.crank + zero, lobes)
+    zero = _fit_zero(ideal, measured, lobes)
+    model = _interpolate(ideal, measured.crank + zero, lobes)
     order = _orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
-            f"{measured.name}: {len(measured.crank)} points cannot tell {len(order)} orders apart: give at least "
-            f"{2 * len(order) + 1}"
+            f"{measured.name}: {len(measured.crank)} points cannot resolve {len(order)} orders; at least "
+            f"{2 * len(order) + 1} points are needed"
         )
     waves = np.exp(1j * np.outer(measured.crank, order))
     basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)
@@ -221,48 +231,49 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
 def model_error(reducer: Reducer, torque: float) -> Array:
     """Compute the output's error about its mean [rad] under a torque on it [N m], evenly over its turn, shape (n,)."""
     lobes = reducer.design.lobes
-    count = PER_MESH_PERIOD * reducer.design.ring.teeth * lobes
+    count = POSES_PER_MESH_PERIOD * reducer.design.ring.teeth * lobes
     crank = 2.0 * np.pi * lobes * np.arange(count) / count
     error = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
     return np.asarray(error - error.mean())
 
 
 def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
-    """Find the orders that a measurement tells apart: whole ones, and of the gear's those that lie far enough off."""
+    """Return the orders that a measurement resolves: integer orders, and those of the disc far enough from them."""
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     sampled = 0.4 * len(measured.crank) / measured.turns
-    most = min(HARMONICS * teeth, int(sampled))
-    whole = np.arange(1, most + 1, dtype=np.float64)
+    most = min(MAX_MESH_HARMONIC * teeth, int(sampled))
+    integer = np.arange(1, most + 1, dtype=np.float64)
     gear = np.arange(1, most + 1) * teeth / lobes
     apart = np.abs(gear - np.rint(gear)) * measured.turns > 0.9
-    return np.sort(np.concatenate([whole, gear[apart & (gear < most)]]))
+    return np.sort(np.concatenate([integer, gear[apart & (gear < most)]]))
 
 
-def _zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
+def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     """Compute the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
 
-    The least of all that do so: where parts come to the same places after some turns of the crank, all are alike.
+    It is the smallest of equally good angles: where the parts return to the same pose after some turns of the crank,
+    several are equal.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes
-    step = turn / count
+    width = turn / count
     # the measured curve on the model's angles, then all shifts at once
-    places = np.floor(np.mod(measured.crank, turn) / step + 0.5).astype(int) % count
+    bins = np.floor(np.mod(measured.crank, turn) / width + 0.5).astype(int) % count
     error = measured.error - measured.error.mean()
     total, hits = np.zeros(count), np.zeros(count)
-    np.add.at(total, places, error)
-    np.add.at(hits, places, 1.0)
+    np.add.at(total, bins, error)
+    np.add.at(hits, bins, 1.0)
     spectrum = np.fft.rfft(ideal)
     cross = np.fft.irfft(np.conj(np.fft.rfft(total)) * spectrum, count)
     power = np.fft.irfft(np.conj(np.fft.rfft(hits)) * np.fft.rfft(ideal**2), count)
     left = power - 2.0 * cross
-    best = int(np.argmax(left <= left.min() + ROUNDING * np.ptp(left)))
-    near = [left[(best + way) % count] for way in (-1, 0, 1)]
+    best = int(np.argmax(left <= left.min() + ZERO_RTOL * np.ptp(left)))
+    near = [left[(best + shift) % count] for shift in (-1, 0, 1)]
     bend = near[0] - 2.0 * near[1] + near[2]
-    return float((best + (0.5 * (near[0] - near[2]) / bend if bend > 0.0 else 0.0)) * step)
+    return float((best + (0.5 * (near[0] - near[2]) / bend if bend > 0.0 else 0.0)) * width)
 
 
-def _at(ideal: Array, crank: Array, lobes: int) -> Array:
-    """Compute the model's error at crank angles [rad], between its own by cubic splines."""
+def _interpolate(ideal: Array, crank: Array, lobes: int) -> Array:
+    """Interpolate the model's error at crank angles [rad] by periodic cubic splines."""
     from scipy.interpolate import CubicSpline
 
     turn = 2.0 * np.pi * lobes

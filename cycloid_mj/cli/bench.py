@@ -196,7 +196,7 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     for number, one in enumerate(fitted.parameters, 1):
         model = fitted.model
         for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
-            model = model if other == one else other.put(model, value)
+            model = model if other == one else other.apply(model, value)
         with underway(f"calibrate: testing it with the drawn {one.key}, {number} of {len(fitted.parameters)}", quiet):
             serves = _flaw(model.reducer, most) is None
         if serves:

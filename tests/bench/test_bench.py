@@ -31,13 +31,19 @@ from cycloid_mj.bench import (
     read_te,
 )
 from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped
-from cycloid_mj.bench.fit import Fitted, fit, fitted_at, widen
-from cycloid_mj.bench.loop_figures import read_figures
-from cycloid_mj.bench.model_selection import variants
-from cycloid_mj.bench.overlay import LoopCondition, model_branches, put_all
+from cycloid_mj.bench.fit import Fitted, evaluate_fit, fit, widen_intervals
+from cycloid_mj.bench.loop_figures import loop_figures
+from cycloid_mj.bench.model_selection import compare_fits
+from cycloid_mj.bench.overlay import LoopCondition, apply_values, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
-from cycloid_mj.bench.search import DISCREPANCY, FAILED, FitProblem, Trials
-from cycloid_mj.bench.uncertainty import COVERED, UNKNOWN, FitUncertainty, memory, spread
+from cycloid_mj.bench.search import FAILED_RESIDUAL, MODEL_ERROR, FitProblem, Trials
+from cycloid_mj.bench.uncertainty import (
+    CONFIDENCE,
+    UNKNOWN_ERROR,
+    FitUncertainty,
+    autocorrelation_time,
+    estimate_uncertainty,
+)
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
@@ -181,7 +187,7 @@ class Known:
     @cached_property
     def model(self) -> Model:
         ends = measured_loop("ends", *[course(0.0, 1.0, -1.0, 0.0)] * 2)
-        return put_all(
+        return apply_values(
             Model(Reducer(self.design), Losses()),
             parameters(Reducer(self.design), tuple(self.values), [ends]),
             np.array(list(self.values.values())),
@@ -242,7 +248,9 @@ def locked_model(contacts: float) -> Model:
     design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
     ends = measured_loop("ends", *[course(0.0, 25.0, -25.0, 0.0)] * 2)
     chosen = parameters(Reducer(design), tuple(LOCKED), [ends])
-    return put_all(Model(Reducer(design), Losses(), rubs=False), chosen, np.array(list(LOCKED.values())))
+    return apply_values(
+        Model(Reducer(design), Losses(), contact_friction=False), chosen, np.array(list(LOCKED.values()))
+    )
 
 
 def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
@@ -377,8 +385,8 @@ def worn(loop: MeasuredLoop) -> MeasuredLoop:
     """Give a measured loop of before run-in 0.32 deg more play, and 0.7 of its friction."""
     middle = 0.5 * (loop.deflection.max() + loop.deflection.min())
     wider = 0.16 * DEGREE * np.tanh((loop.deflection - middle) / (0.175 * loop.height))
-    eased = 0.3 * read_figures([loop]).coulomb.value * (1.0 - np.abs(loop.torque) / np.abs(loop.torque).max())
-    way = np.where(loop.on_the_way(1), 1.0, -1.0)
+    eased = 0.3 * loop_figures([loop]).coulomb.value * (1.0 - np.abs(loop.torque) / np.abs(loop.torque).max())
+    way = np.where(loop.moving(1), 1.0, -1.0)
     return measured_loop(loop.name, loop.torque - way * eased, (loop.deflection + wider) / DEGREE)
 
 
@@ -424,14 +432,14 @@ def test_a_measured_loop_closes_in_stock_mujoco(kind: str, made_from: str) -> No
             left = scene_loop(reduced, loop, float(offset), held) - loop.deflection
             assert np.std(left[loop.lead :]) < 0.08 * loop.height, (held, loop.name)
             if not found.fitted.torque_offset:
-                assert found.fitted.rms_without(number) < 0.08 * loop.height, loop.name
+                assert found.fitted.rms_without_offset(number) < 0.08 * loop.height, loop.name
 
 
 def unlike_sides(loop: MeasuredLoop) -> float:
     """Compute the least rms by which a loop of two like sides misses a loop [rad]: half of what its sides differ by."""
     differs = np.empty(len(loop.torque))
     for way in (1, -1):
-        here, other = loop.on_the_way(way), loop.on_the_way(-way)
+        here, other = loop.moving(way), loop.moving(-way)
         order = np.argsort(loop.torque[other])
         turn = np.interp(-loop.torque[here], loop.torque[other][order], loop.deflection[other][order])
         differs[here] = 0.5 * (loop.deflection[here] + turn)
@@ -443,14 +451,14 @@ def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     loops = locked_loops(1.0, 0.03, 0)
     chosen = parameters(Reducer(resolve("printed")), DEFAULT, loops)
     search = FitProblem(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
-    known = [one.place(LOCKED[one.key]) for one in chosen]
+    known = [one.to_scale(LOCKED[one.key]) for one in chosen]
     start = np.concatenate([known, np.zeros(4)])
     low, high = np.clip([start - 3.0, start + 3.0], *search.bounds)
     low[0] = high[0] = start[0]
-    found = search.nearest(start, low, high)
+    found = search.nearest_deflections(start, low, high)
     assert np.all((found >= low) & (found <= high))
     assert found[0] == start[0]
-    missed = [float(np.sum(search.misses(places, offset=False) ** 2)) for places in (found, start)]
+    missed = [float(np.sum(search.deflection_errors(places) ** 2)) for places in (found, start)]
     assert missed[0] < 0.95 * missed[1]
 
 
@@ -603,7 +611,7 @@ def ideal_loop(most: float, play: float, stiffness: float, coulomb: float, noise
 @pytest.mark.parametrize("noise", [0.0, 0.005])
 def test_figures_of_a_loop_are_those_of_its_making(noise: float) -> None:
     """A play of 1 deg, 300 N m/rad, 3 N m of friction: read off the points, each within its interval."""
-    read = read_figures([ideal_loop(25.0, DEGREE, 300.0, 3.0, noise)])
+    read = loop_figures([ideal_loop(25.0, DEGREE, 300.0, 3.0, noise)])
     for figure, value in ((read.play, DEGREE), (read.stiffness, 300.0), (read.coulomb, 3.0)):
         assert figure.value == pytest.approx(value, rel=0.03 + 20.0 * noise)
         assert figure.low - 0.03 * value < value < figure.high + 0.03 * value
@@ -618,7 +626,7 @@ def test_a_preloaded_ring_has_no_rigid_stops() -> None:
 
 def test_the_measured_loops_show_their_figures() -> None:
     """Slopes read by hand off the loading branches from 12.5 to 24.5 N m are 374 and 384 N m/rad."""
-    read = read_figures([read_loop(path) for path in BENCH])
+    read = loop_figures([read_loop(path) for path in BENCH])
     assert read.stiffness.low < 374.0 < read.stiffness.high
     assert read.stiffness.low < 384.0 < read.stiffness.high
     assert math.degrees(read.play.low) < 1.24 < math.degrees(read.play.high)
@@ -629,7 +637,7 @@ def test_what_a_loop_does_not_show_is_no_number() -> None:
     """Six points to a branch: two of them where it is loaded, which lie on a line whatever the loop is."""
     torque = course(-1.0, 1.0, -1.0, 1.0, -1.0, count=6)
     turn = 0.1 * torque - 0.02 * np.gradient(torque)
-    read = read_figures([measured_loop("sparse", torque, turn)])
+    read = loop_figures([measured_loop("sparse", torque, turn)])
     assert math.isnan(read.stiffness.value)
     assert math.isnan(read.play.value)
 
@@ -639,10 +647,10 @@ def test_an_interval_covers_a_model_that_is_off() -> None:
     generator = np.random.default_rng(3)
     slopes = generator.standard_normal((200, 2)) / 200**0.5
     worst = np.linalg.pinv(slopes)[0]
-    error = DISCREPANCY * worst / np.linalg.norm(worst)
+    error = MODEL_ERROR * worst / np.linalg.norm(worst)
     moved = np.linalg.lstsq(slopes, error, rcond=None)[0][0]
     inverse = np.linalg.inv(slopes.T @ slopes)
-    assert moved == pytest.approx(DISCREPANCY * inverse[0, 0] ** 0.5)
+    assert moved == pytest.approx(MODEL_ERROR * inverse[0, 0] ** 0.5)
 
 
 def test_a_loop_without_any_balance_is_told_by_name() -> None:
@@ -650,14 +658,14 @@ def test_a_loop_without_any_balance_is_told_by_name() -> None:
     loops = locked_loops(1.0, 0.0, 0)
 
     class Locked(FitProblem):
-        def parts(self, places: Array) -> list[Array]:
-            _, other = super().parts(places)
-            return [np.full(len(loops[0].torque) - loops[0].lead, FAILED), other]
+        def residuals_by_loop(self, places: Array) -> list[Array]:
+            _, other = super().residuals_by_loop(places)
+            return [np.full(len(loops[0].torque) - loops[0].lead, FAILED_RESIDUAL), other]
 
     chosen = parameters(Reducer(resolve("printed")), ("drag",), loops)
     problem = Locked(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
-    with pytest.raises(RunError, match="no model of loop-4 has a static balance near the design"):
-        fitted_at(problem, problem.starts()[0])
+    with pytest.raises(RunError, match="loop-4: no model has a static balance near the design"):
+        evaluate_fit(problem, problem.starts()[0])
 
 
 @pytest.fixture(scope="module")
@@ -665,7 +673,7 @@ def bench() -> Fitted:
     """Compute the fit to the printed drive's loops, from near where the search of many starts ends."""
     loops, design = [read_loop(path) for path in BENCH], resolve("printed")
     chosen = parameters(Reducer(design), FIVE, loops)
-    near = [one.place(value) for one, value in zip(chosen, NEAR, strict=True)]
+    near = [one.to_scale(value) for one, value in zip(chosen, NEAR, strict=True)]
     return fit(
         Model(Reducer(design), Losses()),
         chosen,
@@ -707,12 +715,12 @@ def test_criteria_of_variants_compare(bench: Fitted) -> None:
     noise = tuple(1e-2 * draw(len(one)) for one in bench.residuals)
     wave = tuple(3.0 * np.sqrt(np.mean(one**2)) * np.sqrt(2.0) * np.sin(np.arange(len(one)) / 9.0) for one in noise)
     full = replace(bench, residuals=noise)
-    idle = replace(full, parameters=full.parameters[:-1], places=full.places[:-1])
+    idle = replace(full, parameters=full.parameters[:-1], scaled=full.scaled[:-1])
     poor = replace(idle, residuals=wave)
-    found = variants({("poor", ""): poor, ("idle", ""): idle, ("full", ""): full})
+    found = compare_fits({("poor", ""): poor, ("idle", ""): idle, ("full", ""): full})
     points = sum(full.independent)
     assert sum(poor.independent) < 0.2 * points
-    of_poor, of_idle, of_full = (one.criterion for one in found)
+    of_poor, of_idle, of_full = (one.bayesian for one in found)
     assert of_full - of_idle == pytest.approx(np.log(points))
     ratios = [np.mean(a**2) / np.mean(b**2) for a, b in zip(wave, noise, strict=True)]
     assert of_poor - of_idle == pytest.approx(np.dot(full.independent, np.log(ratios)))
@@ -808,17 +816,17 @@ def test_play_in_teeth_and_holes_is_not_told_apart() -> None:
 
 def test_noise_counts_point_by_point_and_a_wave_does_not() -> None:
     noise = np.random.default_rng(0).standard_normal(400)
-    assert memory(noise) < 1.5
-    assert memory(np.sin(np.linspace(0.0, 20.0, 400)) + 0.1 * noise) > 10.0
+    assert autocorrelation_time(noise) < 1.5
+    assert autocorrelation_time(np.sin(np.linspace(0.0, 20.0, 400)) + 0.1 * noise) > 10.0
 
 
 def test_what_no_residual_answers_to_is_unknown() -> None:
     """As the travel of a constant friction of 0: neither a fit's own noise nor its straight line tells of it."""
     generator = np.random.default_rng(0)
     rows, residuals = np.array([[1.0, 0.0]]) * generator.uniform(0.5, 1.0, (50, 1)), generator.standard_normal(50)
-    errors = spread([rows], [residuals], np.array([True, True])).errors
+    errors = estimate_uncertainty([rows], [residuals], np.array([True, True])).errors
     assert 0.05 < errors[0] < 0.5
-    assert errors[1] == pytest.approx(UNKNOWN)
+    assert errors[1] == pytest.approx(UNKNOWN_ERROR)
 
 
 def test_what_is_hardly_seen_has_an_error() -> None:
@@ -826,7 +834,7 @@ def test_what_is_hardly_seen_has_an_error() -> None:
     draw = np.random.default_rng(17)
     slopes = draw.standard_normal((50, 3))
     slopes[:, 2] = slopes[:, 0] + 0.7 * slopes[:, 1] + 10.0 ** draw.uniform(-9.0, -5.0) * slopes[:, 2]
-    assert np.all(spread([slopes], [0.01 * draw.standard_normal(50)], np.ones(3, bool)).errors > 0.0)
+    assert np.all(estimate_uncertainty([slopes], [0.01 * draw.standard_normal(50)], np.ones(3, bool)).errors > 0.0)
 
 
 def test_an_interval_covers_what_few_points_decide() -> None:
@@ -838,12 +846,12 @@ def test_an_interval_covers_what_few_points_decide() -> None:
     for _ in range(2000):
         noise = generator.standard_normal(181)
         found = np.linalg.lstsq(slopes, noise, rcond=None)[0]
-        sure = spread([slopes], [noise - slopes @ found], np.array([True, True]))
+        sure = estimate_uncertainty([slopes], [noise - slopes @ found], np.array([True, True]))
         away = abs(found[1]) / sure.errors[1]
-        inside += away <= sure.reach(COVERED)[1]
+        inside += away <= sure.quantiles(CONFIDENCE)[1]
         narrow += away <= t.ppf(0.975, 179.0)
-    assert inside / 2000 == pytest.approx(COVERED, abs=0.015)
-    assert narrow / 2000 < COVERED - 0.02
+    assert inside / 2000 == pytest.approx(CONFIDENCE, abs=0.015)
+    assert narrow / 2000 < CONFIDENCE - 0.02
 
 
 def test_an_interval_reaches_into_every_valley() -> None:
@@ -857,15 +865,18 @@ def test_an_interval_reaches_into_every_valley() -> None:
         def expected_trials(self, **_: int) -> float:
             return 1.0
 
-        def run(self, start: Array, *_: Any, held: int | None = None) -> tuple[float, Array]:
-            assert held == 0
+        def minimise(self, start: Array, *_: Any, fixed: int | None = None) -> tuple[float, Array]:
+            assert fixed == 0
             near = 0.0 if start[0] < 1.5 else 3.0
             return 1.0 + (0.05 if near else 0.0) + 0.5 * float(start[0] - near) ** 2, start
 
     sure = FitUncertainty(np.eye(1) * 0.25, np.eye(1), np.ones((50, 1)), np.ones(50))
     ends = np.array([[-1.0, 1.0]])
-    found = SimpleNamespace(spread=sure, likeliest=np.array([0.0]), ends=ends, at_bound=np.array([False]))
-    assert widen(Valleys(), found, [(1.0, np.array([0.0])), (1.05, np.array([3.0])), (9.0, np.array([-5.0]))]) is None
+    found = SimpleNamespace(uncertainty=sure, likeliest=np.array([0.0]), ends=ends, at_bound=np.array([False]))
+    assert (
+        widen_intervals(Valleys(), found, [(1.0, np.array([0.0])), (1.05, np.array([3.0])), (9.0, np.array([-5.0]))])
+        is None
+    )
     assert found.ends[0] == pytest.approx([-1.0, 3.0 + 0.9**0.5])
 
 
@@ -894,20 +905,20 @@ def rows(path: Path) -> list[str]:
         (lambda lines: [*lines[:9], "1.0,80", *lines[9:]], "deflection_deg is 80 in row 9 below the header"),
         (
             lambda lines: [lines[0], *np.random.default_rng(0).permutation(lines[1:])],
-            "are the rows in the order of time?",
+            "Are the rows in the order of time?",
         ),
         (lambda lines: [lines[0], *(",".join(row.split(",")[::-1]) for row in lines[1:])], "the two columns exchanged"),
         (lambda lines: [lines[0], *lines[:0:-1]], "in the reverse order of time"),
         (
             lambda lines: [lines[0], *(f"{float(t) / 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
-            "is torque_output_Nm in kN m? then multiply it by 1000",
+            "Is torque_output_Nm in kN m? Then multiply it by 1000",
         ),
-        (lambda lines: lines[:10], "9 points are no loop"),
-        (lambda lines: [lines[0], *lines[65:130]], "one branch only"),
+        (lambda lines: lines[:10], "9 points are too few for a loop"),
+        (lambda lines: [lines[0], *lines[65:130]], "a single branch"),
         (lambda lines: [lines[0], *(f"{row.split(',')[0]},1.0" for row in lines[1:])], "the same in all rows"),
         (
             lambda lines: [lines[0], *(f"{t},{float(d) * 3600}" for t, d in (row.split(",") for row in lines[1:]))],
-            "which no held output does",
+            "which is not that of a locked drive",
         ),
         (
             lambda lines: [lines[0], *(f"{t},{float(d) * DEGREE}" for t, d in (row.split(",") for row in lines[1:]))],
@@ -915,11 +926,11 @@ def rows(path: Path) -> list[str]:
         ),
         (
             lambda lines: [lines[0], *(f"{t},{float(d) * 60}" for t, d in (row.split(",") for row in lines[1:]))],
-            "is deflection_deg in minutes of arc? then divide it by 60",
+            "Is deflection_deg in arcminutes? Then divide it by 60",
         ),
         (
             lambda lines: [lines[0], *(f"{float(t) * 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
-            "times the design's rated 10.4 N m: is torque_output_Nm in N mm? then divide it by 1000",
+            "times the design's rated torque of 10.4 N m. Is torque_output_Nm in N mm? Then divide it by 1000",
         ),
     ],
 )
@@ -937,12 +948,12 @@ def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest
 @pytest.mark.parametrize(
     ("fit", "told"),
     [
-        ("mesh_plai", "nothing to fit called 'mesh_plai'"),
-        ("ring.teeth", "only a number"),
-        ("play,play", "given twice"),
+        ("mesh_plai", "unknown value 'mesh_plai'"),
+        ("ring.teeth", "only real numbers"),
+        ("play,play", "listed twice"),
         ("drive.power_kw", "determines none of these"),
-        ("friction,hysteresis", "hysteresis stands for what friction would hold back"),
-        ("clearance.output_mm", "nothing to fit called"),
+        ("friction,hysteresis", "hysteresis and friction describe the same friction"),
+        ("clearance.output_mm", "unknown value"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(
@@ -1058,7 +1069,7 @@ def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFi
 @pytest.mark.parametrize(
     ("crank", "error", "told"),
     [
-        (np.linspace(0.0, 90.0, 100), np.ones(100), "at least a whole turn"),
+        (np.linspace(0.0, 90.0, 100), np.ones(100), "at least a full turn"),
         (np.linspace(0.0, 6.28, 100), np.ones(100), "in radians"),
         (np.linspace(0.0, 360.0, 100), np.ones(100), "no transmission error"),
         (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "no transmission error"),

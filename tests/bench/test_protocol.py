@@ -19,7 +19,7 @@ from cycloid_mj.bench.protocol import (
     BenchFiles,
     model_loop,
     protocol,
-    read_started,
+    read_breakaway_torque,
 )
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
@@ -132,10 +132,10 @@ def test_a_crank_starts_where_it_leaves_for_good(tmp_path: Path) -> None:
     file = tmp_path / "start.csv"
     # it moves within its play and comes back, then goes
     file.write_text(f"crank_deg,{OUTPUT_TORQUE}\n5.0,0.0\n5.3,0.5\n5.02,1.0\n5.05,-1.5\n6.0,-2.0\n9.0,-2.1\n")
-    assert read_started(file, OUTPUT_TORQUE) == 1.5
+    assert read_breakaway_torque(file, OUTPUT_TORQUE) == 1.5
     file.write_text(f"crank_deg,{OUTPUT_TORQUE}\n5.0,0.0\n5.05,0.5\n5.02,1.0\n")
     with pytest.raises(UsageError, match="until the crank turns"):
-        read_started(file, OUTPUT_TORQUE)
+        read_breakaway_torque(file, OUTPUT_TORQUE)
 
 
 @pytest.mark.parametrize(
@@ -159,5 +159,5 @@ def test_a_loop_in_newton_millimetres_is_refused_before_the_work(tmp_path: Path)
     first, *rows = loop.read_text().splitlines()
     split = [row.split(",") for row in rows]
     (tmp_path / "loop.csv").write_text("\n".join([first, *(f"{1000.0 * float(t)},{d}" for t, d in split)]))
-    with pytest.raises(UsageError, match="is torque_output_Nm in N mm"):
+    with pytest.raises(UsageError, match="Is torque_output_Nm in N mm"):
         protocol(Reducer(PRESETS["printed"]), BenchFiles((read_loop(tmp_path / "loop.csv"),)), 10.4)
