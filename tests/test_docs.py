@@ -1,4 +1,4 @@
-"""The documents name what is there: links lead somewhere, modules and files exist."""
+"""Links, modules, files and figures in the documentation exist and are right."""
 
 import importlib
 import importlib.util
@@ -19,15 +19,15 @@ WRITTEN = [
     if not page.relative_to(ROOT / "docs").parts[0].startswith("_")
 ]
 FOR_USERS = {"tutorial", "tour", "log-format"}
-"""Pages that speak of files that a user makes."""
+"""Pages that mention files of the user."""
 
 PAGES = [ROOT / "CONTRIBUTING.md", *WRITTEN]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_links_lead_somewhere(page: Path) -> None:
+def test_links_resolve(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
-        if not re.match(r"https?:|_", target):  # what is written from the code is checked when the pages are built
+        if not re.match(r"https?:|_", target):  # generated pages are checked by the build
             assert (page.parent / target).exists(), target
 
 
@@ -42,7 +42,7 @@ def test_files_and_modules_exist(page: Path) -> None:
 
 
 def test_figures_of_statics_are_those_of_the_code() -> None:
-    """What pages print of `pin` at its rated load, from statics and rating, to the digits that they have."""
+    """Figures of `pin` at 36.68 N m on the pages agree with statics and rating to all printed digits."""
     design = PRESETS["pin"]
     found = {key: one.value for key, one in sheet(Reducer(design)).quantities.items()}
     items = rate(design).items
@@ -101,7 +101,7 @@ def test_every_decision_is_numbered_once() -> None:
     assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 
-def test_the_check_of_one_room_names_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_check_of_one_package_names_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     import check
 

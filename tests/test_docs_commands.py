@@ -1,6 +1,6 @@
-"""Every command and code block of the README and of every page runs, what is long as quickly as it can.
+"""Every command and code block of the README and of every page runs, long commands in a short version.
 
-A page that is added is tested as it is: nothing here names the pages but where a run must be shortened.
+New pages are tested automatically.
 """
 
 import io
@@ -35,30 +35,37 @@ PAGES = {
     ]
 }
 LANGUAGES = {"sh", "console", "text", "python", "bibtex"}
-"""Of code blocks. What is ``sh`` runs as it stands; the others have placeholders, or are Python."""
+"""Languages of code blocks. ``sh`` runs as it is; others have placeholders, output or Python."""
 
-WHOLE = "docs/tutorial.md"
-"""The page whose commands all run by default, with short runs and few samples of what tolerances are to blame."""
+TUTORIAL = "docs/tutorial.md"
+"""The page whose commands all run in one folder, with short runs and few samples."""
 
 QUICK = {
     "simulate": ["--ramp-s", "0", "--hold-s", "0.006", "--quiet"],
     "compare": ["--quick", "--hold-s", "0.012"],
     "measure": ["--quick"],
 }
-"""What is put behind a long command where its line has it not."""
+"""Flags that are appended to a long command unless its line has them."""
 
-ELSEWHERE = ("view", "calibrate", "stress", "validate")
-"""Commands that are parsed here: one opens a window, the others are long and have tests of their own.
+PARSED_ONLY = ("view", "calibrate", "stress", "validate")
+"""Commands that are only parsed: one opens a window, the others are long and have separate tests.
 
-Not ``stress --springs``, from whose design a page goes on.
+Exception: ``stress --springs``, whose design a page uses afterwards.
 """
 
-OTHERS = ("python3 -m venv", ".venv/bin/", "pip install", "dask ", "python -m mujoco.viewer", ". .venv/bin/activate")
-"""What other lines of a shell begin with."""
+FOREIGN_COMMANDS = (
+    "python3 -m venv",
+    ".venv/bin/",
+    "pip install",
+    "dask ",
+    "python -m mujoco.viewer",
+    ". .venv/bin/activate",
+)
+"""Beginnings of allowed lines that are not commands of this package."""
 
 
 def blocks(text: str) -> list[tuple[str, str]]:
-    """List the code blocks of a page with their languages, without Sphinx's directives and what commands printed."""
+    """Return the code blocks of a page with their languages, without Sphinx directives and printed output."""
     text = re.sub(r"^<!-- printed by .*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
     return [
         (language, block)
@@ -78,7 +85,7 @@ def lines(text: str, *languages: str) -> Iterator[str]:
 
 
 def commands(text: str, *languages: str) -> list[str]:
-    """List the commands of this package on a page, from its name on."""
+    """Return the commands of this package on a page, from its name on."""
     return [line[line.index("cycloid-mj ") :] for line in lines(text, *languages) if _is_own(line)]
 
 
@@ -87,18 +94,18 @@ def _is_own(line: str) -> bool:
 
 
 def words_of(command: str) -> list[str]:
-    """List what stands behind ``cycloid-mj`` in a command, without its redirection."""
+    """Return the words behind ``cycloid-mj`` in a command, without its redirection."""
     return shlex.split(command.split(" > ")[0], comments=True)[1:]
 
 
 FLAG = re.compile(r"(?<![\w-])--[a-z][\w-]*")
 
-whole = cache(application)
+cached_application = cache(application)
 
 
 def parsed(words: list[str]) -> dict[str, object]:
-    """Collect the values that a command would be called with: every flag is known, and its value read and tested."""
-    _, bound, unknown = whole().parse_args(words, exit_on_error=False, print_error=False)[:3]
+    """Return the values of a command's parameters; every flag must be known and every value valid."""
+    _, bound, unknown = cached_application().parse_args(words, exit_on_error=False, print_error=False)[:3]
     assert not unknown
     values = dict(bound.arguments)
     for options in [value for value in values.values() if is_dataclass(value)]:
@@ -107,7 +114,7 @@ def parsed(words: list[str]) -> dict[str, object]:
 
 
 def shortened(words: list[str]) -> list[str]:
-    """List the same command with the shortest run."""
+    """Return the words of the command with the shortest run."""
     quick = QUICK.get(words[0], [])
     for flag in ("--ramp-s", "--hold-s"):
         if flag in words and flag in quick:
@@ -117,14 +124,14 @@ def shortened(words: list[str]) -> list[str]:
 
 
 def run(command: str, words: list[str]) -> None:
-    """Run a command, which must succeed, and redirect what it prints as its line does."""
+    """Run a command, which must succeed, and redirect its output as its line does."""
     with redirect_stdout(io.StringIO()) as printed:
         assert main([*words]) == 0, command
     if " > " in command:
         Path(command.split(" > ")[1].split()[0]).write_text(printed.getvalue(), encoding="utf-8")
 
 
-SHELL = [page for page, text in PAGES.items() if commands(text, "sh") and page != WHOLE]
+SHELL = [page for page, text in PAGES.items() if commands(text, "sh") and page != TUTORIAL]
 NAMED = sorted(
     {command for text in PAGES.values() for command in re.findall(r"`(cycloid-mj [^`\n]+)`", text)},
 )
@@ -132,48 +139,48 @@ CALLED = sorted({command for text in PAGES.values() for command in commands(text
 
 
 @pytest.fixture(scope="module")
-def tutored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def tutorial_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder in which a reader of the tutorial has run its commands."""
     folder = tmp_path_factory.mktemp("tutorial")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setattr(tolerances, "BUDGET_SAMPLES", 16)
-        for command in commands(PAGES[WHOLE], "sh"):
+        for command in commands(PAGES[TUTORIAL], "sh"):
             run(command, shortened(words_of(command)))
     return folder
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Stand in an empty folder that has what a clone's pages speak of."""
+def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Change to an empty folder with a link to the tests, which pages refer to."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tests").symlink_to(ROOT / "tests")
     return tmp_path
 
 
-def test_every_block_is_of_a_kind_that_is_tested() -> None:
+def test_every_code_block_has_a_tested_language() -> None:
     assert len(PAGES) > 30
     for page, text in PAGES.items():
         assert {language for language, _ in blocks(text)} <= LANGUAGES, page
         for line in lines(text, "sh", "console", "text"):
-            assert _is_own(line) or line.startswith(OTHERS), f"{page}: {line}"
+            assert _is_own(line) or line.startswith(FOREIGN_COMMANDS), f"{page}: {line}"
             for word in re.findall(r"\b(?:scripts|models|docs|tests)/[\w./]+", line):
                 assert (ROOT / word).exists() or word == "docs/_build", f"{page}: {line}"
 
 
 @pytest.mark.slow
-def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten_commands(tutored: Path) -> None:
-    assert len(commands(PAGES[WHOLE], "sh")) < 10
+def test_the_tutorial_writes_design_parts_and_joint_in_under_ten_commands(tutorial_folder: Path) -> None:
+    assert len(commands(PAGES[TUTORIAL], "sh")) < 10
     made = {"drive.toml", "runs/drive-review.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
-    assert all((tutored / name).stat().st_size > 0 for name in made)
+    assert all((tutorial_folder / name).stat().st_size > 0 for name in made)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not CHROMIUM, reason=MISSING)
-def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tutored)
+def test_pages_that_commands_write_fit_a_phone(tutorial_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tutorial_folder)
     run("", ["rate", "--design", "drive.toml", "--html", "rating.html"])
-    pages = {page.name: page for page in tutored.rglob("*.html")}
+    pages = {page.name: page for page in tutorial_folder.rglob("*.html")}
     assert pages.keys() == {"drive-review.html", "drive-tolerance.html", "reducer.html", "rating.html"}
     with tab() as screen:
         for page in pages.values():
@@ -185,15 +192,15 @@ def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytes
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", SHELL)
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("empty_folder")
 def test_the_commands_of_a_page_run_in_order(page: str) -> None:
     for command in commands(PAGES[page], "sh"):
-        if words_of(command)[0] not in ELSEWHERE or "--springs" in command:
+        if words_of(command)[0] not in PARSED_ONLY or "--springs" in command:
             run(command, shortened(words_of(command)))
 
 
 @pytest.mark.parametrize("command", CALLED)
-def test_every_command_is_understood_to_its_last_flag(command: str) -> None:
+def test_every_command_of_the_pages_parses(command: str) -> None:
     words = words_of(command)
     parsed(words)
     with pytest.raises(CycloptsError):
@@ -204,7 +211,7 @@ def test_every_command_is_understood_to_its_last_flag(command: str) -> None:
                 parsed([*words[:at], f"{word}-misspelt", *words[at + 1 :]])
 
 
-def test_designs_of_commands_are_there() -> None:
+def test_designs_in_commands_exist() -> None:
     named = []
     for words in map(words_of, CALLED):
         values = parsed(words)
@@ -250,9 +257,11 @@ def test_the_python_of_a_model_runs(page: str, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_the_python_of_the_joint_runs(tutored: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_python_of_the_joint_runs(
+    tutorial_folder: Path, empty_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     attach, varied, alone = (block for language, block in blocks(PAGES["docs/joint.md"]) if language == "python")
-    monkeypatch.chdir(tutored)
+    monkeypatch.chdir(tutorial_folder)
     spec = mujoco.MjSpec()
     arm = spec.worldbody.add_body()
     arm.add_joint(name="elbow", axis=[0.0, 0.0, 1.0])
@@ -260,7 +269,7 @@ def test_the_python_of_the_joint_runs(tutored: Path, here: Path, monkeypatch: py
     exec(compile(attach, "joint.md", "exec"), {"spec": spec})
     assert spec.compile().ntendon > 0
 
-    monkeypatch.chdir(here)
+    monkeypatch.chdir(empty_folder)
     (drawn,) = (command for command in commands(PAGES["docs/joint.md"], "sh") if "--spread" in command)
     run(drawn, words_of(drawn))
     monkeypatch.chdir("drives")
@@ -277,7 +286,7 @@ def test_the_python_of_other_pages_is_tested_elsewhere() -> None:
     assert {page for page in with_python if not page.startswith("models/")} == {"README.md", "docs/joint.md"}
 
 
-def test_a_page_with_a_broken_command_is_seen() -> None:
+def test_a_broken_command_is_detected() -> None:
     page = "```sh\ncycloid-mj statics --design pin --torq 3\n```\n```text\n$ cycloid-mj nothing \\\n  --x\n```\n"
     assert commands(page, "sh", "text") == ["cycloid-mj statics --design pin --torq 3", "cycloid-mj nothing    --x"]
     for command in commands(page, "sh", "text"):
@@ -286,13 +295,13 @@ def test_a_page_with_a_broken_command_is_seen() -> None:
     assert blocks("```toml\nx = 1\n```\n") == [("toml", "x = 1\n")]
 
 
-def test_the_command_reference_keeps_what_stands_in_angle_brackets(monkeypatch):
-    """Markdown takes ``<design>`` for HTML: a page said "the log is DIR/.mcap"."""
+def test_the_command_reference_escapes_angle_brackets(monkeypatch):
+    """Markdown reads ``<design>`` as HTML and leaves it out."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     import reference
 
     page = reference.commands()
-    assert "the log is DIR/&lt;design>.mcap" in page
+    assert "DIR/&lt;design>.mcap" in page
     prose = re.sub(r"```.*?```|`[^`\n]*`", "", page, flags=re.DOTALL)
     assert not re.findall(r"<\w", prose)
 

@@ -1,6 +1,6 @@
-"""The pages of the documentation: they build without a warning, load nothing from outside, and fit any screen.
+"""The pages of the documentation build without a warning, load nothing from outside, and fit any screen.
 
-All are slow, since the pages are built for them, once, with every example of the gallery drawn.
+All tests are slow, because they need one build with all examples.
 """
 
 import re
@@ -18,7 +18,7 @@ DOCS = ROOT / "docs"
 
 
 class _Links(HTMLParser):
-    """What a page links to and loads, and the anchors it has."""
+    """Links, loaded resources and anchors of a page."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class _Links(HTMLParser):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
-    """Build the pages with every example drawn, and read them."""
+    """Build the pages with all examples and read them."""
     made = tmp_path_factory.mktemp("docs")
     gallery = {"run_stale_examples": "1", "filename_pattern": "/"}
     words = [word for key, value in gallery.items() for word in ("-D", f"sphinx_gallery_conf.{key}={value}")]
@@ -63,7 +63,7 @@ def test_pages_load_nothing_from_outside(site: dict[Path, _Links]) -> None:
 
 
 @pytest.mark.slow
-def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
+def test_links_between_pages_resolve(site: dict[Path, _Links]) -> None:
     for page, found in site.items():
         for link in [link for link in found.links if not re.match(r"[a-z]+:", link)]:
             name, _, anchor = link.partition("#")
@@ -93,7 +93,7 @@ def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_pa
 
 
 @pytest.mark.slow
-def test_every_example_has_a_page_with_its_figure(site: dict[Path, _Links]) -> None:
+def test_every_example_has_a_page_with_a_figure(site: dict[Path, _Links]) -> None:
     pages = {page.stem: found for page, found in site.items()}
     for script in (ROOT / "examples").glob("plot_*.py"):
         assert any("sphx_glr" in place for place in pages[script.stem].loads)

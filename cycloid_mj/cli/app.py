@@ -135,7 +135,7 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
         command, examples = installed[0].command, installed[0].examples
         app.command(command, name=REPRODUCE, group=group, sort_key=0, help_epilogue=examples)
     else:
-        several = App(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
+        several = CompletingApp(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
         for paper in installed:
             several.command(paper.command, name=paper.key, help_epilogue=paper.examples)
         app.command(several)

@@ -9,6 +9,7 @@ from cyclopts import App
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import claimed, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
 from cycloid_mj.cli.kinematics import EXAMPLES as KINEMATICS_EXAMPLES
@@ -37,7 +38,7 @@ EXAMPLES = """Examples:
 def commands(sort_key: int) -> App:
     """Build the commands about design files; `sort_key` is their place in the help."""
     about = "Create, print and check design files."
-    app = App(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    app = CompletingApp(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     parts: tuple[Callable[..., int], ...] = (new, show, check)
     for place, command in enumerate(parts):
         app.command(command, sort_key=place)

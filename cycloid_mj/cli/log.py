@@ -13,6 +13,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
+from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import claimed, claimed_page, deliver, deliver_columns, deliver_files
 from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv
@@ -57,7 +58,7 @@ SceneFlag = Annotated[
 def commands(sort_key: int) -> App:
     """Build the commands about logs; `sort_key` is their place in the help."""
     about = "Inspect, convert and repair logs."
-    app = App(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    app = CompletingApp(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
     for place, command in enumerate(subcommands):
         app.command(command, sort_key=place)

@@ -14,6 +14,7 @@ from cyclopts import App, Parameter
 from cycloid_mj.base.interrupt import unbroken
 from cycloid_mj.base.outcome import Outcome, Picture, headline
 from cycloid_mj.base.result import quantity_table
+from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import Destination, claimed, show_outcome, write
 from cycloid_mj.cli.flags import (
     FLAT,
@@ -336,7 +337,7 @@ WORDS = {"te": "transmission error", "lost-motion": "lost motion"}
 
 def commands(sort_key: int) -> App:
     """Build the measures; `sort_key` is their place in the help."""
-    app = App(name="measure", help=ABOUT, help_epilogue=EXAMPLES, sort_key=sort_key)
+    app = CompletingApp(name="measure", help=ABOUT, help_epilogue=EXAMPLES, sort_key=sort_key)
     for place, (name, options) in enumerate(COMMANDS.items()):
         app.command(_command(name, options), name=name, sort_key=place, help_epilogue=options.EXAMPLES)
     return app
