@@ -16,8 +16,8 @@ from passes import Launched, launched, second_cost
 from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore.sampling import BLOCK, blocks, tolerances
-from cycloid_mj.explore.tolerances import balanced
+from cycloid_mj.explore.sampling import BLOCK_SAMPLES, list_batches, tolerance_zones
+from cycloid_mj.explore.tolerances import balance_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.measure import MEASURES
@@ -144,8 +144,8 @@ def marginal_second(*words: str) -> float:
 def sample_cost(design: Design) -> float:
     """CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
     reducer = Reducer(design)
-    work = partial(balanced, reducer, tolerances(reducer), 0, ANGLES)
-    begun, *rest = blocks(BLOCK)
+    work = partial(balance_batch, reducer, tolerance_zones(reducer), 0, ANGLES)
+    begun, *rest = list_batches(BLOCK_SAMPLES)
     work((begun, SAMPLED))
     start = time.process_time()
     for block in rest:

@@ -13,9 +13,9 @@ from dask_cluster import ROOT, Cluster
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore.measured import MeasureSettings
-from cycloid_mj.explore.row import PointResult, Task, measured_row
-from cycloid_mj.explore.sampling import BLOCK, blocks, tolerances
-from cycloid_mj.explore.tolerances import balanced
+from cycloid_mj.explore.row import PointResult, Task, evaluate_row
+from cycloid_mj.explore.sampling import BLOCK_SAMPLES, list_batches, tolerance_zones
+from cycloid_mj.explore.tolerances import balance_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
 from cycloid_mj.reducer import Reducer
@@ -48,7 +48,7 @@ def works(many: int, few: int) -> dict[str, Work]:
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
         task = Task(Reducer(override(pin, changes)), (key,), (measure,), MeasureSettings(real_pins=real_pins))
-        return Work(partial(measured_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
+        return Work(partial(evaluate_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
 
     toleranced = override(pin, TOLERANCES)
     return {
@@ -56,9 +56,9 @@ def works(many: int, few: int) -> dict[str, Work]:
         "statics": points("load.torque_nm", "statics", {}, few),
         "turn, massless pins": points("load.torque_nm", "simulate", TURN, few),
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
-        f"{BLOCK} samples": Work(
-            partial(balanced, Reducer(toleranced), tolerances(Reducer(toleranced)), 0, ANGLES),
-            [(block, SAMPLED) for block in blocks(WORKERS * BLOCK)],
+        f"{BLOCK_SAMPLES} samples": Work(
+            partial(balance_batch, Reducer(toleranced), tolerance_zones(Reducer(toleranced)), 0, ANGLES),
+            [(block, SAMPLED) for block in list_batches(WORKERS * BLOCK_SAMPLES)],
         ),
     }
 

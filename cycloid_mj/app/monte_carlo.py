@@ -10,9 +10,9 @@ from cycloid_mj.app.state import at_load, design_of
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
-from cycloid_mj.explore.jam import jams_of, jams_too_often
-from cycloid_mj.explore.sampling import blocks, tolerances
-from cycloid_mj.explore.tolerances import balanced, tolerance
+from cycloid_mj.explore.jam import find_jams, jams_too_often
+from cycloid_mj.explore.sampling import list_batches, tolerance_zones
+from cycloid_mj.explore.tolerances import balance_batch, tolerance
 from cycloid_mj.figures import SAMPLED, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer
@@ -49,14 +49,14 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
         The design has no tolerances, or the half width is out of range.
     """
     reducer = at_load(Reducer(spread_design(design_of(values), spread_um)))
-    zones = tolerances(reducer)
+    zones = tolerance_zones(reducer)
     if not zones:
         raise UsageError("the design has no tolerances: set a tolerance for each size")
     columns: dict[str, Array] = {}
-    for batch in blocks(SAMPLES):
-        block = balanced(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
+    for batch in list_batches(SAMPLES):
+        block = balance_batch(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
         columns = {key: np.concatenate([columns[key], one]) if columns else one for key, one in block.items()}
-        count = len(jams_of(columns))
+        count = len(find_jams(columns))
         told(
             {
                 "doing": f"{count} of {SAMPLES} samples",
@@ -64,7 +64,7 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
                 "seen": _distributions(reducer, columns),
             }
         )
-        if batch.first == 0 and batch.number == 0 and jams_too_often(jams_of(columns)):
+        if batch.first == 0 and batch.number == 0 and jams_too_often(find_jams(columns)):
             break
     else:
         told({"doing": "computing the error budget", "share": 1.0, "seen": _distributions(reducer, columns)})
@@ -94,7 +94,7 @@ def spread_design(design: Design, spread_um: Any) -> Design:
 
 def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Return the distributions of the samples solved so far: histograms, percentiles, share of jams."""
-    jams, charts = jams_of(columns), list[dict[str, Any]]()
+    jams, charts = find_jams(columns), list[dict[str, Any]]()
     for key, values in columns.items():
         row, solved = figure(key), values[~jams & np.isfinite(values)]
         if row.unit not in UNITS or len(solved) < 2:

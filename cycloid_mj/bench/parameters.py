@@ -14,7 +14,7 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import coulomb_of
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
-from cycloid_mj.explore.sampling import tolerances
+from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses
 from cycloid_mj.statics.structure import twisting_compliance, twisting_stiffness
@@ -188,7 +188,7 @@ def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
     design = reducer.design
     tooth, clearance, mated = design.tooth_pair, design.clearance, _mated(reducer)
     mesh = getattr(clearance, tooth) + design.pin_play
-    um, zones = MICROMETRE.from_si, tolerances(reducer)
+    um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
         shifting = [

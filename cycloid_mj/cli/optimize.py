@@ -138,23 +138,23 @@ def optimize(
     code is 1 if no point satisfies all checks and limits.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.journal import begun, forget
-    from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, checked, explored
-    from cycloid_mj.explore.problem import problem
+    from cycloid_mj.explore.journal import has_study, remove_study
+    from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, check_best, run_search
+    from cycloid_mj.explore.problem import define_problem
 
     engine = delivery.engine()
-    task = problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
-    resumed = begun(Path(delivery.out or OUT), STUDY)
+    task = define_problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
+    resumed = has_study(Path(delivery.out or OUT), STUDY)
     place = claimed(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)
     if delivery.force:
-        forget(into, STUDY)
+        remove_study(into, STUDY)
     try:
-        optimum = explored(task, evaluations, starts, seed, into, engine, counted("optimize", delivery.quiet))
+        optimum = run_search(task, evaluations, starts, seed, into, engine, counted("optimize", delivery.quiet))
         if optimum.best is None:
-            raise DesignError(f"{optimum.hopeless} (all points are in {into})")
+            raise DesignError(f"{optimum.infeasible_words} (all points are in {into})")
         write_whole({into / BEST: _best(optimum)})
-        optimum = optimum if quick else checked(optimum, solver)
+        optimum = optimum if quick else check_best(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the points so far are in {into}. Run the same command again to resume"
@@ -193,7 +193,7 @@ def _outcome(optimum: "Optimum", best: Path) -> Outcome:
     return Outcome(
         title=f"optimization of {optimum.task.reducer.design.name}",
         headline=dict(islice(numbers.items(), MOST_FIGURES)),
-        summary=[optimum.words, *optimum.ran_into, f"best design: {best}"],
+        summary=[optimum.words, *optimum.active_bounds, f"best design: {best}"],
         tables=tables(optimum),
         warnings=optimum.warnings,
         notes=optimum.notes,

@@ -139,25 +139,25 @@ def sweep(
     or ring.pins is varied. The exit code is 1 if every point failed.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.journal import SWEEP, begun, forget
-    from cycloid_mj.explore.ranks import shown
-    from cycloid_mj.explore.sweeps import in_folder, task_of
+    from cycloid_mj.explore.journal import SWEEP, has_study, remove_study
+    from cycloid_mj.explore.ranks import select_quantities
+    from cycloid_mj.explore.sweeps import define_task, sweep_in_folder
 
     wanted = _points(vary, table, sample, points, seed)
     engine = delivery.engine()
-    task = task_of(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow, solver)
-    resumed = begun(Path(delivery.out or OUT), SWEEP)
+    task = define_task(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow, solver)
+    resumed = has_study(Path(delivery.out or OUT), SWEEP)
     place = claimed(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)
     if delivery.force:
-        forget(into, SWEEP)
+        remove_study(into, SWEEP)
     try:
-        swept = in_folder(task, wanted, into, engine, counted("sweep", delivery.quiet))
+        swept = sweep_in_folder(task, wanted, into, engine, counted("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {cause(stop)}; the rows so far are in {into}. Run the same command again to resume"
         ) from stop
-    quantities = shown(swept, tuple(name for name in show_.split(",") if name))
+    quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
     code = deliver(_outcome(swept, quantities, place), place, delivery)
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(swept.points)} failed: {error}")
@@ -169,7 +169,7 @@ def sweep(
 def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
     """Return the points that the flags specify."""
     from cycloid_mj.explore.points import read_table
-    from cycloid_mj.explore.sweeps import chosen
+    from cycloid_mj.explore.sweeps import choose_points
 
     ranges: dict[str, str] = {}
     for text in vary:
@@ -182,7 +182,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
     if table is not None and not (vary or sample or points):
         return read_table(table)
     drawn = (POINTS if points is None else points) if sample else (points or 0)
-    return chosen(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
+    return choose_points(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
 
 
 def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) -> Outcome:

@@ -95,9 +95,9 @@ def tolerance(
     writes the samples balanced so far, which are those of a smaller --samples.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.constraints import limit as read
-    from cycloid_mj.explore.tolerances import TooManyJams, Unfinished
-    from cycloid_mj.explore.tolerances import tolerance as found_in
+    from cycloid_mj.explore.constraints import parse_limit as read
+    from cycloid_mj.explore.tolerances import StudyInterrupted, TooManyJams
+    from cycloid_mj.explore.tolerances import tolerance as run_study
 
     if not 2 <= samples <= MOST_SAMPLES:
         raise UsageError(f"--samples {samples} is out of range; allowed: 2 to {MOST_SAMPLES}")
@@ -109,10 +109,10 @@ def tolerance(
     name = design.name
     place = claimed(delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True)
     try:
-        tolerances = found_in(
+        tolerances = run_study(
             design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify, solver
         )
-    except Unfinished as stop:
+    except StudyInterrupted as stop:
         deliver(_outcome(stop.tolerances), place, delivery)
         raise RunError(f"stopped by {cause(stop)}; {stop.tolerances.samples_text} are in {place.folder}") from stop
     except TooManyJams as jam:

@@ -1,4 +1,4 @@
-"""Limits on figures, as a user writes them: ``backlash_arcmin<=1``."""
+"""Limits on figures in the words of a user: ``backlash_arcmin<=1``."""
 
 import re
 from collections.abc import Collection, Iterable
@@ -11,38 +11,50 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.figures import COMPUTED, Need, figure
 from cycloid_mj.reducer import Reducer
 
+MIN_BOUND = 1e-12
+"""Size of a bound below which the excess over it is not relative to it, but to this number."""
+
 
 @dataclass(frozen=True)
 class FigureLimit:
-    """A figure's `key` that is to be at most, or at least, a `bound` in the key's unit."""
+    """An upper or lower `bound` of the figure `key`, in the figure's unit."""
 
     key: str
     at_most: bool
     bound: float
 
     def holds(self, values: Array) -> Mask:
-        """Tell where values, shape (s,), keep it; what is no number does not."""
+        """Return which values, shape (s,), satisfy the limit; NaN does not."""
         return np.asarray(values <= self.bound if self.at_most else values >= self.bound)
 
     def excess(self, value: float) -> float:
-        """Find by how much a value breaks it, relative to the bound; 0 where it keeps it, 1 for what is no number."""
+        """Compute by how much a value violates the limit, relative to the bound: 0 if it does not, 1 for NaN."""
         if np.isnan(value):
             return 1.0
         beyond = value - self.bound if self.at_most else self.bound - value
-        return max(beyond, 0.0) / max(abs(self.bound), 1e-12)
+        return max(beyond, 0.0) / max(abs(self.bound), MIN_BOUND)
 
     def __str__(self) -> str:
-        """Tell it as it was written."""
+        """Write the limit as the user does."""
         return f"{self.key}{'<=' if self.at_most else '>='}{self.bound:g}"
 
 
-def limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
-    """Read a limit on a figure that a reducer has, and that can be computed from some needs.
+def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
+    """Parse a limit on a figure.
+
+    Parameters
+    ----------
+    text
+        ``KEY<=NUMBER`` or ``KEY>=NUMBER``.
+    reducer
+        The drive that must have the figure; None accepts those of any drive.
+    needs
+        Kinds of computation that the figure may require.
 
     Raises
     ------
     UsageError
-        It has not that form, or there is no such figure.
+        The text does not have this form, or there is no such figure.
     """
     match = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
     try:
@@ -68,14 +80,14 @@ def require_consistent(limits: Iterable[FigureLimit]) -> None:
     """
     lowest: dict[str, FigureLimit] = {}
     highest: dict[str, FigureLimit] = {}
-    for each in limits:
-        kept = highest if each.at_most else lowest
-        other = kept.get(each.key)
-        if other is None or (each.bound < other.bound) == each.at_most:
-            kept[each.key] = each
+    for limit in limits:
+        strictest = highest if limit.at_most else lowest
+        other = strictest.get(limit.key)
+        if other is None or (limit.bound < other.bound) == limit.at_most:
+            strictest[limit.key] = limit
     for key in lowest.keys() & highest.keys():
         if lowest[key].bound > highest[key].bound:
             raise UsageError(
                 f"--limit '{lowest[key]}' contradicts --limit '{highest[key]}': no value of {key} satisfies both; "
-                "change or leave out one of them"
+                "change or remove one of them"
             )

@@ -1,4 +1,4 @@
-"""Which samples jam, and why: parts that are pressed into each other before there is a load."""
+"""Samples that jam, and why: parts that press into each other without a load."""
 
 from collections.abc import Mapping
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
-from cycloid_mj.explore.sampling import Batch, departures, put, unchecked_design
+from cycloid_mj.explore.sampling import Batch, apply_departures, draw_departures, unchecked_design_of_sample
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import tightest
@@ -17,30 +17,31 @@ JAM_SHARE = 0.01
 where it has no balance at all."""
 
 PRELOADS = {"preload_n": "tooth_force_n", "output_preload_n": "output_pin_force_n", "cam_preload_n": "cam_force_n"}
-"""Figures that tell a jam: those unloaded, by the same under load."""
+"""Figures that identify a jam: the force without a load -> the same force under load."""
 
-PRESSED = {"preload_n": "a tooth", "output_preload_n": "an output pin", "cam_preload_n": "the cam"}
+PRELOADED_PARTS = {"preload_n": "a tooth", "output_preload_n": "an output pin", "cam_preload_n": "the cam"}
 
-SEEN, ANGLES = 6, 6
-"""Samples whose jam is looked into, and crank angles at which."""
+MAX_EXAMINED, JAM_ANGLES = 6, 6
+"""Jammed samples that are examined for the cause, and crank angles at which."""
 
 MAX_JAM_SHARE = 0.99
 """Share of jammed samples at which a study stops after its first block: what is left has no distribution."""
 
-ACTIVE = 0.05
-"""Least share in the forces of a pair that counts among those that interfere."""
+MIN_PAIR_SHARE = 0.05
+"""Share of the forces from which a pair counts among those that interfere."""
 
 
-def jams_of(figures: Mapping[str, Array]) -> Mask:
-    """Tell which samples jam, by `PRELOADS`, shape (samples,)."""
+def find_jams(figures: Mapping[str, Array]) -> Mask:
+    """Return which samples jam, by the figures of `PRELOADS`, shape (samples,)."""
     fits = [figures[free] <= JAM_SHARE * figures[loaded] for free, loaded in PRELOADS.items()]
     return np.asarray(~np.all(fits, axis=0))
 
 
-def pressed_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute, by pair in words, the share of samples in which it presses without a load; those without a balance."""
+def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
+    """Compute the share of samples in which each part presses without a load, and of those without a balance."""
     counts = {
-        PRESSED[free]: float(np.mean(figures[free] > JAM_SHARE * figures[loaded])) for free, loaded in PRELOADS.items()
+        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM_SHARE * figures[loaded]))
+        for free, loaded in PRELOADS.items()
     }
     lost = float(np.mean(~np.isfinite(figures["preload_n"])))
     return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
@@ -51,11 +52,11 @@ def jams_too_often(jams: Mask) -> bool:
     return bool(np.mean(jams) >= MAX_JAM_SHARE)
 
 
-def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) -> str:
+def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) -> str:
     """Explain in a sentence why samples of the first block jam: which pairs interfere, and by how much.
 
-    The first `SEEN` jammed samples are examined with rigid parts, in the position of least interference. Each tolerance
-    is left out on its own, to see whether the parts of all these samples then fit.
+    The first `MAX_EXAMINED` jammed samples are examined with rigid parts, in the position of least interference. Each
+    tolerance is left out on its own, to see whether the parts of all these samples then fit.
 
     Parameters
     ----------
@@ -64,8 +65,8 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) ->
     jams
         Which samples of its first block jam, shape (samples,); one at least.
     """
-    rows = np.flatnonzero(jams)[:SEEN]
-    first = departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
+    rows = np.flatnonzero(jams)[:MAX_EXAMINED]
+    first = draw_departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
     drawn = {key: values[rows] for key, values in first.items()}
     depths, shares = _interference(reducer, drawn)
     if max(depths) <= 0.0:
@@ -73,7 +74,7 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) ->
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
             "balance was found"
         )
-    pairs = sorted((pair for pair, share in shares.items() if share > ACTIVE), key=lambda pair: -shares[pair])
+    pairs = sorted((pair for pair, share in shares.items() if share > MIN_PAIR_SHARE), key=lambda pair: -shares[pair])
     sufficient = [
         f"tolerance.{key}"
         for key in zones
@@ -92,15 +93,15 @@ def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) ->
 
 
 def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Return how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
-    seen = len(next(iter(drawn.values()))) if drawn else 1
-    samples = put(reducer, alike(reducer, seen), drawn)
+    """Return the smallest interference of each sample over its positions [m], and the mean share of each pair in it."""
+    count = len(next(iter(drawn.values()))) if drawn else 1
+    samples = apply_departures(reducer, alike(reducer, count), drawn)
     depths, shares = [], dict[str, float]()
-    for row in range(seen):
-        drive = unchecked_design(reducer, samples, row)
-        turn = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False).tolist()
-        room, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda one: one[0])
-        depths.append(-room)
+    for row in range(count):
+        drive = unchecked_design_of_sample(reducer, samples, row)
+        turn = np.linspace(0.0, 2.0 * np.pi, JAM_ANGLES, endpoint=False).tolist()
+        gap, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda found: found[0])
+        depths.append(-gap)
         for pair, share in pairs.items():
-            shares[pair] = shares.get(pair, 0.0) + share / seen
+            shares[pair] = shares.get(pair, 0.0) + share / count
     return depths, shares

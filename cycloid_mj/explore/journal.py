@@ -1,4 +1,4 @@
-"""The folder of a sweep: each row as soon as it is there, so that a sweep that was stopped goes on where it was."""
+"""Folder of a sweep, to which each row is written at once, so that an interrupted sweep can be resumed."""
 
 import errno
 import json
@@ -13,37 +13,37 @@ from typing import IO, Any
 from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.overwrite_guard import as_own
+from cycloid_mj.base.overwrite_guard import as_own, make_folder
 from cycloid_mj.explore.row import PointResult
 
 SWEEP = "sweep"
-"""Name of a study, and of its files."""
+"""Name of the study, and stem of its files."""
 
 
 def plan_file(study: str) -> str:
-    """Return the name of the file that says what a study is of."""
+    """Return the name of the file with the plan of a study."""
     return f"{study}.json"
 
 
 def rows_file(study: str) -> str:
-    """Return the name of the file that keeps the rows of a study."""
+    """Return the name of the file with the rows of a study."""
     return f"{study}.rows.jsonl"
 
 
-def begun(into: Path, study: str) -> bool:
-    """Whether a folder holds a study, whole or begun."""
+def has_study(into: Path, study: str) -> bool:
+    """Return whether a folder contains a study, finished or not."""
     return (into / plan_file(study)).exists() or (into / rows_file(study)).exists()
 
 
-def forget(into: Path, study: str) -> None:
-    """Remove the plan and the rows of the study in a folder, which begins anew then.
+def remove_study(into: Path, study: str) -> None:
+    """Remove the plan and the rows of the study in a folder, so that it starts again.
 
     Raises
     ------
     UsageError
-        Another process is at work in it.
+        Another process is working in the folder.
     CycloidError
-        They cannot be removed.
+        The files cannot be removed.
     """
     rows = into / rows_file(study)
     try:
@@ -56,47 +56,67 @@ def forget(into: Path, study: str) -> None:
         raise CycloidError(f"cannot replace {rows}: {reason(problem)}; choose another folder with --out") from problem
 
 
+def create_folder(into: Path) -> Path:
+    """Create the folder of a study, unless it exists; raise CycloidError where that fails."""
+    try:
+        make_folder(into)
+    except OSError as problem:
+        raise CycloidError(
+            f"cannot create the folder {into}: {reason(problem)}; choose another with --out"
+        ) from problem
+    return into
+
+
 class Journal:
-    """Rows in a file, a line each, in the order they came."""
+    """File of rows, a line for each, in the order of their arrival."""
 
     def __init__(self, path: Path, stream: IO[bytes], rows: dict[int, PointResult]) -> None:
         self.path = path
         self.rows = rows
         self._stream = stream
 
-    def add(self, place: int, row: PointResult) -> None:
-        """Keep the row of a point, counted from 0.
+    def add(self, index: int, row: PointResult) -> None:
+        """Append the row of a point, counted from 0.
 
         Raises
         ------
         CycloidError
-            It cannot be written; the rows before it are kept.
+            The row cannot be written; those before it are kept.
         """
-        line = json.dumps({"point": place + 1, **asdict(row)}).encode() + b"\n"
+        line = json.dumps({"point": index + 1, **asdict(row)}).encode() + b"\n"
         try:
             with unbroken():
                 if self._stream.write(line) != len(line):
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as problem:
             raise CycloidError(
-                f"cannot write {self.path}: {reason(problem)}; its {len(self.rows)} rows are kept: make "
-                "room and give the same command again"
+                f"cannot write {self.path}: {reason(problem)}; its {len(self.rows)} rows are kept. Free "
+                "disk space and run the same command again"
             ) from problem
-        self.rows[place] = row
+        self.rows[index] = row
 
 
 @contextmanager
-def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
-    """Open the folder of a study, such as a sweep, new or begun, and give the rows that it has.
+def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
+    """Open the folder of a study, new or interrupted, as a context with its `Journal`.
+
+    Parameters
+    ----------
+    into
+        The folder.
+    plan
+        What identifies the study: JSON values by name.
+    study
+        Its name, and the stem of its files.
 
     Raises
     ------
     UsageError
-        The folder is of another one, or another process is at work in it.
+        The folder belongs to another study, or another process is working in it.
     CycloidError
         It cannot be read or written.
     """
-    if _require_same(into, plan, study):
+    if _is_same_study(into, plan, study):
         as_own(into)
     path = into / rows_file(study)
     try:
@@ -107,31 +127,33 @@ def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator
         _lock(stream, into, study)
         if not (into / plan_file(study)).exists():
             write_whole({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
-        yield Journal(path, stream, _read(stream))
+        yield Journal(path, stream, _read_rows(stream))
 
 
-def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> bool:
-    """Tell whether a folder has a study of this plan; raise UsageError where it is of another one."""
-    there, rows = into / plan_file(study), into / rows_file(study)
+def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
+    """Return whether a folder has a study of this plan; raise UsageError where it has another one."""
+    file, rows = into / plan_file(study), into / rows_file(study)
     try:
-        begun = json.loads(there.read_bytes())
+        recorded = json.loads(file.read_bytes())
     except FileNotFoundError:
         if rows.exists() and rows.stat().st_size:
-            raise UsageError(f"{into} has {rows.name}, but no {there.name}: choose another folder with --out") from None
+            raise UsageError(f"{into} has {rows.name}, but no {file.name}: choose another folder with --out") from None
         return False
     except (OSError, ValueError) as problem:
-        raise CycloidError(f"cannot read {there}: {reason(problem)}; choose another folder with --out") from problem
-    other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
-    if other:
+        raise CycloidError(f"cannot read {file}: {reason(problem)}; choose another folder with --out") from problem
+    differing = [
+        key for key in plan if not isinstance(recorded, dict) or recorded.get(key) != json.loads(json.dumps(plan[key]))
+    ]
+    if differing:
         raise UsageError(
-            f"{into} is of another {study} (other {', '.join(other)}): choose another folder with --out, or "
-            "replace it with --force"
+            f"{into} contains another {study}, which differs in {', '.join(differing)}: choose another folder with "
+            "--out, or overwrite it with --force"
         )
     return True
 
 
 def _lock(stream: IO[bytes], into: Path, study: str) -> None:
-    """Keep other processes off; the system lets go where this one ends, however it ends."""
+    """Lock the folder against other processes; the system releases the lock when this process ends."""
     if not find_spec("fcntl"):
         return  # Windows
     import fcntl
@@ -139,19 +161,19 @@ def _lock(stream: IO[bytes], into: Path, study: str) -> None:
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as problem:
-        raise UsageError(f"another process is at work on the {study} in {into}: wait for it, or end it") from problem
+        raise UsageError(f"another process is working on the {study} in {into}: wait for it, or stop it") from problem
 
 
-def _read(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Read the rows that are whole; half a line at the end, of a process that was killed or a full disk, is cut off."""
+def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
+    """Read the complete rows, and truncate an incomplete line at the end (a killed process, a full disk)."""
     stream.seek(0)
     rows: dict[int, PointResult] = {}
     end = 0
     for line in stream.read().split(b"\n")[:-1]:
         try:
             fields: dict[str, Any] = json.loads(line)
-            place = fields.pop("point") - 1
-            rows[place] = PointResult(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
+            index = fields.pop("point") - 1
+            rows[index] = PointResult(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
         except (ValueError, AttributeError, KeyError, TypeError):
             break
         end += len(line) + 1

@@ -1,4 +1,4 @@
-"""Keys that follow: what changes together with the keys that a sweep or an optimisation varies."""
+"""Keys that follow: values of the design file that change together with those a sweep or an optimisation varies."""
 
 import ast
 import operator
@@ -25,47 +25,57 @@ _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
 
 @dataclass(frozen=True)
 class Rule:
-    """How a key follows without a formula: in words, after which `leaders`, and by which design of start and point."""
+    """How a key follows without a formula.
+
+    Attributes
+    ----------
+    words
+        The rule in words.
+    leaders
+        Keys that it follows.
+    apply
+        Sets the key: from the drive at the start and that at the point to the latter with the key set.
+    """
 
     words: str
     leaders: frozenset[str]
-    put: Callable[[Reducer, Reducer], Reducer]
+    apply: Callable[[Reducer, Reducer], Reducer]
 
 
-def _hole(start: Reducer, reducer: Reducer) -> Reducer:
+def _set_hole_radius(start: Reducer, reducer: Reducer) -> Reducer:
     design = reducer.design
-    room = start.design.output.hole_radius - start.design.output.pin_radius - start.design.gear.eccentricity
-    return reducer.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + room})
+    clearance = start.design.output.hole_radius - start.design.output.pin_radius - start.design.gear.eccentricity
+    return reducer.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + clearance})
 
 
-def _torque(start: Reducer, reducer: Reducer) -> Reducer:
+def _set_torque(start: Reducer, reducer: Reducer) -> Reducer:
     design = reducer.design
     return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
 
 
 RULES: Mapping[str, Rule] = {
     "output.hole_radius_mm": Rule(
-        "output pin and eccentricity, with the room that the start has",
+        "output pin radius plus eccentricity plus the clearance of the start",
         frozenset({"gear.eccentricity_mm", "output.pin_radius_mm"}),
-        _hole,
+        _set_hole_radius,
     ),
     "drive.torque_nm": Rule(
-        "the rated torque on the output stays", frozenset({"ring.teeth", "output.member"}), _torque
+        "keeps the rated torque on the output", frozenset({"ring.teeth", "output.member"}), _set_torque
     ),
 }
-"""Keys that know how to follow."""
+"""Keys that have a rule of their own."""
 
 
 @dataclass(frozen=True)
-class Follower:
-    """A key that is set after others, in the words and units of the design file.
+class Link:
+    """A key that follows others, in the words and units of the design file.
 
     Attributes
     ----------
     key
-        Which.
+        The key that is set.
     formula
-        Sums, products and quotients of numbers and keys; empty: as its own rule in `RULES` has it.
+        Sums, differences, products and quotients of numbers and keys; empty for the key's rule in `RULES`.
     """
 
     key: str
@@ -73,45 +83,45 @@ class Follower:
 
     @property
     def words(self) -> str:
-        """How it follows."""
+        """The formula, or the rule in words."""
         return self.formula or RULES[self.key].words
 
-    def at(self, start: Reducer, reducer: Reducer) -> Design:
-        """Return a design with the key set; `start` is what all points change.
+    def apply(self, start: Reducer, reducer: Reducer) -> Design:
+        """Return the design of a drive with the key set; `start` is the drive that all points change.
 
         Raises
         ------
         DesignError
-            The formula gives no number there, or one that the key does not allow.
+            The formula has no value there, or one that the key does not allow.
         """
         if not self.formula:
-            return RULES[self.key].put(start, reducer).design
+            return RULES[self.key].apply(start, reducer).design
         try:
-            value = significant(_value(_parsed(self.formula), reducer))
+            value = significant(_evaluate(_parse(self.formula), reducer))
         except ArithmeticError as error:
             raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
-        whole = declared(self.key).annotation is int and value.is_integer()
-        return override(reducer.design, {self.key: int(value) if whole else value})
+        is_integer = declared(self.key).annotation is int and value.is_integer()
+        return override(reducer.design, {self.key: int(value) if is_integer else value})
 
 
-def following(reducer: Reducer, requested: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
-    """Read which keys follow: ``KEY=FORMULA``, or ``KEY`` for one that knows how.
+def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterable[str]) -> tuple[Link, ...]:
+    """Parse which keys follow: ``KEY=FORMULA``, or ``KEY`` for one with a rule of its own.
 
     Parameters
     ----------
     reducer
-        What all points change.
+        The drive that all points change.
     requested
-        In the order in which they are set; a later one may be of an earlier one.
+        In the order in which they are set; a later formula may use an earlier key.
     varied
         Keys that the points have values of.
 
     Raises
     ------
     UsageError
-        There is no such key, it varies itself or holds no number, or its formula is none.
+        There is no such key, it is varied itself or is not a number, or its formula is not valid.
     """
-    followers: dict[str, Follower] = {}
+    links: dict[str, Link] = {}
     varied = set(varied)
     for text in (requested,) if isinstance(requested, str) else requested:
         key, equals, formula = (part.strip() for part in text.partition("="))
@@ -119,60 +129,68 @@ def following(reducer: Reducer, requested: str | Sequence[str], varied: Iterable
         if not key or (equals and not formula):
             raise UsageError(f"{option}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
         if declared(key).annotation not in (int, float):
-            raise UsageError(f"{option}: {key} holds no single number; only such keys can follow")
-        if key in varied or key in followers:
-            raise UsageError(f"{option}: {key} {'varies itself' if key in varied else 'is there twice'}; leave one out")
+            raise UsageError(f"{option}: {key} is not a single number; only numbers can follow")
+        if key in varied or key in links:
+            problem = "is varied by --vary" if key in varied else "is repeated"
+            raise UsageError(f"{option}: {key} {problem}; remove one of the two")
         if not formula and key not in RULES:
             raise UsageError(
-                f"{option}: say how, --follow '{key}=FORMULA'; {' and '.join(RULES)} alone know it themselves"
+                f"{option}: a formula is required, --follow '{key}=FORMULA'; only {' and '.join(RULES)} have a rule of "
+                "their own"
             )
         if formula:
             _require_numbers(option, key, formula, reducer)
-        followers[key] = Follower(key, formula)
-    return tuple(followers.values())
+        links[key] = Link(key, formula)
+    return tuple(links.values())
 
 
-def by_themselves(requested: Iterable[Follower], varied: Iterable[str]) -> tuple[Follower, ...]:
-    """List the keys that follow in an optimisation unless they vary or follow otherwise: of a leader that varies."""
+def default_links(requested: Iterable[Link], varied: Iterable[str]) -> tuple[Link, ...]:
+    """List the rules that apply to an optimisation: of keys that neither vary nor follow, and whose leader varies."""
     varied = set(varied)
-    taken = varied | {one.key for one in requested}
-    return tuple(Follower(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
+    taken = varied | {link.key for link in requested}
+    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
 
 
-def followed(start: Reducer, reducer: Reducer, followers: Iterable[Follower]) -> Design:
-    """Return the design of a point with all keys set that follow; raise DesignError where one cannot be."""
-    for follower in followers:
-        reducer = Reducer(follower.at(start, reducer))
+def apply_links(start: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
+    """Return the design of a point with all keys set that follow.
+
+    Raises
+    ------
+    DesignError
+        A key cannot have the value that follows.
+    """
+    for link in links:
+        reducer = Reducer(link.apply(start, reducer))
     return reducer.design
 
 
-def values_of(reducer: Reducer, followers: Iterable[Follower]) -> dict[str, Value]:
-    """Collect what followers came to, key -> value in the file's unit."""
-    values = {follower.key: value_of(reducer.design, follower.key) for follower in followers}
+def linked_values(reducer: Reducer, links: Iterable[Link]) -> dict[str, Value]:
+    """Collect the values of the keys that follow, key -> value in the file's unit."""
+    values = {link.key: value_of(reducer.design, link.key) for link in links}
     return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
 
-def _parsed(formula: str) -> ast.expr:
+def _parse(formula: str) -> ast.expr:
     return ast.parse(formula, mode="eval").body
 
 
-def _require_numbers(text: str, key: str, formula: str, reducer: Reducer) -> None:
-    """Raise UsageError where a formula is not of numbers and of keys that hold one."""
+def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> None:
+    """Raise UsageError where a formula does not consist of numbers and of keys that are numbers."""
     try:
-        keys = list(_keys(_parsed(formula)))
+        keys = list(_keys_of(_parse(formula)))
     except (SyntaxError, ValueError) as error:
         raise UsageError(
-            f"{text}: expected sums, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
+            f"{option}: expected sums, differences, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
         ) from error
     if key in keys:
-        raise UsageError(f"{text}: {key} cannot follow itself")
-    for one in keys:
-        value = value_of(reducer.design, one)
+        raise UsageError(f"{option}: {key} cannot follow itself")
+    for used in keys:
+        value = value_of(reducer.design, used)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UsageError(f"{text}: {one} holds no single number")
+            raise UsageError(f"{option}: {used} is not a single number")
 
 
-def _keys(node: ast.expr) -> Iterator[str]:
+def _keys_of(node: ast.expr) -> Iterator[str]:
     """Yield the keys in a formula; raise ValueError where there is anything but keys, numbers and operations."""
     match node:
         case ast.Constant(value=int() | float()):
@@ -180,20 +198,21 @@ def _keys(node: ast.expr) -> Iterator[str]:
         case ast.Name() | ast.Attribute():
             yield ast.unparse(node)
         case ast.UnaryOp() if type(node.op) in _OPERATIONS:
-            yield from _keys(node.operand)
+            yield from _keys_of(node.operand)
         case ast.BinOp() if type(node.op) in _OPERATIONS:
-            yield from _keys(node.left)
-            yield from _keys(node.right)
+            yield from _keys_of(node.left)
+            yield from _keys_of(node.right)
         case _:
             raise ValueError(ast.unparse(node))
 
 
-def _value(node: ast.expr, reducer: Reducer) -> float:
+def _evaluate(node: ast.expr, reducer: Reducer) -> float:
+    """Compute the value of a formula that `_require_numbers` accepts."""
     match node:
         case ast.Constant():
-            return float(node.value)  # type: ignore[arg-type]  # of numbers alone, see `_keys`
+            return float(node.value)  # type: ignore[arg-type]  # a number, see `_keys_of`
         case ast.UnaryOp():
-            return _OPERATIONS[type(node.op)](_value(node.operand, reducer))
+            return _OPERATIONS[type(node.op)](_evaluate(node.operand, reducer))
         case ast.BinOp():
-            return _OPERATIONS[type(node.op)](_value(node.left, reducer), _value(node.right, reducer))
+            return _OPERATIONS[type(node.op)](_evaluate(node.left, reducer), _evaluate(node.right, reducer))
     return float(value_of(reducer.design, ast.unparse(node)))

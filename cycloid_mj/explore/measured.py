@@ -1,4 +1,4 @@
-"""What a sweep can ask of a design: each measure as named numbers with their units, or figures of the catalogue."""
+"""Measures of a sweep as named numbers with units, and figures of the catalogue."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -21,16 +21,16 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class MeasureSettings:
-    """How measures are taken.
+    """Settings of the measures.
 
     Attributes
     ----------
     quick
-        As their flag of that name.
+        Whether they use fewer angles and runs, as by their flag of that name.
     real_pins
         Whether runs keep the inertia of moving pins under a load.
     solver
-        What takes the steps of runs.
+        Solver of the runs.
     """
 
     quick: bool = False
@@ -40,16 +40,16 @@ class MeasureSettings:
 
 @dataclass(frozen=True)
 class Measured:
-    """What one measure found of one design.
+    """Result of one measure of one design.
 
     Attributes
     ----------
     values
-        Column -> number, word or switch; a column of a number ends in its unit.
+        Column -> number, text or switch; a column of a number ends in its unit.
     units
         Column -> unit, of numbers that have one.
     assumptions, warnings
-        What the numbers stand on, and what speaks against them; a sentence each.
+        Sentences about the numbers.
     """
 
     values: Mapping[str, Cell]
@@ -58,14 +58,14 @@ class Measured:
     warnings: tuple[str, ...] = ()
 
 
-def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
-    """Return quantities by their keys, each ending in its unit."""
+def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
+    """Collect quantities by their keys, each ending in its unit."""
     named = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
     }
-    units = {name: one.unit for name, one in named.items() if one.unit not in ("", "1")}
-    return Measured({name: one.value for name, one in named.items()}, units, **more)
+    units = {name: quantity.unit for name, quantity in named.items() if quantity.unit not in ("", "1")}
+    return Measured({name: quantity.value for name, quantity in named.items()}, units, **more)
 
 
 def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
@@ -74,28 +74,28 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
 
     figures = sheet(reducer)
     named = (replace(quantity, key=figure(quantity.key).key) for quantity in figures.quantities.values())
-    return _of_quantities(named, assumptions=figures.assumptions)
+    return _from_quantities(named, assumptions=figures.assumptions)
 
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
     measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
     warned = {text: None for run in measurement.runs.values() for text in run.warnings}
     assumed = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
-    return _of_quantities(measurement.quantities.values(), assumptions=assumed, warnings=tuple(warned))
+    return _from_quantities(measurement.quantities.values(), assumptions=assumed, warnings=tuple(warned))
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
-    """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
+    """Run a design over its drive cycle; under a load without the inertia of its pins, unless `real_pins` is set."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.dynamics.run import MOST_STEPS, model_for, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")
+        raise DesignError("drive.speed_rpm is 0, so the crank would not turn; set another speed, such as 1640")
     light = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     ran = massless(reducer) if light else reducer
     compiled = model_for(options.solver, ran)
     if (steps := schedule(ran, compiled.timestep).steps) > MOST_STEPS:
-        raise RunError(f"the run would take {steps:.3g} steps, more than {MOST_STEPS:.0e}: shorten drive.hold_s")
+        raise RunError(f"the run would take {steps:.3g} time steps; allowed: {MOST_STEPS:.0e}. Shorten drive.hold_s")
     findings = analyze(simulate(ran.design, compiled))
     values = {
         "solver": options.solver,
@@ -109,16 +109,17 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
 
 
 def _flat(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield the numbers and switches of nested findings by their whole keys, whose last part has the unit."""
+    """Yield the numbers and switches of nested findings by their full keys, which end in the unit."""
     for key, value in findings.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}_")
         elif isinstance(value, (bool, int, float)):
             yield f"{prefix}{key}", value
         elif isinstance(value, (list, tuple)):
-            for one in value:
-                if isinstance(one, Mapping) and "pair" in one:
-                    yield from _flat({name: part for name, part in one.items() if name != "pair"}, f"{one['pair']}_")
+            for entry in value:
+                if isinstance(entry, Mapping) and "pair" in entry:
+                    numbers = {name: part for name, part in entry.items() if name != "pair"}
+                    yield from _flat(numbers, f"{entry['pair']}_")
 
 
 def _mass(reducer: Reducer, _: MeasureSettings) -> Measured:
@@ -130,7 +131,7 @@ def _mass(reducer: Reducer, _: MeasureSettings) -> Measured:
 
 
 def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
-    """Return the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
+    """Collect the verdicts and values of `design check`, and the summary of a design that can be built."""
     from cycloid_mj.checks import check
 
     results = check(reducer.design)
@@ -167,12 +168,12 @@ def _summed_up(reducer: Reducer) -> Measured:
         Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
         Quantity("capacity", "", figures.capacity, "N m"),
     )
-    measured = _of_quantities(numbers)
-    return Measured({**measured.values, "weakest": figures.weakest}, measured.units)
+    measure_design = _from_quantities(numbers)
+    return Measured({**measure_design.values, "weakest": figures.weakest}, measure_design.units)
 
 
 def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:
-    return _of_quantities(quantities(reducer).values())
+    return _from_quantities(quantities(reducer).values())
 
 
 def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measured:
@@ -188,24 +189,24 @@ MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
     "checks": _checks,
     "figures": _figures,
 }
-"""Name -> measure; `checks` alone takes a design that cannot be built, `figures` are those of geometry and statics."""
+"""Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 
 
-def measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
-    """Take a measure of a design, or compute a figure of the catalogue."""
+def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+    """Compute a measure of a design, or a figure of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)
     return _figure(figure(name), reducer, options)
 
 
 def require_measures(names: Iterable[str]) -> tuple[str, ...]:
-    """List the names of measures and keys of figures, each once; raise UsageError where one is neither."""
+    """Return names of measures and keys of figures without duplicates; raise UsageError where one is neither."""
     chosen = tuple(dict.fromkeys(names))
     for name in chosen:
         if name not in MEASURED:
             _require_figure(name)
     if not chosen:
-        raise UsageError(f"name a measure: {', '.join(MEASURED)}")
+        raise UsageError(f"no measure is named; available: {', '.join(MEASURED)}")
     return chosen
 
 
@@ -213,4 +214,4 @@ def _require_figure(name: str) -> None:
     try:
         figure(name)
     except UsageError as error:
-        raise UsageError(f"there is no measure {name!r:.80}; there are {', '.join(MEASURED)}; {error}") from error
+        raise UsageError(f"unknown measure {name!r:.80}; available measures: {', '.join(MEASURED)}; {error}") from error

@@ -1,4 +1,4 @@
-"""The course of an optimisation: points are searched, evaluated and kept; the best is checked."""
+"""Optimisation: search, evaluation and record of points, and the checks of the best."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -9,22 +9,21 @@ from pathlib import Path
 
 from cycloid_mj.base.atomic_write import write_whole
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
-from cycloid_mj.base.errors import CycloidError, DesignError, RunError, reason
+from cycloid_mj.base.errors import CycloidError, DesignError, RunError
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
-from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.journal import journal
-from cycloid_mj.explore.optimum import Checked, Optimum
+from cycloid_mj.explore.journal import create_folder, open_journal
+from cycloid_mj.explore.optimum import BestChecks, Optimum
 from cycloid_mj.explore.points import Wanted
-from cycloid_mj.explore.problem import FEASIBLE, Problem, evaluated, problem
+from cycloid_mj.explore.problem import FEASIBLE, Objective, Problem, define_problem, evaluate_point
 from cycloid_mj.explore.row import PointResult
-from cycloid_mj.explore.sampling import tolerances
-from cycloid_mj.explore.search import NEED, Point, searched
+from cycloid_mj.explore.sampling import tolerance_zones
+from cycloid_mj.explore.search import CMA, REQUIREMENT, Point, search_minimum
 from cycloid_mj.explore.tolerances import TooManyJams, tolerance
-from cycloid_mj.explore.verify import verified
+from cycloid_mj.explore.verify import verify_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import Sheet, sheet
 
@@ -33,20 +32,20 @@ HISTORY, BEST = "history.csv", "best.toml"
 PARQUET = "history.parquet"
 
 EVALUATIONS, STARTS = 600, 3
-SAMPLES = 2000
-"""Of the best design, where it has tolerances."""
+TOLERANCE_SAMPLES = 2000
+"""Samples of the tolerance study of the best design."""
 
 WEIGHTS = (0.0, 1.0, 0.5, 0.25, 0.75, 0.1, 0.9)
-"""Of the first objective in each search for a front: its ends first, which say how far it reaches."""
+"""Weights of the first objective in the searches for a front; the ends come first, as they scale the others."""
 
-SLIGHT = 0.01
-"""Weight of the sum of both objectives beside the larger one: no point of a front can be bettered in one alone."""
+SUM_WEIGHT = 0.01
+"""Weight of the sum in the augmented Chebyshev scalarization, which excludes weakly optimal points."""
 
-NARROW = 0.15
-"""First standard deviation of the searches between the ends, which start from the best so far."""
+FRONT_SIGMA = 0.15
+"""First standard deviation of the searches between the ends, relative to the ranges; they start at the best so far."""
 
-FAST = 0.01
-"""CPU time of a point [s] below which handing it to another process takes longer."""
+MIN_POINT_CPU = 0.01
+"""CPU time of a point [s] below which sending it to another process takes longer than evaluating it."""
 
 PROCESSES = Engine()
 """All cores of this machine."""
@@ -70,7 +69,7 @@ def optimize(
     engine: Engine = PROCESSES,
     progress: Progress = silent,
 ) -> Optimum:
-    """Find the best design within ranges of some keys.
+    """Find the best design within ranges of some keys, or a Pareto front of two objectives.
 
     Parameters
     ----------
@@ -80,62 +79,62 @@ def optimize(
         Key of the design file -> ``lo:hi`` or a pair, for real numbers; whole numbers are tried one by one, as values
         ``a,b,c`` of any key are.
     minimize, maximize
-        Figures by their keys in the catalogue (`cycloid_mj.figures.FIGURES`), of geometry, statics and life. One in
-        all, or two for a front.
+        Figures by their keys in the catalogue (`cycloid_mj.figures.FIGURES`), of geometry, statics and life: one in
+        total, or two for a front.
     limits
-        On such figures, ``"backlash_arcmin<=1"``. The checks of a design are limits of their own.
+        Limits on such figures, ``"backlash_arcmin<=1"``. The checks of a design always apply.
     evaluations, starts, seed
-        About how many points; searches from different starts; seed of all draws.
+        Approximate number of points; number of independent searches; random seed.
     strict
-        Whether warnings of the checks refuse a point, too.
+        Whether warnings of the checks reject a point, too.
     follow
-        Keys that change with those of `vary`: ``KEY=FORMULA`` of numbers and keys, in the file's units. By themselves
-        the hole of an output pin follows pin and eccentricity, and the drive's torque the ratio; ``KEY=NUMBER`` holds
+        Keys that follow those of `vary`: ``KEY=FORMULA`` of numbers and keys, in the file's units. By default the hole
+        of an output pin follows pin and eccentricity, and the drive's torque follows the ratio; ``KEY=NUMBER`` fixes
         one of them.
     verify
-        Whether the best is run in full dynamics, and within its tolerances where it has some.
+        Whether the best design is run in full dynamics, and studied within its tolerances where it has some.
     solver
-        What takes the steps of that run.
+        Solver of that run.
     out
-        Folder of the history, to which every point is added as it comes, and of the best design.
+        Folder of the history, to which every point is added at once, and of the best design.
     engine
-        Where the work is done.
+        Where the points are evaluated.
     progress
         Called after each point.
 
     Raises
     ------
     UsageError
-        There is no such key or figure, a range is none, or the folder is of another optimisation.
+        There is no such key or figure, a range is not valid, or the folder belongs to another optimisation.
     DesignError
-        No point keeps all checks and limits; it says what refused how many.
+        No point satisfies all checks and limits; it states how many each of them rejects.
     CycloidError
-        The folder cannot be written; what was there is kept.
+        The folder cannot be written; its rows are kept.
     """
     design = resolve(design)
     reducer = Reducer(design)
-    task = problem(reducer, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
-    optimum = explored(task, evaluations, starts, seed, out, engine, progress)
+    task = define_problem(reducer, vary, _as_tuple(minimize), _as_tuple(maximize), _as_tuple(limits), strict, follow)
+    optimum = run_search(task, evaluations, starts, seed, out, engine, progress)
     if optimum.best is None:
-        raise DesignError(optimum.hopeless)
+        raise DesignError(optimum.infeasible_words)
     if verify:
-        optimum = checked(optimum, solver)
+        optimum = check_best(optimum, solver)
     if out is not None:
         write_whole({Path(out) / BEST: dump(optimum.design()).encode()})
     return optimum
 
 
-def _several(words: str | Sequence[str]) -> tuple[str, ...]:
+def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
     return (words,) if isinstance(words, str) else tuple(words)
 
 
-def explored(
+def run_search(
     task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None, engine: Engine, progress: Progress
 ) -> Optimum:
-    """Search; whatever ends it, the history in the folder is of all points that were evaluated."""
+    """Run the searches; however they end, the history in the folder has all points that were evaluated."""
     if task.ranges:
-        extra("cma", *NEED)
-    with _kept(task, evaluations, starts, seed, out) as rows:
+        extra("cma", *REQUIREMENT)
+    with _recorded_rows(task, evaluations, starts, seed, out) as rows:
         work = _Work(task, rows, engine, progress, evaluations)
         try:
             work.rows_of([task.start])
@@ -147,23 +146,27 @@ def explored(
     return optimum
 
 
-def checked(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
-    """Check the best design of an optimisation: full statics, dynamics, and tolerances where it has some."""
+def check_best(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
+    """Return the optimisation with checks of its best design: statics, dynamics, and tolerances where it has some."""
     best = optimum.design()
     try:
-        ranges = tolerance(best, SAMPLES, optimum.seed, progress=progress) if tolerances(Reducer(best)) else None
+        ranges = (
+            tolerance(best, TOLERANCE_SAMPLES, optimum.seed, progress=progress)
+            if tolerance_zones(Reducer(best))
+            else None
+        )
     except TooManyJams as jam:
         ranges = jam.tolerances
     return Optimum(
         optimum.task,
         optimum.rows,
         optimum.seed,
-        Checked(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verified(Reducer(best), solver), ranges),
+        BestChecks(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verify_design(Reducer(best), solver), ranges),
     )
 
 
 def _sheet(reducer: Reducer) -> Sheet | None:
-    """Return the full statics of a design; None where it cannot be built, or has no balance in one of its states."""
+    """Return the static sheet of a design; None where it cannot be built or balanced."""
     try:
         require_sound(reducer)
         return sheet(reducer)
@@ -173,26 +176,34 @@ def _sheet(reducer: Reducer) -> Sheet | None:
 
 def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: int) -> None:
     if len(task.objectives) == 1:
-        (one,) = task.objectives
-        searched(task, work.rows_of, lambda row: one.sign * float(row.values[one.key]), evaluations, starts, [seed])
+        (objective,) = task.objectives
+        cost = partial(_cost, objective)
+        search_minimum(task, work.rows_of, cost, evaluations, starts, [seed])
         return
     each = max(1, evaluations // len(WEIGHTS))
-    for place, weight in enumerate(WEIGHTS):
+    for number, weight in enumerate(WEIGHTS):
         figure = _weighted(task, work.in_order, weight)
-        kept = [row for row in work.in_order if row.values[FEASIBLE]] if place > 1 else []
-        first = _point(task, min(kept, key=figure)) if kept else None
-        more = {"width": NARROW} if first else {}
-        searched(task, work.rows_of, figure, each, starts if place < 2 else 1, [seed, place], first, **more)
+        feasible = [row for row in work.in_order if row.values[FEASIBLE]] if number > 1 else []
+        first = _point(task, min(feasible, key=figure)) if feasible else None
+        sigma = FRONT_SIGMA if first else CMA.initial_sigma
+        search_minimum(task, work.rows_of, figure, each, starts if number < 2 else 1, [seed, number], first, sigma)
+
+
+def _cost(objective: Objective, row: PointResult) -> float:
+    return objective.sign * float(row.values[objective.key])
 
 
 def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
-    """Return both objectives as one: the larger of the two, weighted, each over its reach so far (Chebyshev's norm)."""
-    kept = [row for row in rows if row.values[FEASIBLE]]
+    """Return the augmented weighted Chebyshev scalarization of both objectives, normalized by their ranges so far.
+
+    Steuer and Choo 1983 (Math. Program. 26, 326-344); `weight` is that of the first objective.
+    """
+    feasible = [row for row in rows if row.values[FEASIBLE]]
 
     def costs(row: PointResult) -> tuple[float, ...]:
-        return tuple(objective.sign * float(row.values[objective.key]) for objective in task.objectives)
+        return tuple(_cost(objective, row) for objective in task.objectives)
 
-    both = [costs(row) for row in kept] or [(0.0, 0.0)]
+    both = [costs(row) for row in feasible] or [(0.0, 0.0)]
     low = [min(cost) for cost in zip(*both, strict=True)]
     best = [min(both), min(both, key=lambda cost: cost[1])]
     reach = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
@@ -200,8 +211,7 @@ def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Call
     def figure(row: PointResult) -> float:
         shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(costs(row))]
         weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
-        # at the ends of a front the other objective counts slightly
-        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + SLIGHT * sum(shares)
+        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + SUM_WEIGHT * sum(shares)
 
     return figure
 
@@ -211,57 +221,58 @@ def _point(task: Problem, row: PointResult) -> Point:
 
 
 class _Work:
-    """Evaluates points, a batch at a time, and keeps every row as it comes; rows of a search that was stopped serve."""
+    """Evaluates batches of points and records each row; rows of an interrupted search are used again."""
 
-    def __init__(self, task: Problem, rows: "_Rows", engine: Engine, progress: Progress, whole: int) -> None:
-        self._task, self._rows, self._engine, self._progress, self._whole = task, rows, engine, progress, whole
+    def __init__(self, task: Problem, rows: "_Rows", engine: Engine, progress: Progress, total: int) -> None:
+        self._task, self._rows, self._engine, self._progress, self._total = task, rows, engine, progress, total
         self._count = 0
         self._slow = False
 
     @property
     def in_order(self) -> list[PointResult]:
-        """All rows up to the first that is missing."""
-        return [self._rows.by_place[place] for place in range(self._count) if place in self._rows.by_place]
+        """All rows of the points requested so far, in their order."""
+        return [self._rows.by_index[index] for index in range(self._count) if index in self._rows.by_index]
 
     def rows_of(self, points: Sequence[Point]) -> list[PointResult]:
-        """List the rows of points."""
+        """Evaluate points; return their rows."""
         first = self._count
         self._count += len(points)
-        missing = [place for place in range(first, self._count) if not self._is_there(place, points[place - first])]
+        missing = [index for index in range(first, self._count) if not self._is_known(index, points[index - first])]
         engine = self._engine if self._slow else Engine(1)
-        todo = [points[place - first] for place in missing]
-        for item, row in engine.stream(partial(evaluated, self._task), todo, _lost):
+        remaining = [points[index - first] for index in missing]
+        for item, row in engine.stream(partial(evaluate_point, self._task), remaining, _raise_lost):
             self._rows.add(missing[item], row)
-            if len(self._rows.by_place) <= self._whole:  # the last generation may go beyond
-                self._progress(len(self._rows.by_place), self._whole)
-        rows = [self._rows.by_place[place] for place in range(first, self._count)]
-        self._slow = max(row.cpu for row in rows) > FAST
+            if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
+                self._progress(len(self._rows.by_index), self._total)
+        rows = [self._rows.by_index[index] for index in range(first, self._count)]
+        self._slow = max(row.cpu for row in rows) > MIN_POINT_CPU
         return rows
 
-    def _is_there(self, place: int, point: Point) -> bool:
-        row = self._rows.by_place.get(place)
+    def _is_known(self, index: int, point: Point) -> bool:
+        row = self._rows.by_index.get(index)
         if row is None:
             return False
         if _point(self._task, row) != point:
             raise CycloidError(
-                f"row {place + 1} of this folder is of another point than this search takes: choose another folder"
+                f"row {index + 1} of the folder belongs to another point than that of this search: choose another "
+                "folder with --out"
             )
         return True
 
 
-def _lost(_: int, why: str) -> PointResult:
+def _raise_lost(_: int, why: str) -> PointResult:
     raise RunError(f"a point could not be evaluated: {why}")
 
 
 class _Rows:
-    """Rows by place, in memory alone or in a file as well."""
+    """Rows by index, in memory or in a file as well."""
 
     def __init__(self, rows: dict[int, PointResult], add: Callable[[int, PointResult], None]) -> None:
-        self.by_place, self.add = rows, add
+        self.by_index, self.add = rows, add
 
 
 @contextmanager
-def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
+def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
     if out is None:
         rows: dict[int, PointResult] = {}
         yield _Rows(rows, rows.__setitem__)
@@ -278,13 +289,8 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
         "seed": seed,
         "versions": dict(versions()),
     }
-    into = Path(out)
-    try:
-        make_folder(into)
-    except OSError as error:
-        raise CycloidError(f"cannot make the folder {into}: {reason(error)}; choose another with --out") from error
-    with journal(into, plan, STUDY) as kept:
-        yield _Rows(kept.rows, kept.add)
+    with open_journal(create_folder(Path(out)), plan, STUDY) as journal:
+        yield _Rows(journal.rows, journal.add)
 
 
 def _write_history(optimum: Optimum, into: Path) -> None:

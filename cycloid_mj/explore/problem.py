@@ -1,4 +1,4 @@
-"""What is optimised: the design and the keys that may change, the objectives, and what a point must keep."""
+"""Optimisation problem: the design, the keys that vary, the objectives, and the limits that a point must satisfy."""
 
 import math
 import time
@@ -9,42 +9,45 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.checks import WALLS, check, soundness
 from cycloid_mj.design import Design, declared, override, value_of
-from cycloid_mj.explore.constraints import FigureLimit, limit, require_consistent
-from cycloid_mj.explore.linked_keys import Follower, by_themselves, followed, following
-from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
-from cycloid_mj.explore.row import PointResult, one_line
+from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
+from cycloid_mj.explore.linked_keys import Link, apply_links, default_links, parse_links
+from cycloid_mj.explore.points import Value, Wanted, axis_values, parse_axis
+from cycloid_mj.explore.row import PointResult, error_line
 from cycloid_mj.figures import COMPUTED, compute, figure
 from cycloid_mj.reducer import Reducer
 
-MOST_OBJECTIVES = 2
-MOST_COMBINATIONS = 2000
-"""Of values that are tried one by one."""
+MAX_OBJECTIVES = 2
+MAX_COMBINATIONS = 2000
+"""Combinations of whole numbers and words at most, which are tried one by one."""
 
-FEASIBLE, REFUSED, VIOLATION = "feasible", "refused", "violation"
-"""Columns of every evaluation: whether the point keeps all, what it breaks, and by how much in all."""
+FEASIBLE, REJECTED_BY, VIOLATION = "feasible", "refused", "violation"
+"""Columns of every evaluation: whether the point is feasible, what rejects it, and its total violation."""
 
-BROKEN, UNBUILT, UNSOLVED, NO_DESIGN = 1.0, 1e3, 1e6, 1e9
-"""Violations begin here: of limits, of checks, where no figure was found, where the file itself refuses a value."""
+LIMIT_VIOLATION, CHECK_VIOLATION, NO_FIGURE, INVALID_VALUE = 1.0, 1e3, 1e6, 1e9
+"""Offsets of violations: of limits, of checks, where a figure has no value, where the design file refuses a value."""
 
 FILE, STATICS, RANGES = "design file", "statics", "ranges"
-"""Names of what refuses a point besides checks and limits."""
+"""Reasons of rejection besides checks and limits."""
+
+TINY = 1e-12
+"""Smallest size that a relative excess refers to."""
 
 
 @dataclass(frozen=True)
 class Objective:
-    """A figure by its key, to be as small as can be, or as large: then `sign` is -1."""
+    """A figure to minimize, by its key; to maximize it, `sign` is -1."""
 
     key: str
     sign: float = 1.0
 
     def __str__(self) -> str:
-        """Tell it in words."""
-        return f"{'least' if self.sign > 0 else 'largest'} {self.key}"
+        """Write the objective in words."""
+        return f"{'minimize' if self.sign > 0 else 'maximize'} {self.key}"
 
 
 @dataclass(frozen=True)
 class SearchRange:
-    """A real number between two bounds [unit of the file]."""
+    """Bounds of a real number [unit of the file]."""
 
     key: str
     low: float
@@ -53,7 +56,7 @@ class SearchRange:
 
 @dataclass(frozen=True)
 class Choice:
-    """A key that takes one of some values."""
+    """A key and the values that are tried for it."""
 
     key: str
     values: tuple[Value, ...]
@@ -61,22 +64,22 @@ class Choice:
 
 @dataclass(frozen=True)
 class Problem:
-    """A design, and what may become of it.
+    """A design, and the variables, objectives and limits of its optimisation.
 
     Attributes
     ----------
-    design
+    reducer
         The start.
     ranges, choices
-        Keys that vary: real numbers, searched; whole numbers and words, tried one by one.
+        Keys that vary: real numbers, which are searched; whole numbers and words, which are tried one by one.
     objectives
         One or two.
     limits
-        On figures.
+        Limits on figures.
     strict
-        Whether warnings of the checks refuse a point, too.
-    followers
-        Keys that change with those of the points.
+        Whether warnings of the checks reject a point, too.
+    links
+        Keys that follow those of the points.
     """
 
     reducer: Reducer
@@ -85,11 +88,11 @@ class Problem:
     objectives: tuple[Objective, ...]
     limits: tuple[FigureLimit, ...]
     strict: bool
-    followers: tuple[Follower, ...] = ()
+    links: tuple[Link, ...] = ()
 
     @property
     def variables(self) -> tuple[SearchRange | Choice, ...]:
-        """What varies: real numbers first."""
+        """All variables, real numbers first."""
         return (*self.ranges, *self.choices)
 
     @property
@@ -98,42 +101,43 @@ class Problem:
         return tuple(variable.key for variable in self.variables)
 
     @property
-    def wanted(self) -> tuple[str, ...]:
-        """Keys of the figures that matter: objectives first, then those with limits."""
+    def figures(self) -> tuple[str, ...]:
+        """Keys of the figures to compute: objectives first, then those with limits."""
         return tuple(
             dict.fromkeys([*(objective.key for objective in self.objectives), *(limit.key for limit in self.limits)])
         )
 
     @property
     def follows(self) -> dict[str, str]:
-        """Keys that change with those of the points, and how."""
-        return {follower.key: follower.words for follower in self.followers}
+        """Keys that follow, and their formulas or rules."""
+        return {link.key: link.words for link in self.links}
 
-    def at(self, values: Sequence[Value]) -> Design:
-        """Return the design at a point; raise DesignError where its file does not allow a value."""
+    def design_at(self, values: Sequence[Value]) -> Design:
+        """Return the design at a point; raise DesignError where the design file does not allow a value."""
         design = override(self.reducer.design, dict(zip(self.keys, values, strict=True)))
-        return followed(self.reducer, Reducer(design), self.followers)
+        return apply_links(self.reducer, Reducer(design), self.links)
 
     @property
     def combinations(self) -> int:
-        """How many combinations of values are tried one by one."""
+        """Number of combinations of the choices."""
         return math.prod(len(choice.values) for choice in self.choices)
 
     def allows(self, values: Sequence[Value]) -> bool:
-        """Tell whether values lie in their ranges, as those of the start need not."""
-        pairs = zip(self.variables, values, strict=True)
+        """Return whether values lie in their ranges; those of the start may not."""
         return all(
-            one.low <= float(value) <= one.high if isinstance(one, SearchRange) else value in one.values
-            for one, value in pairs
+            variable.low <= float(value) <= variable.high
+            if isinstance(variable, SearchRange)
+            else value in variable.values
+            for variable, value in zip(self.variables, values, strict=True)
         )
 
     @property
     def start(self) -> tuple[Value, ...]:
-        """Values of the keys in the design that it starts from [unit of the file]."""
+        """Values of the keys in the design at the start [unit of the file]."""
         return tuple(value_of(self.reducer.design, key) for key in self.keys)
 
 
-def problem(
+def define_problem(
     reducer: Reducer,
     vary: Mapping[str, Wanted],
     minimize: Sequence[str] = (),
@@ -142,7 +146,7 @@ def problem(
     strict: bool = False,
     follow: str | Sequence[str] = (),
 ) -> Problem:
-    """Put a problem together; see `optimize` for the arguments.
+    """Define a problem; see `optimize` for the arguments.
 
     Raises
     ------
@@ -151,89 +155,90 @@ def problem(
         or too many objectives.
     """
     if not vary:
-        raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+        raise UsageError("no key varies: name one with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
     variables = [_variable(key, wanted) for key, wanted in vary.items()]
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
     choices = tuple(variable for variable in variables if isinstance(variable, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
-    if not 1 <= len(objectives) <= MOST_OBJECTIVES:
+    if not 1 <= len(objectives) <= MAX_OBJECTIVES:
         raise UsageError(
-            f"{len(objectives)} objectives: name one figure, or two for a front, with --minimize or --maximize; "
+            f"{len(objectives)} objectives: name one figure, or two for a Pareto front, with --minimize or --maximize; "
             "`cycloid-mj figures` lists them"
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)
-    asked = tuple(limit(text, reducer) for text in limits)
-    require_consistent(asked)
-    following_keys = following(reducer, follow, vary)
-    followers = (*following_keys, *by_themselves(following_keys, vary))
-    task = Problem(reducer, ranges, choices, objectives, asked, strict, followers)
-    if task.combinations > MOST_COMBINATIONS:
+    parsed = tuple(parse_limit(text, reducer) for text in limits)
+    require_consistent(parsed)
+    requested = parse_links(reducer, follow, vary)
+    links = (*requested, *default_links(requested, vary))
+    task = Problem(reducer, ranges, choices, objectives, parsed, strict, links)
+    if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
-            f"{task.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
-            "narrow their ranges"
+            f"{task.combinations:,} combinations of whole numbers and words; allowed: {MAX_COMBINATIONS:,}. Narrow "
+            "their ranges"
         )
     return task
 
 
 def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
-    """Read what a key may be: a range of real numbers, or values one by one."""
+    """Parse the values of a key: a range of real numbers, or values to try one by one."""
     if declared(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
         wanted = f"{wanted[0]}:{wanted[1]}"
-    axis = axis_of(key, wanted)
+    axis = parse_axis(key, wanted)
     if axis.values or axis.count:
-        return Choice(key, all_values(axis))
+        return Choice(key, axis_values(axis))
     if axis.field.annotation is int:
         return Choice(key, tuple(range(int(axis.low), int(axis.high) + 1)))
     return SearchRange(key, axis.low, axis.high)
 
 
-def evaluated(task: Problem, values: Sequence[Value]) -> PointResult:
-    """Judge one point: its figures, and what it breaks. Whatever goes wrong there is told in its row."""
+def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
+    """Evaluate a point: its figures, and what rejects it; an error is recorded in the result."""
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        figures, broken, level, error = _judged(task, values)
-    violation = level + sum(broken.values()) if broken else 0.0
+        figures, rejected, offset, error = _evaluate(task, values)
+    violation = offset + sum(rejected.values()) if rejected else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
-    cells = {**inputs, **figures, FEASIBLE: not broken, VIOLATION: violation, REFUSED: "; ".join(broken)}
+    cells = {**inputs, **figures, FEASIBLE: not rejected, VIOLATION: violation, REJECTED_BY: "; ".join(rejected)}
     return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
-def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
-    """Return figures, what is broken and by how much, where that begins, and the words of an error."""
+def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
+    """Return figures, violations by reason, their offset, and the text of an error."""
     try:
-        design = task.at(values)
+        design = task.design_at(values)
     except DesignError as error:
-        return {}, {FILE: 1.0}, NO_DESIGN, one_line(error)
+        return {}, {FILE: 1.0}, INVALID_VALUE, error_line(error)
     try:
-        if broken := refusals(Reducer(design), task.strict):
-            return {}, broken, UNBUILT, ""
-        wanted = compute(Reducer(design), task.wanted)
+        if failed := rejections(Reducer(design), task.strict):
+            return {}, failed, CHECK_VIOLATION, ""
+        figures = compute(Reducer(design), task.figures)
     except CycloidError as error:
-        return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
-    broken = {
-        str(limit): limit.excess(wanted[limit.key]) for limit in task.limits if limit.excess(wanted[limit.key]) > 0.0
+        return {}, {STATICS: 1.0}, NO_FIGURE, error_line(error)
+    violated = {
+        str(limit): limit.excess(figures[limit.key]) for limit in task.limits if limit.excess(figures[limit.key]) > 0.0
     }
     if not task.allows(values):
-        broken[RANGES] = 1.0
-    if lacking := [objective.key for objective in task.objectives if not math.isfinite(wanted[objective.key])]:
-        return wanted, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
-    return wanted, broken, BROKEN, ""
+        violated[RANGES] = 1.0
+    if missing := [objective.key for objective in task.objectives if not math.isfinite(figures[objective.key])]:
+        return figures, dict.fromkeys(missing, 1.0), NO_FIGURE, f"no value of {', '.join(missing)}"
+    return figures, violated, LIMIT_VIOLATION, ""
 
 
-def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
-    """Compute the failed checks of a design by name, each with how far it is off, as a share of its bound.
+def rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
+    """Compute which checks reject a design, by name, each with its violation relative to its bound.
 
-    Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
+    These are the checks that make a design impossible to build, and walls thinner than assumed; with `strict` also all
+    warnings.
     """
     checks = check(reducer.design) if strict else soundness(reducer)
-    failed = [one for one in checks if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
-    return {one.name: _excess(one.value, one.bound) for one in failed}
+    failed = [each for each in checks if not each.passed and (strict or each.severity == "error" or each.name in WALLS)]
+    return {each.name: _excess(each.value, each.bound) for each in failed}
 
 
 def _excess(value: float | None, bound: float | None) -> float:
-    """Compute by how much a value misses its bound, relative; 1 where that is no number."""
+    """Compute by how much a value misses its bound, relative to the larger of both; 1 where that is no number."""
     if value is None or bound is None or not math.isfinite(value - bound):
         return 1.0
-    return abs(value - bound) / max(abs(value), abs(bound), 1e-12)
+    return abs(value - bound) / max(abs(value), abs(bound), TINY)

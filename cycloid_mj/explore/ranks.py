@@ -1,4 +1,4 @@
-"""What a sweep says at a glance: the range of each quantity, and how its rank goes with that of each input."""
+"""Summary of a sweep: the range of each quantity, and its rank correlation with each input."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.figures import figure
 
-FEWEST = 3
-"""Points of which a rank correlation says anything."""
+MIN_POINTS = 3
+"""Points of a rank correlation at least."""
 
 HEADLINES = (
     "backlash_arcmin",
@@ -27,12 +27,13 @@ HEADLINES = (
     "mass_kg",
     "failed_errors",
 )
-"""What one looks for first, in this order; other quantities come after, as the measure has them."""
+"""Quantities that are shown first, in this order; the others follow in the order of the measure."""
 
-MOST_SHOWN = 6
+MAX_SHOWN = 6
+"""Quantities that are shown by default."""
 
-LEAST_CHANGE = 1e-6
-"""Relative; what changes by less is not worth a panel."""
+MIN_RELATIVE_CHANGE = 1e-6
+"""Relative range below which a quantity counts as constant, and has no panel."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Ranks:
     Attributes
     ----------
     inputs, quantities
-        Names of the columns.
+        Names of columns.
     rho
         Correlation of each quantity with each input, shape (quantities, inputs); NaN where one of them never changes.
     """
@@ -58,25 +59,25 @@ def number_inputs(sweep: Sweep) -> tuple[str, ...]:
     return tuple(key for key in sweep.task.keys if key in numbers)
 
 
-def shown(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """List the quantities to show: those wanted, else some that change, the headlines first.
+def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return the quantities to show: those wanted, else up to six that vary, `HEADLINES` first.
 
     Raises
     ------
     UsageError
-        There is no such quantity, or it is no number.
+        There is no such quantity, or it is not a number.
     """
     numbers = sweep.frame.numbers
-    there = [name for name in sweep.quantities if name in numbers]
-    wanted = tuple(name if name in there else _catalogue_key(name) for name in wanted)
-    if unknown := [name for name in wanted if name not in there]:
-        raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
+    available = [name for name in sweep.quantities if name in numbers]
+    wanted = tuple(name if name in available else _catalogue_key(name) for name in wanted)
+    if unknown := [name for name in wanted if name not in available]:
+        raise UsageError(f"--show {unknown[0]}: unknown quantity; available: {', '.join(available) or 'none'}")
     if wanted:
         return wanted
-    changing = [name for name in there if _changes(_finite(numbers[name]))] or there
-    first = {name: place for place, name in enumerate(HEADLINES)}
-    ranked = sorted(changing, key=lambda name: first.get(name.rpartition(".")[2], len(first)))
-    return tuple(ranked[:MOST_SHOWN])
+    varying = [name for name in available if _varies(_finite(numbers[name]))] or available
+    order = {name: number for number, name in enumerate(HEADLINES)}
+    ranked = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
+    return tuple(ranked[:MAX_SHOWN])
 
 
 def _catalogue_key(name: str) -> str:
@@ -88,8 +89,8 @@ def _catalogue_key(name: str) -> str:
         return name
 
 
-def ranks(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
-    """Correlate the ranks of quantities with those of the inputs that are numbers, over the points that have both."""
+def rank_correlations(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
+    """Compute Spearman's correlations of quantities with the inputs that are numbers, over the points with both."""
     numbers, inputs = sweep.frame.numbers, number_inputs(sweep)
     rho = np.array([[_rho(numbers[key], numbers[name]) for key in inputs] for name in quantities])
     return Ranks(inputs, quantities, rho.reshape(len(quantities), len(inputs)))
@@ -103,12 +104,12 @@ def tables(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
         values = _finite(numbers[name])
         low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, middle, high, str(values.size)))
-    tables = [Table("quantities", ("quantity", "least", "median", "largest", "points"), tuple(rows))]
+    tables = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
     if len(number_inputs(sweep)) > 1 and quantities:
-        one = ranks(sweep, quantities)
-        cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in one.rho.tolist())
+        correlations = rank_correlations(sweep, quantities)
+        cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in correlations.rho.tolist())
         lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
-        tables.append(Table("rank correlations (Spearman)", ("quantity", *one.inputs), lines))
+        tables.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
     return tuple(tables)
 
 
@@ -116,19 +117,19 @@ def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
 
 
-def _changes(values: Array) -> bool:
-    return values.size > 0 and bool(np.ptp(values) > LEAST_CHANGE * np.abs(values).max())
+def _varies(values: Array) -> bool:
+    return values.size > 0 and bool(np.ptp(values) > MIN_RELATIVE_CHANGE * np.abs(values).max())
 
 
-def _ranked(values: Array) -> Array:
-    """Compute the rank of each value [1]: of those that are equal, the mean of theirs."""
-    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(count) - 0.5 * (count - 1))[place])
+def _mean_ranks(values: Array) -> Array:
+    """Compute the rank of each value [1]; equal values share their mean rank."""
+    _, index, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - 0.5 * (count - 1))[index])
 
 
-def _rho(one: Array, other: Array) -> float:
-    both = np.isfinite(one) & np.isfinite(other)
-    x, y = _ranked(one[both]), _ranked(other[both])
-    if both.sum() < FEWEST or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+def _rho(first: Array, second: Array) -> float:
+    valid = np.isfinite(first) & np.isfinite(second)
+    x, y = _mean_ranks(first[valid]), _mean_ranks(second[valid])
+    if valid.sum() < MIN_POINTS or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
     return float(np.corrcoef(x, y)[0, 1])

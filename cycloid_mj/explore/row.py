@@ -1,4 +1,4 @@
-"""One point of a sweep: the design changed to it, measured, and what came of it or why nothing did."""
+"""One point of a sweep: the design with the point's values, and its measured quantities or the error."""
 
 import time
 import warnings
@@ -8,57 +8,57 @@ from dataclasses import dataclass, field
 from cycloid_mj.base.errors import CycloidError, CycloidWarning
 from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
-from cycloid_mj.explore.linked_keys import Follower, followed, values_of
-from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings, measured
+from cycloid_mj.explore.linked_keys import Link, apply_links, linked_values
+from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings, measure_design
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is done at each point.
+    """What to evaluate at each point.
 
     Attributes
     ----------
-    design
-        What is changed at the points.
+    reducer
+        The drive that the points change.
     keys
         Keys of the design file that the points have values of.
     measures
-        What is measured.
+        Names of measures, or keys of figures.
     options
-        How.
-    followers
-        Keys that change with those of the points.
+        Settings of the measures.
+    links
+        Keys that follow those of the points.
     """
 
     reducer: Reducer
     keys: tuple[str, ...]
     measures: tuple[str, ...]
     options: MeasureSettings
-    followers: tuple[Follower, ...] = ()
+    links: tuple[Link, ...] = ()
 
     def column(self, measure: str, name: str) -> str:
-        """Name the column of a number: by its measure, too, where there are several; that of a figure is its key."""
+        """Return the name of a column: ``measure.name`` where there are several measures, the key of a figure."""
         return name if len(self.measures) == 1 or measure not in MEASURED else f"{measure}.{name}"
 
 
 @dataclass(frozen=True)
 class PointResult:
-    """What came of a point.
+    """Result of a point.
 
     Attributes
     ----------
     values, units
         By column.
-    followed
-        What the keys that follow came to.
     error
-        Why the point, or one of its measures, failed; empty where all went well.
+        Why the point, or one of its measures, failed; empty where all succeeded.
     warnings, assumptions
-        Of all its measures, a sentence each.
+        Sentences of all its measures.
     cpu
-        CPU time that it took [s].
+        CPU time [s].
+    followed
+        Values of the keys that follow.
     """
 
     values: dict[str, Cell] = field(default_factory=dict)
@@ -70,44 +70,47 @@ class PointResult:
     followed: dict[str, Cell] = field(default_factory=dict)
 
 
-def measured_row(task: Task, values: Sequence[Value]) -> PointResult:
-    """Measure the design at a point; whatever goes wrong is told in its row, since other points may go well."""
+def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
+    """Measure the design at a point; an error is recorded in its row, since other points may succeed."""
     start = time.thread_time()
     try:
         changed = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
-        design = followed(task.reducer, Reducer(changed), task.followers)
+        design = apply_links(task.reducer, Reducer(changed), task.links)
     except CycloidError as error:
-        return PointResult(error=one_line(error), cpu=time.thread_time() - start)
-    measured: dict[str, Measured] = {}
+        return PointResult(error=error_line(error), cpu=time.thread_time() - start)
+    results: dict[str, Measured] = {}
     errors = []
     for name in task.measures:
         try:
-            measured[name] = _measured(name, Reducer(design), task.options)
+            results[name] = _measure_sound(name, Reducer(design), task.options)
         except Exception as error:
-            words = one_line(error) if isinstance(error, CycloidError) else f"{type(error).__name__}: {one_line(error)}"
-            errors.append(words if len(task.measures) == 1 else f"{name}: {words}")
+            line = error_line(error)
+            text = line if isinstance(error, CycloidError) else f"{type(error).__name__}: {line}"
+            errors.append(text if len(task.measures) == 1 else f"{name}: {text}")
     return PointResult(
-        values={task.column(name, key): cell for name, one in measured.items() for key, cell in one.values.items()},
-        units={task.column(name, key): unit for name, one in measured.items() for key, unit in one.units.items()},
+        values={
+            task.column(name, key): cell for name, result in results.items() for key, cell in result.values.items()
+        },
+        units={task.column(name, key): unit for name, result in results.items() for key, unit in result.units.items()},
         error="; ".join(errors),
-        warnings=tuple(dict.fromkeys(text for one in measured.values() for text in one.warnings)),
-        assumptions=tuple(dict.fromkeys(text for one in measured.values() for text in one.assumptions)),
+        warnings=tuple(dict.fromkeys(text for result in results.values() for text in result.warnings)),
+        assumptions=tuple(dict.fromkeys(text for result in results.values() for text in result.assumptions)),
         cpu=time.thread_time() - start,
-        followed=dict(values_of(Reducer(design), task.followers)),
+        followed=dict(linked_values(Reducer(design), task.links)),
     )
 
 
-def _measured(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+def _measure_sound(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+    """Measure a design that can be built; only `checks` accepts others. Warnings are part of the result."""
     from cycloid_mj.checks import require_sound
 
     if name != "checks":
         require_sound(reducer)
     with warnings.catch_warnings():
-        # they are in the row
         warnings.simplefilter("ignore", CycloidWarning)
-        return measured(name, reducer, options)
+        return measure_design(name, reducer, options)
 
 
-def one_line(error: BaseException) -> str:
-    """Write the text of an error in one line."""
+def error_line(error: BaseException) -> str:
+    """Return the text of an error in one line; the name of its class where it has none."""
     return " ".join(str(error).split()) or type(error).__name__

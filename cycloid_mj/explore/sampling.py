@@ -1,4 +1,4 @@
-"""Samples of a design within its tolerances, block by block: the same numbers wherever a block is drawn."""
+"""Random samples of a design within its tolerances; equal seeds draw equal samples, however the work is shared."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,14 +14,14 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples, alike
 
-BLOCK = 512
-"""Samples that are drawn together. The draws are those of a block of this size."""
+BLOCK_SAMPLES = 512
+"""Samples drawn from one stream of random numbers per tolerance; changing this changes all draws."""
 
-PIECE = 256
-"""Samples of a piece of work at most: small enough that no worker is left alone with one for long."""
+MAX_BATCH = 256
+"""Largest number of samples of a batch: small enough that no worker waits long for the last one."""
 
-BEGINNING = 200
-"""Samples that are balanced before all others, and tell whether there is any that does not jam."""
+FIRST_BATCH = 200
+"""Samples that are balanced before all others, to see whether they jam."""
 
 SOURCES = (
     "mesh",
@@ -36,25 +36,25 @@ SOURCES = (
     "disc_size",
     "cam_position",
 )
-"""Tolerances, as in the design file; the place of each is that of its stream of random numbers."""
+"""Tolerances, as in the design file; the index of each is the number of its random stream."""
 
 WAVE = "profile_"
-"""Start of the name of a wave of the profile; its order follows."""
+"""Prefix of the name of a wave of the profile, before its order."""
 
 BUDGET_STREAM = 1 << 32
 """Number of the random stream of the budget's first set, after those of all blocks; its second set has the next."""
 
 _INSIDE = 2.0**-54
-"""How near to 0 and 1 a share may be: a normal zone has no ends."""
+"""Smallest distance of a share from 0 and 1, where a normal quantile is infinite."""
 
 
-def tolerances(reducer: Reducer) -> dict[str, Zone]:
-    """Collect the zones of a design's tolerances by their keys, those of waves by `WAVE` and order; none that is 0.
+def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
+    """Collect the nonzero zones of a design's tolerances by their keys, those of waves by `WAVE` and order.
 
     Raises
     ------
     DesignError
-        A tolerance is not of a known form.
+        A tolerance does not have a known form.
     """
     design = reducer.design
     tolerance, clearance, ring = design.tolerance, design.clearance, design.ring
@@ -85,16 +85,16 @@ def tolerances(reducer: Reducer) -> dict[str, Zone]:
 
 @dataclass(frozen=True)
 class Batch:
-    """Samples that are drawn and balanced together: a piece of work.
+    """Samples that are drawn and balanced together.
 
     Attributes
     ----------
     number
-        Which block of a set it is.
+        Number of their block.
     count
-        How many samples.
+        Number of samples.
     first
-        How many samples of the block come before these.
+        Number of samples of the block before these.
     compared
         Whether they are a set of the error budget; it is drawn from random streams of its own.
     second
@@ -108,45 +108,45 @@ class Batch:
     second: tuple[str, ...] = ()
 
 
-def blocks(samples: int) -> list[Batch]:
-    """List the pieces of work of so many samples: parts of blocks, the first of `BEGINNING` samples."""
-    begin = min(BEGINNING, samples, BLOCK)
+def list_batches(samples: int) -> list[Batch]:
+    """List the batches of so many samples, the first of `FIRST_BATCH` samples; no batch spans two blocks."""
+    begin = min(FIRST_BATCH, samples, BLOCK_SAMPLES)
     pieces = [Batch(0, begin)]
     first = begin
     while first < samples:
-        number, offset = divmod(first, BLOCK)
-        count = min(PIECE, BLOCK - offset, samples - first)
+        number, offset = divmod(first, BLOCK_SAMPLES)
+        count = min(MAX_BATCH, BLOCK_SAMPLES - offset, samples - first)
         pieces.append(Batch(number, count, offset))
         first += count
     return pieces
 
 
-def drawn(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> Samples:
-    """Draw the samples of a block."""
-    return put(reducer, alike(reducer, block.count), departures(reducer, zones, seed, block))
+def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> Samples:
+    """Draw the samples of a batch."""
+    return apply_departures(reducer, alike(reducer, batch.count), draw_departures(reducer, zones, seed, batch))
 
 
-def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
-    """Draw by how much the samples of a block depart from the design [m], by tolerance, shape (samples, ...).
+def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
+    """Draw the departures of the samples of a batch from the design [m], by tolerance, shape (samples, ...).
 
-    A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
+    Those of a wave are the amplitudes of its cosine and sine, see `Samples.waves`.
     """
-    shares = _shares(reducer, zones, seed, block)
-    drawn = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
+    shares = _shares(reducer, zones, seed, batch)
+    departures = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
-        amplitude, begin = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
-        drawn[key] = np.stack([amplitude * np.cos(begin), -amplitude * np.sin(begin)], axis=1)
-    return drawn
+        amplitude, phase = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
+        departures[key] = np.stack([amplitude * np.cos(phase), -amplitude * np.sin(phase)], axis=1)
+    return departures
 
 
-def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Batch) -> dict[str, Array]:
-    """Compute for each number that is drawn the share of parts that lie below it, by tolerance."""
-    whole = block.first + block.count
+def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
+    """Draw uniform numbers from 0 to 1, by tolerance, shape (samples, ...)."""
+    end = batch.first + batch.count
     shares = {}
     for key in zones:
-        number = block.number if not block.compared else BUDGET_STREAM + (key in block.second)
+        number = batch.number if not batch.compared else BUDGET_STREAM + (key in batch.second)
         generator = np.random.default_rng([seed, _stream(key), number])
-        shares[key] = _inside(generator.random((whole, *_shape(reducer, key)))[block.first :])
+        shares[key] = _inside(generator.random((end, *_shape(reducer, key)))[batch.first :])
     return shares
 
 
@@ -159,7 +159,7 @@ def _inside(shares: Array) -> Array:
 
 
 def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
-    """Compute the shape of the numbers that a tolerance takes for one sample."""
+    """Return the shape of the random numbers of a tolerance for one sample."""
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
     shapes = {
@@ -172,8 +172,8 @@ def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
     return (2,) if key.startswith(WAVE) else shapes.get(key, ())
 
 
-def put(reducer: Reducer, same: Samples, changed: Mapping[str, Array]) -> Samples:
-    """Add departures to samples that are all alike."""
+def apply_departures(reducer: Reducer, nominal: Samples, changed: Mapping[str, Array]) -> Samples:
+    """Return samples of the nominal design with departures [m] added, by tolerance, shape (samples, ...)."""
     fields = {
         "pin_position": "pin_place",
         "hole_position": "hole_place",
@@ -181,82 +181,84 @@ def put(reducer: Reducer, same: Samples, changed: Mapping[str, Array]) -> Sample
         "cam_position": "cam_place",
     }
     parts = {
-        fields.get(key, key): getattr(same, fields.get(key, key)) + changed[key]
+        fields.get(key, key): getattr(nominal, fields.get(key, key)) + changed[key]
         for key in SOURCES
         if key in changed and key != "pin_circle"
     }
     if "pin_circle" in changed:
         outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
-        place = parts.get("pin_place", same.pin_place)
-        parts["pin_place"] = place + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+        position = parts.get("pin_place", nominal.pin_place)
+        parts["pin_place"] = position + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
     if waves := [key for key in changed if key.startswith(WAVE)]:
-        parts["waves"] = np.array(same.waves)
+        parts["waves"] = np.array(nominal.waves)
         for key in waves:
             parts["waves"][:, int(key.removeprefix(WAVE)) - 1] += changed[key]
-    return replace(same, **parts)
+    return replace(nominal, **parts)
 
 
-def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
-    """Compute what `departures` draws as columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+def departure_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
+    """Convert `departures` [m] to columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
 
     Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: the seventh of the second) are counted from 1.
     """
     columns = {}
     for key, values in departures.items():
         axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
-        for place in np.ndindex(values.shape[1:]):
+        for index in np.ndindex(values.shape[1:]):
             if key.startswith(WAVE):
-                parts = ["cos" if place[0] == 0 else "sin"]
+                parts = ["cos" if index[0] == 0 else "sin"]
             else:
-                parts = [str(number + 1) for number in (place[:-1] if axes else place)]
-                parts += [axes[place[-1]]] if axes else []
-            columns["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *place)]
+                parts = [str(number + 1) for number in (index[:-1] if axes else index)]
+                parts += [axes[index[-1]]] if axes else []
+            columns["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *index)]
     return columns
 
 
-def filed(reducer: Reducer, samples: Samples) -> Mask:
-    """Tell of which samples there can be a design file, shape (samples,): clearances there are above 0."""
-    listed = [samples.mesh, samples.cam, samples.output, *([samples.seat] if reducer.design.seat_pair else [])]
-    return np.asarray(np.min(listed, axis=0) > 0.0)
+def has_design_file(reducer: Reducer, samples: Samples) -> Mask:
+    """Return which samples can be written as a design file, shape (samples,): those with clearances above 0."""
+    clearances = [samples.mesh, samples.cam, samples.output, *([samples.seat] if reducer.design.seat_pair else [])]
+    return np.asarray(np.min(clearances, axis=0) > 0.0)
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
     """Return a sample, counted from 0, as a design with its number in its name.
 
-    Its errors are listed part by part, its clearances are as they came out.
+    The design lists the errors of each part, and has the clearances of the sample.
 
     Raises
     ------
     DesignError
-        A clearance came out at 0 or below, which no design file can have.
+        A clearance is 0 or less, which a design file cannot have.
     """
-    block, row = divmod(number, BLOCK)
-    return as_design(
-        reducer, drawn(reducer, zones, seed, Batch(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
+    block, row = divmod(number, BLOCK_SAMPLES)
+    return design_of_sample(
+        reducer, draw_samples(reducer, zones, seed, Batch(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
     )
 
 
-def left_out(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
-    """Tell what the design files of the worst samples leave out: lobes of an internal gear, which are cut together.
+def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
+    """List in sentences what the design files of the worst samples omit.
 
-    And samples: `unfiled` go together, though a clearance of theirs is at 0 or below.
+    An internal gear's lobes are cut together, so its file has no errors of single lobes. `unfiled` samples do not jam,
+    but have a clearance of 0 or less.
     """
     lobes = [
         key
         for key in ("pin_position", "pin_radius", "pin_circle")
         if key in zones and reducer.design.ring.kind != "pin"
     ]
-    lacking = (
+    errors = (
         f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
     )
-    others = (
-        f"{unfiled} samples that go together are not looked at for the worst: a clearance of 0 or below has no file"
+    samples = (
+        f"{unfiled} samples that do not jam are excluded from the worst: a design file cannot have their clearances of "
+        "0 or less"
     )
-    return (*([lacking] if lobes else []), *([others] if unfiled else []))
+    return (*([errors] if lobes else []), *([samples] if unfiled else []))
 
 
-def as_design(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
-    """Return one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
+def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
+    """Return a sample as a design with all its errors; raise DesignError where a design cannot have its values."""
     clearance, errors = _parts(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
@@ -268,8 +270,8 @@ def as_design(reducer: Reducer, samples: Samples, row: int, name: str) -> Design
     ).design
 
 
-def unchecked_design(reducer: Reducer, samples: Samples, row: int) -> Design:
-    """Return the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
+def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:
+    """Return a sample as a design for geometry only: clearances may be negative, and lobes of an internal gear off."""
     design = reducer.design
     clearance, errors = _parts(reducer, samples, row)
     return design.model_copy(
@@ -281,16 +283,16 @@ def unchecked_design(reducer: Reducer, samples: Samples, row: int) -> Design:
 
 
 def _parts(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
+    """Return the clearances and the errors of a sample, by their keys in the design's tables."""
     design = reducer.design
-    place, holes = samples.pin_place[row], samples.hole_place[row].reshape(-1, 2)
+    pins, holes = samples.pin_place[row], samples.hole_place[row].reshape(-1, 2)
     cams, waves = samples.cam_place[row], samples.waves[row]
     clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}
     if design.seat_pair:
         clearance[design.seat_pair] = samples.seat[row]
     errors = {
-        "pin_x": place[:, 0],
-        "pin_y": place[:, 1],
+        "pin_x": pins[:, 0],
+        "pin_y": pins[:, 1],
         "pin_dr": samples.pin_radius[row],
         "hole_x": holes[:, 0],
         "hole_y": holes[:, 1],
@@ -300,7 +302,9 @@ def _parts(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, floa
         "profile_cos": waves[:, 0],
         "profile_sin": waves[:, 1],
     }
-    listed: dict[str, Any] = {key: tuple(map(float, of)) if np.any(of) else () for key, of in errors.items()}
+    listed: dict[str, Any] = {
+        key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()
+    }
     return (
         {key: float(value) for key, value in clearance.items()},
         {**listed, "eccentricity": float(samples.eccentricity[row])},

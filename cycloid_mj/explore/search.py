@@ -1,12 +1,14 @@
-"""The search for a best point: evolution strategies over real numbers, one combination of the other values at a time.
+"""Search for a best point: CMA-ES over real numbers, with successive halving over combinations of the other values.
 
-CMA-ES (Hansen 2016, The CMA Evolution Strategy: A Tutorial, arXiv 1604.00772) through the package ``cma``: it looks at
-ranks alone, so that any point that keeps all checks and limits is better than any that does not, and of two that do not
-the one that is less far off. Combinations compete: after each round the better half goes on. Then starts do.
+CMA-ES (Hansen 2016, The CMA Evolution Strategy: A Tutorial, arXiv 1604.00772) comes from the package ``cma``. It uses
+ranks only: every feasible point ranks before every infeasible one, and those rank by their violation. Combinations, and
+then starts, compete by successive halving (Jamieson and Talwalkar 2016, AISTATS): after each round the better half
+continues.
 """
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -15,181 +17,235 @@ import numpy as np
 from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.extras import extra
 from cycloid_mj.explore.points import Value
-from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
+from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem, SearchRange
 from cycloid_mj.explore.row import PointResult
 
-WIDTH, LOCAL_WIDTH = 0.25, 0.03
-"""First standard deviation of a search, and of one about the best point, as shares of the ranges."""
 
-SHARPNESS = 1e-6
-"""Shares of the ranges below which a search has come to its end."""
+@dataclass(frozen=True)
+class CmaSettings:
+    """Settings of the searches; lengths are relative to the ranges.
 
-LEAST_DIMENSIONS = 2
-"""Of an evolution strategy; a search for one number has an idle second one."""
+    Attributes
+    ----------
+    initial_sigma, local_sigma
+        First standard deviation of a search, and of a restart about the best point (Hansen recommends 0.2 to 0.5 of a
+        range for the first).
+    tolerance
+        Step length at which a search ends (``tolx``): far below what a part can be made to.
+    min_dimensions
+        Dimensions of a search at least; one over a single number has an idle second one, as CMA-ES requires two.
+    selection_share
+        Share of the evaluations for the rounds of combinations, and of those left for the rounds of starts.
+    max_restarts
+        Restarts about the best point at most, while they improve it.
+    """
 
-COMPETING = 0.5
-"""Share of the evaluations, or of those left, for the rounds in which combinations compete, and then starts."""
+    initial_sigma: float = 0.25
+    local_sigma: float = 0.03
+    tolerance: float = 1e-6
+    min_dimensions: int = 2
+    selection_share: float = 0.5
+    max_restarts: int = 5
 
-MOST_REPEATS = 5
-"""Searches about the best point, after the last one has come to its end: as long as they better it."""
 
-NEED = "optimize", "optimize", "try points with `cycloid-mj sweep`"
-"""Who needs the package ``cma``, of which extra, and what else can be done."""
+CMA = CmaSettings()
 
-WORST = 1e20
-"""Score of points that break something, times their violation; no figure is so large."""
+REQUIREMENT = "optimize", "optimize", "try points with `cycloid-mj sweep`"
+"""Command that needs the package ``cma``, its extra, and the alternative."""
+
+INFEASIBLE_SCORE = 1e20
+"""Score of infeasible points, times one plus their violation; no figure is as large."""
 
 Point = tuple[Value, ...]
 Evaluate = Callable[[Sequence[Point]], list[PointResult]]
-Score = Callable[[PointResult], float]
+Cost = Callable[[PointResult], float]
 
 
 class EvolutionSearch:
-    """One evolution strategy at one combination of values."""
+    """One evolution strategy over the ranges, at one combination of the choices.
 
-    def __init__(self, task: Problem, combination: Point, start: Array, width: float, seed: Sequence[int]) -> None:
-        self.combination, self.best, self.used = combination, math.inf, 0
-        self._ranges, self._done, self._strategy = task.ranges, False, None
-        if task.ranges:
-            self._strategy = _strategy(start, width, np.random.default_rng(list(seed)))
-        self._asked: list[Any] = []
+    Attributes
+    ----------
+    combination
+        Values of the choices.
+    best
+        Lowest score so far.
+    used
+        Evaluations so far.
+    done
+        Whether the search has converged.
+    """
 
-    @property
-    def done(self) -> bool:
-        """Whether it has come to its end."""
-        return self._done
+    def __init__(
+        self, ranges: Sequence[SearchRange], combination: Point, start: Array, sigma: float, seed: Sequence[int]
+    ) -> None:
+        self.combination, self.best, self.used, self.done = combination, math.inf, 0, False
+        self._ranges = ranges
+        self._strategy = _new_strategy(start, sigma, np.random.default_rng(list(seed))) if ranges else None
+        self._generation: list[Any] = []
 
     def ask(self) -> list[Point]:
-        """List the points of the next generation."""
-        if self._strategy is None:
-            self._asked = [np.zeros(0)]
-        else:
-            self._asked = self._strategy.ask()
-        return [(*point_at(self._ranges, one), *self.combination) for one in self._asked]
+        """Return the points of the next generation."""
+        self._generation = [np.zeros(0)] if self._strategy is None else self._strategy.ask()
+        return [(*from_shares(self._ranges, shares), *self.combination) for shares in self._generation]
 
     def tell(self, scores: Sequence[float]) -> None:
-        """Take the scores of the points that were asked for, the least being the best."""
+        """Record the scores of the points of `ask`, the lowest being the best."""
         self.used += len(scores)
         self.best = min(self.best, *scores)
         if self._strategy is not None:
-            self._strategy.tell(self._asked, list(scores))
-        self._done = self._strategy is None or bool(self._strategy.stop())
+            self._strategy.tell(self._generation, list(scores))
+        self.done = self._strategy is None or bool(self._strategy.stop())
 
 
-def _strategy(start: Array, width: float, generator: np.random.Generator) -> Any:
-    cma = extra("cma", *NEED)
-    idle = np.full(max(0, LEAST_DIMENSIONS - start.size), 0.5)
+def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) -> Any:
+    """Create a strategy in the unit cube that draws from `generator`."""
+    cma = extra("cma", *REQUIREMENT)
+    idle = np.full(max(0, CMA.min_dimensions - start.size), 0.5)
     options = {
         "bounds": [0.0, 1.0],
         "randn": lambda *shape: generator.standard_normal(shape),
-        "seed": math.nan,  # it has its own generator
-        "tolx": SHARPNESS,
+        "seed": math.nan,  # the generator is the strategy's own
+        "tolx": CMA.tolerance,
         "verbose": -9,
     }
-    return cma.CMAEvolutionStrategy(np.concatenate([start, idle]), width, options)
+    return cma.CMAEvolutionStrategy(np.concatenate([start, idle]), sigma, options)
 
 
-def point_at(ranges: Sequence[Any], shares: Array) -> tuple[float, ...]:
-    """Compute the real numbers at shares of their ranges."""
+def from_shares(ranges: Sequence[SearchRange], shares: Array) -> tuple[float, ...]:
+    """Compute the real numbers at relative positions in their ranges."""
     return tuple(
-        significant(one.low + (one.high - one.low) * float(share)) for one, share in zip(ranges, shares, strict=False)
+        significant(each.low + (each.high - each.low) * float(share))
+        for each, share in zip(ranges, shares, strict=False)
     )
 
 
-def shares_of(ranges: Sequence[Any], values: Sequence[Value]) -> Array:
-    """Compute the shares of their ranges at which real numbers lie; what is outside counts as at the bound."""
+def to_shares(ranges: Sequence[SearchRange], values: Sequence[Value]) -> Array:
+    """Compute the relative positions of real numbers in their ranges, clipped to 0 to 1."""
     pairs = zip(ranges, values, strict=False)
-    return np.clip([(float(value) - one.low) / (one.high - one.low) for one, value in pairs], 0.0, 1.0)
+    return np.clip([(float(value) - each.low) / (each.high - each.low) for each, value in pairs], 0.0, 1.0)
 
 
-def score(row: PointResult, figure: Callable[[PointResult], float]) -> float:
-    """Compute a row's score: its figure, where it keeps all; else by how much it does not."""
+def rank_score(row: PointResult, cost: Cost) -> float:
+    """Compute the score of a row: its cost where it is feasible, else a larger number by its violation."""
     if row.values[FEASIBLE]:
-        return figure(row)
-    return WORST * (1.0 + float(row.values[VIOLATION]))
+        return cost(row)
+    return INFEASIBLE_SCORE * (1.0 + float(row.values[VIOLATION]))
 
 
-def searched(
+def search_minimum(
     task: Problem,
     evaluate: Evaluate,
-    figure: Callable[[PointResult], float],
+    cost: Cost,
     budget: int,
     starts: int,
     seed: Sequence[int],
     first: Point | None = None,
-    width: float = WIDTH,
+    sigma: float = CMA.initial_sigma,
 ) -> None:
-    """Search for the point with the least figure; what was evaluated is what `evaluate` keeps.
+    """Search for the point of lowest cost; `evaluate` records the points.
 
     Parameters
     ----------
     task
-        What may change.
+        The problem.
     evaluate
-        Gives the rows of points.
-    figure
-        What a row is to be judged by, the less the better.
+        Returns the rows of points.
+    cost
+        Cost of the row of a feasible point.
     budget
-        Evaluations, about.
+        Approximate number of evaluations.
     starts
-        Searches at the best combination: one where the rounds left it, others anywhere.
+        Searches at the best combination: one continues from the rounds, the others start at random.
     seed
-        Of all draws.
+        Random seed.
     first
-        Where the first searches start; by default at the design's own values.
-    width
-        Their standard deviation.
+        Start of the first searches; by default the values of the design.
+    sigma
+        Their first standard deviation.
     """
-    here = first or task.start
-    used = repeats = 0
-    best: tuple[float, Point] | None = None
+    run = _Run(task, evaluate, cost, budget, seed)
+    remaining = run.select_combination(first or task.start, sigma)
+    if not task.ranges:
+        run.advance(remaining, budget)
+        return
+    run.select_start(remaining[0], starts)
+    run.restart_locally(starts)
 
-    def generation(searches: Sequence[EvolutionSearch]) -> None:
-        nonlocal used, best
-        asked = [one.ask() for one in searches]
-        rows = evaluate([point for points in asked for point in points])
-        used += len(rows)
-        scores = [score(row, figure) for row in rows]
-        place = 0
-        for search, points in zip(searches, asked, strict=True):
-            batch = scores[place : place + len(points)]
-            place += len(points)
-            search.tell(batch)
-            least = min(range(len(batch)), key=batch.__getitem__)
-            if best is None or batch[least] < best[0]:
-                best = batch[least], points[least]
 
-    def run(searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
-        begun = {id(search): search.used for search in searches}
-        while live := [search for search in searches if not search.done and search.used - begun[id(search)] < each]:
-            generation(live)
-            if used >= until:
+class _Run:
+    """The generations of all searches of one call of `search_minimum`, and the best point so far."""
+
+    def __init__(self, task: Problem, evaluate: Evaluate, cost: Cost, budget: int, seed: Sequence[int]) -> None:
+        self._task, self._evaluate, self._cost, self._budget, self._seed = task, evaluate, cost, budget, seed
+        self._used = 0
+        self._best: tuple[float, Point] | None = None
+
+    def _new_search(self, combination: Point, start: Array, sigma: float, stream: Sequence[int]) -> EvolutionSearch:
+        return EvolutionSearch(self._task.ranges, combination, start, sigma, [*self._seed, *stream])
+
+    def advance(self, searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
+        """Run generations of searches until `until` evaluations in total, or `each` evaluations of each search."""
+        used = {id(search): search.used for search in searches}
+        while live := [search for search in searches if not search.done and search.used - used[id(search)] < each]:
+            self._generation(live)
+            if self._used >= until:
                 break
 
-    combinations = list(product(*(choice.values for choice in task.choices)))
-    at = shares_of(task.ranges, here)
-    live = [
-        EvolutionSearch(task, combination, at, width, [*seed, place, 0])
-        for place, combination in enumerate(combinations)
-    ]
-    rounds = math.ceil(math.log2(len(live))) if len(live) > 1 else 0
-    for number in range(rounds):
-        run(live, round(COMPETING * budget * (number + 1) / rounds), COMPETING * budget / rounds / len(live))
-        live = sorted(live, key=lambda one: one.best)[: -(-len(live) // 2)]
-    if not task.ranges:
-        run(live, budget)
-        return
-    anywhere = np.random.default_rng([*seed, len(combinations)]).random((max(starts, 1), len(task.ranges)))
-    chosen = live[0].combination
-    others = [EvolutionSearch(task, chosen, x, WIDTH, [*seed, 0, 1 + i]) for i, x in enumerate(anywhere[: starts - 1])]
-    rivals = [live[0], *others]
-    if others:
-        run(rivals, used + round(COMPETING * (budget - used)))
-    run([min(rivals, key=lambda one: one.best)], budget)
-    while best is not None and used < budget and repeats < MOST_REPEATS:
-        repeats += 1
-        last, before = best[1], best[0]
-        near = shares_of(task.ranges, last)
-        run([EvolutionSearch(task, last[len(task.ranges) :], near, LOCAL_WIDTH, [*seed, 0, starts + repeats])], budget)
-        if best[0] >= before:
-            break
+    def _generation(self, searches: Sequence[EvolutionSearch]) -> None:
+        """Evaluate the next generation of each search together."""
+        generations = [search.ask() for search in searches]
+        rows = self._evaluate([point for points in generations for point in points])
+        self._used += len(rows)
+        scores = iter([rank_score(row, self._cost) for row in rows])
+        for search, points in zip(searches, generations, strict=True):
+            batch = [next(scores) for _ in points]
+            search.tell(batch)
+            lowest = min(range(len(batch)), key=batch.__getitem__)
+            if self._best is None or batch[lowest] < self._best[0]:
+                self._best = batch[lowest], points[lowest]
+
+    def select_combination(self, first: Point, sigma: float) -> list[EvolutionSearch]:
+        """Search at every combination of the choices, and halve their number after each round; return those left."""
+        start = to_shares(self._task.ranges, first)
+        live = [
+            self._new_search(combination, start, sigma, [number, 0])
+            for number, combination in enumerate(self._combinations)
+        ]
+        rounds = math.ceil(math.log2(len(live))) if len(live) > 1 else 0
+        share = CMA.selection_share * self._budget
+        for number in range(rounds):
+            self.advance(live, round(share * (number + 1) / rounds), share / rounds / len(live))
+            live = sorted(live, key=lambda search: search.best)[: -(-len(live) // 2)]
+        return live
+
+    @property
+    def _combinations(self) -> list[Point]:
+        return list(product(*(choice.values for choice in self._task.choices)))
+
+    def select_start(self, search: EvolutionSearch, starts: int) -> None:
+        """Let a search compete with others from random starts, and give the best of them the rest of the budget."""
+        shape = max(starts, 1), len(self._task.ranges)
+        random_starts = np.random.default_rng([*self._seed, len(self._combinations)]).random(shape)
+        others = [
+            self._new_search(search.combination, start, CMA.initial_sigma, [0, 1 + number])
+            for number, start in enumerate(random_starts[: starts - 1])
+        ]
+        rivals = [search, *others]
+        if others:
+            self.advance(rivals, self._used + round(CMA.selection_share * (self._budget - self._used)))
+        self.advance([min(rivals, key=lambda rival: rival.best)], self._budget)
+
+    def restart_locally(self, starts: int) -> None:
+        """Restart about the best point with the rest of the budget, while that improves it."""
+        repeats = 0
+        while self._best is not None and self._used < self._budget and repeats < CMA.max_restarts:
+            repeats += 1
+            score, point = self._best
+            ranges = self._task.ranges
+            search = self._new_search(
+                point[len(ranges) :], to_shares(ranges, point), CMA.local_sigma, [0, starts + repeats]
+            )
+            self.advance([search], self._budget)
+            if self._best[0] >= score:
+                break

@@ -1,4 +1,4 @@
-"""A sweep: a design measured at many points, each a row of one table, on disk as soon as it is there."""
+"""Sweep: a design measured at many points, each a row of one table that is written to disk at once."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,29 +11,28 @@ from time import monotonic
 from typing import Any
 
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
-from cycloid_mj.base.errors import CycloidError, UsageError, reason
+from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
-from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.design import Named, declared, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore.journal import journal
-from cycloid_mj.explore.linked_keys import following
+from cycloid_mj.explore.journal import create_folder, open_journal
+from cycloid_mj.explore.linked_keys import parse_links
 from cycloid_mj.explore.measured import MeasureSettings, require_measures
-from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
-from cycloid_mj.explore.row import PointResult, Task, measured_row
+from cycloid_mj.explore.points import Method, Points, Wanted, draw_points, grid_points, list_rows
+from cycloid_mj.explore.row import PointResult, Task, evaluate_row
 from cycloid_mj.reducer import Reducer
 
 POINT, WARNINGS, ERROR, CPU, VERSIONS = "point", "warnings", "error", "cpu_s", "versions"
-"""Columns that every sweep has."""
+"""Columns of every sweep."""
 
 TABLE, PARQUET = "sweep.csv", "sweep.parquet"
 
 SECONDS_BETWEEN_TABLES = 10.0
-"""At least, between two writings of the table while the sweep runs."""
+"""Shortest time between two writings of the table while the sweep runs [s]."""
 
-MOST_SHARE_OF_TABLES = 20.0
-"""Times as long as a writing of the table took, before the next one: large tables cost little then, too."""
+TABLE_INTERVAL_RATIO = 20.0
+"""Time between two writings of the table relative to that of a writing, which take 5 % of the time at most."""
 
 PROCESSES = Engine()
 """All cores of this machine."""
@@ -41,14 +40,14 @@ PROCESSES = Engine()
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Tabular):
-    """What came of a sweep, or of a part of it.
+    """Result of a sweep, finished or not.
 
     Attributes
     ----------
     task, points
-        What was measured, and where.
+        What is measured, and where.
     rows
-        Place of a point, counted from 0 -> what came of it; points that are not done yet are missing.
+        Index of a point, counted from 0 -> its result; points that are not evaluated yet are missing.
     """
 
     task: Task
@@ -57,7 +56,7 @@ class Sweep(Tabular):
 
     @property
     def line(self) -> str:
-        """How many points there are, of what, and how many failed."""
+        """Number of points and of failures, varied keys, and the first quantities."""
         done = f"{len(self.points)}" if self.complete else f"{len(self.rows)} of {len(self.points)}"
         failed = f", {self.failed} failed" if self.failed else ""
         varied, measured = ", ".join(self.task.keys), ", ".join(self.quantities[:4])
@@ -65,51 +64,51 @@ class Sweep(Tabular):
 
     @property
     def failed(self) -> int:
-        """How many of the rows have an error."""
+        """Number of rows with an error."""
         return sum(bool(row.error) for row in self.rows.values())
 
     @property
     def errors(self) -> dict[str, int]:
-        """Errors, the most frequent first, and how many points have each."""
+        """Number of points with each error, the most frequent first."""
         counted = Counter(row.error for row in self.rows.values() if row.error)
         return dict(counted.most_common())
 
     @property
     def complete(self) -> bool:
-        """Whether every point has its row."""
+        """Whether every point has a row."""
         return len(self.rows) == len(self.points)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the figures stand on, as the first point that went well has it; a sentence each."""
+        """Assumptions of the first point that has any, a sentence each."""
         return next((row.assumptions for _, row in sorted(self.rows.items()) if row.assumptions), ())
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Columns of what was measured, in the order of the measures."""
+        """Columns of measured quantities, in the order of the measures."""
         quantities: dict[str, None] = {}
-        for place in sorted(self.rows):
-            quantities.update(dict.fromkeys(self.rows[place].values))
-        of_measure = {name: place for place, name in enumerate(self.task.measures)}
-        return tuple(sorted(quantities, key=lambda column: of_measure.get(column.partition(".")[0], 0)))
+        for index in sorted(self.rows):
+            quantities.update(dict.fromkeys(self.rows[index].values))
+        order = {name: number for number, name in enumerate(self.task.measures)}
+        return tuple(sorted(quantities, key=lambda column: order.get(column.partition(".")[0], 0)))
 
     @cached_property
     def frame(self) -> Frame:
-        """One row a point: its number, inputs, quantities, warnings, error, CPU time [s], and versions."""
-        made_by = ", ".join(f"{name} {version}" for name, version in versions())
-        follows = tuple(follower.key for follower in self.task.followers)
+        """A row for each point: number, inputs, quantities, warnings, error, CPU time [s], and versions."""
+        packages = ", ".join(f"{name} {version}" for name, version in versions())
+        follows = tuple(link.key for link in self.task.links)
         units = {key: unit_of(declared(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
         rows: list[dict[str, Cell]] = []
-        for place, row in sorted(self.rows.items()):
+        for index, row in sorted(self.rows.items()):
             units |= row.units
             columns: dict[str, Cell] = {
                 WARNINGS: " ".join(row.warnings),
                 ERROR: row.error,
                 CPU: row.cpu,
-                VERSIONS: made_by,
+                VERSIONS: packages,
             }
-            inputs = dict(zip(self.task.keys, self.points.rows[place], strict=True))
-            rows.append({POINT: place + 1, **inputs, **row.followed, **row.values, **columns})
+            inputs = dict(zip(self.task.keys, self.points.rows[index], strict=True))
+            rows.append({POINT: index + 1, **inputs, **row.followed, **row.values, **columns})
         names = (POINT, *self.task.keys, *follows, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
         return framed(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
@@ -131,62 +130,64 @@ def sweep(
     engine: Engine = PROCESSES,
     progress: Progress = silent,
 ) -> Sweep:
-    """Measure a design at many points.
+    """Evaluate a design over a grid, a sample or a table of parameter values.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what the points change.
+        A design, or the name of a preset or a file, which the points change.
     vary
-        Key of the design file -> its values: a sequence, or in words ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
+        Key of the design file -> its values: a sequence, or ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
     measure
         Names of one or more measures, see `MEASURED`, or keys of figures, see `cycloid_mj.figures.FIGURES`.
     table
-        The points themselves, in place of `vary`: rows of key -> value.
+        The points, in place of `vary`: rows of key -> value.
     sample, points, seed
-        Draw so many points from the ranges: ``sobol``, ``lhs`` or ``random``. Without `sample`: the whole grid.
+        Method, number and seed of points drawn from the ranges: ``sobol``, ``lhs`` or ``random``. Without `sample` all
+        points of the grid are evaluated.
     quick
-        Whether measures take fewer angles and runs, as by their own option of that name.
+        Whether measures use fewer angles and runs, as by their own option of that name.
     real_pins
         Whether loaded runs of `simulate` keep the inertia of moving pins, as they do where ``ring.pins`` is varied.
     solver
-        What takes the steps of runs.
+        Solver of the runs.
     follow
-        Keys that change with those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY``
-        of one that knows how: `output.hole_radius_mm`, which leaves the room that the design has, and
-        `drive.torque_nm`, which keeps the rated torque on the output. They are columns of their own.
+        Keys that follow those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` of
+        one with a rule of its own: `output.hole_radius_mm` keeps the clearance of the design, and `drive.torque_nm` the
+        rated torque on the output. They are columns of the result.
     out
-        Folder for the rows as they come; a sweep that was stopped goes on there. None: nothing is written.
+        Folder for the rows, which are written at once; an interrupted sweep is resumed there. None: no files.
     engine
-        Where the work is done.
+        Where the points are evaluated.
     progress
         Called after each point.
 
     Returns
     -------
-    The sweep, a table that pandas, polars and DuckDB take; a point that failed has its error there.
+    The sweep, a table for pandas, polars and DuckDB; a point that failed has its error in the table.
 
     Raises
     ------
     UsageError
-        There is no such key or measure, a value is none of the key, or the folder is of another sweep.
+        There is no such key or measure, the key cannot have a value, or the folder belongs to another sweep.
     CycloidError
-        The folder cannot be written; rows that were there are kept.
+        The folder cannot be written; its rows are kept.
     RunError
         The engine's workers are lost, or of other versions.
     """
     design = resolve(design)
     reducer = Reducer(design)
-    where = chosen(vary, table, sample, points, seed)
-    task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow, solver)
+    listed = choose_points(vary, table, sample, points, seed)
+    measures = [measure] if isinstance(measure, str) else measure
+    task = define_task(reducer, listed, measures, quick, real_pins, follow, solver)
     if out is None:
         rows: dict[int, PointResult] = {}
-        _fill(task, where, rows, rows.__setitem__, engine, progress)
-        return Sweep(task, where, rows)
-    return in_folder(task, where, _created(Path(out)), engine, progress)
+        _evaluate_missing(task, listed, rows, rows.__setitem__, engine, progress)
+        return Sweep(task, listed, rows)
+    return sweep_in_folder(task, listed, create_folder(Path(out)), engine, progress)
 
 
-def task_of(
+def define_task(
     reducer: Reducer,
     points: Points,
     measures: Iterable[str],
@@ -195,60 +196,61 @@ def task_of(
     follow: str | Sequence[str] = (),
     solver: Solver = "planar",
 ) -> Task:
-    """Return what is done at each point; measures are named one by one or as ``a,b``."""
-    names = require_measures(name.strip() for words in measures for name in words.split(","))
+    """Return what to evaluate at each point; measures are names, or lists of names ``a,b``."""
+    names = require_measures(name.strip() for listed in measures for name in listed.split(","))
     options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys, solver)
-    return Task(reducer, points.keys, names, options, following(reducer, follow, points.keys))
+    return Task(reducer, points.keys, names, options, parse_links(reducer, follow, points.keys))
 
 
-def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
-    """Measure the points that a folder lacks; its tables are written now and then, and whatever ends the sweep.
+def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
+    """Measure the points that a folder lacks; the tables are written in intervals, and however the sweep ends.
 
     Raises
     ------
     UsageError
-        The folder is of another sweep, or another process is at work in it.
+        The folder belongs to another sweep, or another process is working in it.
     CycloidError
-        It cannot be written; rows that were there are kept.
+        It cannot be written; its rows are kept.
     RunError
         The engine's workers are lost, or of other versions.
     """
-    with journal(into, _plan(task, points)) as kept:
+    with open_journal(into, _plan(task, points)) as journal:
         due = monotonic() + SECONDS_BETWEEN_TABLES
 
-        def keep(place: int, row: PointResult) -> None:
+        def record(index: int, row: PointResult) -> None:
             nonlocal due
-            # they are much the same in all rows
-            kept.add(place, replace(row, assumptions=()) if any(one.assumptions for one in kept.rows.values()) else row)
+            # assumptions hardly differ between rows: those of the first are enough
+            stated = any(other.assumptions for other in journal.rows.values())
+            journal.add(index, replace(row, assumptions=()) if stated else row)
             if (start := monotonic()) > due:
-                write_csv(Sweep(task, points, kept.rows).frame, into / TABLE)
-                due = monotonic() + max(SECONDS_BETWEEN_TABLES, MOST_SHARE_OF_TABLES * (monotonic() - start))
+                write_csv(Sweep(task, points, journal.rows).frame, into / TABLE)
+                due = monotonic() + max(SECONDS_BETWEEN_TABLES, TABLE_INTERVAL_RATIO * (monotonic() - start))
 
         try:
-            _fill(task, points, kept.rows, keep, engine, progress)
+            _evaluate_missing(task, points, journal.rows, record, engine, progress)
         except BaseException:
             with suppress(CycloidError):
-                write_tables(Sweep(task, points, kept.rows), into)
+                write_tables(Sweep(task, points, journal.rows), into)
             raise
-        swept = Sweep(task, points, kept.rows)
+        swept = Sweep(task, points, journal.rows)
         write_tables(swept, into)
     return swept
 
 
-def _fill(
+def _evaluate_missing(
     task: Task,
     points: Points,
     rows: Mapping[int, PointResult],
-    keep: Callable[[int, PointResult], None],
+    record: Callable[[int, PointResult], None],
     engine: Engine,
     progress: Progress,
 ) -> None:
-    """Measure the points that have no row yet."""
-    missing = [place for place in range(len(points)) if place not in rows]
-    work = partial(measured_row, task)
-    stream = engine.stream(work, [points.rows[place] for place in missing], lambda _, why: PointResult(error=why))
+    """Measure the points without a row, and record their rows."""
+    missing = [index for index in range(len(points)) if index not in rows]
+    work = partial(evaluate_row, task)
+    stream = engine.stream(work, [points.rows[index] for index in missing], lambda _, why: PointResult(error=why))
     for done, (item, row) in enumerate(stream, 1):
-        keep(missing[item], row)
+        record(missing[item], row)
         progress(done, len(missing))
 
 
@@ -260,45 +262,41 @@ def write_tables(sweep: Sweep, into: Path) -> None:
 
 
 def _plan(task: Task, points: Points) -> dict[str, Any]:
-    """Collect what tells a sweep from others: rows of another one do not belong in its folder."""
+    """Collect what identifies a sweep: its folder must not have rows of another one."""
     return {
         "design": dump(task.reducer.design),
         "keys": list(task.keys),
         "points": {"count": len(points), "digest": points.digest},
         "measures": list(task.measures),
         "options": asdict(task.options),
-        "follows": {follower.key: follower.words for follower in task.followers},
+        "follows": {link.key: link.words for link in task.links},
         "versions": dict(versions()),
     }
 
 
-def _created(into: Path) -> Path:
-    try:
-        make_folder(into)
-    except OSError as problem:
-        raise CycloidError(
-            f"cannot make the folder {into} for the sweep: {reason(problem)}; choose another with --out"
-        ) from problem
-    return into
-
-
-def chosen(
+def choose_points(
     vary: Mapping[str, Wanted] | None,
     table: Iterable[Mapping[str, Any]] | None,
     sample: Method | None,
     points: int,
     seed: int,
 ) -> Points:
-    """List the points that a call or command asks for; raise UsageError if it asks for none, or for two kinds."""
+    """List the points of a call or a command.
+
+    Raises
+    ------
+    UsageError
+        It specifies none, or in two ways; see also `grid_points`, `draw_points` and `list_rows`.
+    """
     if bool(vary) == (table is not None):
-        raise UsageError("give the points of a sweep by --vary KEY=VALUES, or by --table POINTS.csv")
+        raise UsageError("specify the points of a sweep with either --vary KEY=VALUES or --table POINTS.csv")
     if table is not None:
         if sample is not None:
-            raise UsageError("--sample draws from the ranges of --vary: leave it out with --table")
-        return tabled(table)
+            raise UsageError("--sample draws from the ranges of --vary: remove it, or replace --table by --vary")
+        return list_rows(table)
     vary = vary or {}
     if sample is None:
         if points:
-            raise UsageError("--points says how many to draw: give --sample sobol, lhs or random as well")
-        return grid(vary)
-    return sampled(vary, sample, points, seed)
+            raise UsageError("--points is the number of points to draw: add --sample sobol, lhs or random")
+        return grid_points(vary)
+    return draw_points(vary, sample, points, seed)

@@ -1,4 +1,4 @@
-"""Samples of a design within its tolerances: distributions, yield, jams, and an error budget by Sobol indices."""
+"""Monte Carlo study of a design within its tolerances: distributions, yield, jams, and an error budget."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,22 +18,22 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
-from cycloid_mj.explore.constraints import FigureLimit, limit, require_consistent
-from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, cause, jams_of, jams_too_often, pressed_pairs
+from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
+from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
 from cycloid_mj.explore.sampling import (
     Batch,
-    as_design,
-    blocks,
-    departures,
-    drawn,
-    drawn_columns,
-    filed,
-    left_out,
-    put,
+    apply_departures,
+    departure_columns,
+    design_of_sample,
+    draw_departures,
+    draw_samples,
+    has_design_file,
+    list_batches,
+    list_omissions,
     sample_design,
-    tolerances,
+    tolerance_zones,
 )
-from cycloid_mj.explore.verify import Verified, table_rows, verified
+from cycloid_mj.explore.verify import DynamicsCheck, table_rows, verify_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
@@ -44,22 +44,23 @@ from cycloid_mj.statics.samples import Samples, alike
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
 
-UNVARIED = 1e-9
-"""Range of a figure, relative to its largest value, up to which it counts as constant: rounding errors are below."""
+CONSTANT_RTOL = 1e-9
+"""Relative range of a figure up to which it counts as constant: rounding errors are below."""
 
 WIDE_INTERVAL = 0.2
 """Width of the widest 95 % interval of a budget above which the study recommends more samples."""
 
-WORST = 5
-"""Samples that are kept as designs."""
+MAX_WORST = 5
+"""Number of worst samples that are kept as designs."""
 
+DISTRIBUTION_HEADER = ("figure", "mean", "std", "5 %", "median", "95 %", "unit")
 BUDGET_HEADER = ("tolerance", "first order", "total", "95 %")
 VERIFIED_HEADER = ("sample", "figure", "statics", "dynamics", "difference", "unit")
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """The distribution of one figure: mean, standard deviation, percentiles, and unit."""
+    """Mean, standard deviation, percentiles and unit of a figure; NaN for fewer than two samples."""
 
     mean: float
     std: float
@@ -68,35 +69,50 @@ class Distribution:
     p95: float
     unit: str
 
+    @classmethod
+    def of_values(cls, values: Array, unit: str) -> "Distribution":
+        """Compute the distribution of values, shape (n,)."""
+        if len(values) < 2:
+            return cls(math.nan, math.nan, math.nan, math.nan, math.nan, unit)
+        p05, p50, p95 = np.percentile(values, [5.0, 50.0, 95.0]).tolist()
+        return cls(float(np.mean(values)), float(np.std(values, ddof=1)), p05, p50, p95, unit)
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The numbers as text, for a table."""
+        return tuple(f"{value:.5g}" for value in (self.mean, self.std, self.p05, self.p50, self.p95))
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tolerances(Tabular):
-    """What came of the samples of one design.
+    """Result of a tolerance study.
 
     Attributes
     ----------
     design, condition
-        Its name, and under what the figures hold.
+        Name of the design, and the condition of its figures.
     samples, asked, seed
-        How many, of how many that were asked for, and from which seed.
+        Number of balanced and of requested samples, and the random seed.
     figures
         Values by key, shape (samples,) each.
     drawn
-        How far each sample departs from the design [um], by the columns of `drawn_columns`, shape (samples,) each.
+        Departures of each sample from the design [um], by the columns of `departure_columns`, shape (samples,) each.
     jams
-        Which samples go together under force only, shape (samples,).
+        Which samples jam, shape (samples,).
     jammed_by
         Why so many of them jam that the study stopped, a sentence; empty where it did not.
     limits
-        What was asked for.
+        Limits on figures.
+    budget_of
+        The figure of the error budget.
     budget
-        Shares in the variance of the figure `budget_of`, the largest first.
+        Shares of the tolerances in its variance, the largest first.
     no_budget
         Why there are none.
     worst
-        Designs of the samples that are furthest out in `budget_of`, the worst first, of those that do not jam.
+        Designs of the samples that are furthest off in `budget_of`, the worst first, of those that do not jam.
     left_out
-        What the design files of these lack, a sentence each.
+        What their design files omit, a sentence each.
     verified
         Some of them in full dynamics.
     """
@@ -116,17 +132,17 @@ class Tolerances(Tabular):
     no_budget: str
     worst: tuple[Design, ...]
     left_out: tuple[str, ...]
-    verified: tuple[Verified, ...] = ()
+    verified: tuple[DynamicsCheck, ...] = ()
 
     @property
     def good(self) -> Mask:
-        """Which samples keep every limit and do not jam."""
-        kept = [limit.holds(self.figures[limit.key]) for limit in self.limits]
-        return np.asarray(np.all([~self.jams, *kept], axis=0))
+        """Which samples satisfy all limits and do not jam, shape (samples,)."""
+        satisfied = [limit.holds(self.figures[limit.key]) for limit in self.limits]
+        return np.asarray(np.all([~self.jams, *satisfied], axis=0))
 
     @property
     def frame(self) -> Frame:
-        """The samples, a row each."""
+        """A row for each sample."""
         units = {key: unit for key in self.figures if (unit := figure(key).unit) != "1"} | dict.fromkeys(
             self.drawn, "um"
         )
@@ -135,7 +151,7 @@ class Tolerances(Tabular):
 
     @property
     def line(self) -> str:
-        """Design, yield, and the figure that the budget is of."""
+        """Design, yield, and mean and standard deviation of the figure of the budget."""
         unit = figure(self.budget_of).unit
         values = self.figures[self.budget_of][~self.jams]
         spread = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
@@ -143,7 +159,7 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """The yield with 95 % confidence (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
+        """The 95 % confidence interval of the yield (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
         count, share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
         middle = (share + 0.5 * weight) / (1.0 + weight)
@@ -152,17 +168,17 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """The yield and the chance of a jam, in a sentence."""
+        """Yield, limits and share of jams, in a sentence."""
         low, high = self.yield_interval
-        asked = " and ".join(map(str, self.limits)) or "no limit but that the parts go together"
+        limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
-            f"yield {self.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {asked}; {self.jams.mean():.2%} jam; "
+            f"yield {self.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {limits}; {self.jams.mean():.2%} jam; "
             f"{self.samples_text}, seed {self.seed}"
         )
 
     @property
     def sample_count(self) -> str:
-        """How many samples there are, and of how many, if not all."""
+        """The number of samples, and of how many if the study was stopped."""
         return f"{self.samples}" if self.samples == self.asked else f"{self.samples} of {self.asked}"
 
     @property
@@ -177,7 +193,7 @@ class Tolerances(Tabular):
 
     @property
     def jam_words(self) -> str:
-        """How many samples jam, why, and what to do, in a sentence."""
+        """Number of jammed samples, the cause and the remedy, in a sentence."""
         return (
             f"{int(self.jams.sum())} of the first {self.samples} samples jam ({MAX_JAM_SHARE:.0%} or more end a "
             f"study): {self.jammed_by}; increase the clearances (table [clearance]) or reduce the tolerances (table "
@@ -186,20 +202,20 @@ class Tolerances(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know of the samples, a sentence each."""
-        lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
-        pressed = pressed_pairs(self.figures)
-        jammed = [f"pressed without a load: {', '.join(f'{pair} in {share:.2%}' for pair, share in pressed.items())}"]
-        each = [key for key in self.figures if figure(key).sampled is None]
+        """Sentences about jams, the budget, omissions of design files and failed runs."""
+        failed = [
+            f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
+        ]
+        pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in preloaded_pairs(self.figures).items())
+        separate = [key for key in self.figures if figure(key).sampled is None]
         fit = int(np.sum(~self.jams))
-        alone = [f"{', '.join(each)}: of each sample as a design of its own, at the load of the design"] if each else []
         return (
             *([] if fit > 1 else [f"no distributions: {fit} of {self.samples} samples do not jam"]),
             *self._budget_notes(),
-            *(jammed if pressed else []),
-            *alone,
+            *([f"pressed without a load: {pairs}"] if pairs else []),
+            *([f"{', '.join(separate)}: computed for each sample at the design's load"] if separate else []),
             *self.left_out,
-            *lost,
+            *failed,
         )
 
     def _budget_notes(self) -> list[str]:
@@ -217,45 +233,34 @@ class Tolerances(Tabular):
     @property
     def distributions(self) -> dict[str, Distribution]:
         """The distribution of every figure over the samples that do not jam; NaN where fewer than two do not."""
-        return {key: _distribution(values[~self.jams], figure(key).unit) for key, values in self.figures.items()}
+        return {
+            key: Distribution.of_values(values[~self.jams], figure(key).unit) for key, values in self.figures.items()
+        }
 
     def tables(self) -> tuple[Table, ...]:
-        """Tabulate distributions, and where there are some budget and dynamics."""
-        header = ("figure", "mean", "std", "5 %", "median", "95 %", "unit")
-        rows = tuple(
-            (
-                key,
-                *(
-                    f"{value:.5g}"
-                    for value in (
-                        distribution.mean,
-                        distribution.std,
-                        distribution.p05,
-                        distribution.p50,
-                        distribution.p95,
-                    )
-                ),
-                distribution.unit,
+        """Tabulate the distributions, the budget and the runs in full dynamics, as far as there are any."""
+        tables = []
+        if np.sum(~self.jams) > 1:
+            rows = tuple((key, *each.cells, each.unit) for key, each in self.distributions.items())
+            tables.append(Table(f"{self.design}: {self.samples_text}", DISTRIBUTION_HEADER, rows))
+        if self.budget:
+            budget = tuple(
+                (
+                    share.source,
+                    f"{share.first_order:.3f}",
+                    f"{share.total:.3f}",
+                    f"{share.ci95[0]:.3f} to {share.ci95[1]:.3f}",
+                )
+                for share in self.budget
             )
-            for key, distribution in self.distributions.items()
-        )
-        shares = tuple(
-            (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
-            for one in self.budget
-        )
-        fit = int(np.sum(~self.jams))
-        tables = [Table(f"{self.design}: {self.samples_text}", header, rows)] if fit > 1 else []
-        if shares:
-            tables.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
-        if compared := tuple(row for one in self.verified for row in table_rows(one)):
-            by = SOLVERS[self.verified[0].solver]
-            tables.append(
-                Table(f"the worst samples in full dynamics, {by}, at speed, with friction", VERIFIED_HEADER, compared)
-            )
+            tables.append(Table(f"error budget: shares in the variance of {self.budget_of}", BUDGET_HEADER, budget))
+        if compared := tuple(row for check in self.verified for row in table_rows(check)):
+            solver = SOLVERS[self.verified[0].solver]
+            tables.append(Table(f"worst samples in full dynamics, {solver}, with friction", VERIFIED_HEADER, compared))
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all of it to JSON values."""
+        """Convert the study to JSON values."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -266,18 +271,18 @@ class Tolerances(Tabular):
             "yield": float(self.good.mean()),
             "yield_ci95": list(self.yield_interval),
             "jam_probability": float(self.jams.mean()),
-            "pressed_unloaded": pressed_pairs(self.figures),
+            "pressed_unloaded": preloaded_pairs(self.figures),
             "jammed_by": self.jammed_by,
             "quantities": {key: vars(distribution) for key, distribution in self.distributions.items()},
             "budget_of": self.budget_of,
-            "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
+            "budget": [{**vars(share), "ci95": list(share.ci95)} for share in self.budget],
             "no_budget": self.no_budget,
-            "verified": [{**vars(one), "differences": one.differences} for one in self.verified],
+            "verified": [{**vars(check), "differences": check.differences} for check in self.verified],
         }
 
 
-class Unfinished(KeyboardInterrupt):
-    """Ctrl-C, or a signal of the same effect, came when some samples were done: `found` is what came of them."""
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C, or a signal of the same effect, stopped a study; `tolerances` has the samples balanced so far."""
 
     def __init__(self, stop: KeyboardInterrupt, tolerances: Tolerances) -> None:
         super().__init__(*stop.args)
@@ -285,7 +290,7 @@ class Unfinished(KeyboardInterrupt):
 
 
 class TooManyJams(RunError):
-    """Nearly all samples of the first block jam; `tolerances` holds their figures."""
+    """Nearly all samples of the first batch jam; `tolerances` has their figures."""
 
     def __init__(self, tolerances: Tolerances) -> None:
         super().__init__(tolerances.jam_words)
@@ -302,92 +307,100 @@ def tolerance(
     verify: int = 0,
     solver: Solver = "planar",
 ) -> Tolerances:
-    """Draw samples within the design's tolerances, balance them all round, and share out the variance.
+    """Draw samples of a design within its tolerances, balance them, and compute yield and error budget.
 
-    The same seed gives the same bits, wherever and by however many workers.
+    Equal seeds yield equal bits, on any machine and with any number of workers.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what has tolerances, in its table of that name.
+        A design with a table [tolerance], or the name of a preset or a file.
     samples, seed
-        How many are drawn, and from which seed.
+        Number of samples, and random seed.
     limits
-        On figures of the catalogue, such as ``"backlash_arcmin<=1"``; the first one's figure is that of the budget.
-        Those not in `SAMPLED` are computed of each sample as a design of its own, which takes longer.
+        Limits on figures of the catalogue, such as ``"backlash_arcmin<=1"``; the error budget is that of the first
+        one's figure. Figures that are not in `SAMPLED` are computed for each sample as a design, which takes longer.
     progress
-        Called with how many samples are balanced, and how many there are, those of the budget included.
+        Called with the numbers of balanced samples and of all, including those of the budget.
     engine
-        Where the work is done.
+        Where the samples are balanced.
     verify
-        How many of the worst samples are run in full dynamics.
+        Number of the worst samples that are run in full dynamics.
     solver
-        What takes the steps of these runs.
+        Solver of these runs.
 
     Raises
     ------
     UsageError
         The design has no tolerances, a limit is not valid, or limits contradict each other.
     DesignError
-        A tolerance is not of a known form.
+        A tolerance does not have a known form.
     TooManyJams
         99 % or more of the first 200 samples jam, or of all, where there are fewer; it holds their figures.
-    Unfinished
-        Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
+    StudyInterrupted
+        Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
     """
     design = resolve(design)
     reducer = Reducer(design)
     require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
-    zones = tolerances(reducer)
+    zones = tolerance_zones(reducer)
     if not zones:
         raise UsageError(
-            f"the design {reducer.design.name!r} has no tolerances: give some in its table [tolerance], "
+            f"the design {reducer.design.name!r} has no tolerances: set some in its table [tolerance], "
             "e.g. --set 'tolerance.cam=\"uniform 2\"'"
         )
-    if not 0 <= verify <= WORST:
-        raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
-    asked = tuple(limit(one, reducer) if isinstance(one, str) else one for one in limits)
-    require_consistent(asked)
-    study = _Study(reducer, zones, samples, seed, asked)
+    if not 0 <= verify <= MAX_WORST:
+        raise UsageError(f"cannot run {verify} samples in full dynamics; allowed: 0 to {MAX_WORST}, the worst samples")
+    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
+    require_consistent(parsed)
+    study = _Study(reducer, zones, samples, seed, parsed)
     done: dict[int, dict[str, Array]] = {}
-    checked: dict[int, Verified] = {}
+    checked: dict[int, DynamicsCheck] = {}
     try:
         if not _balance(study, done, progress, engine):
             raise TooManyJams(study.result({0: done[0]}))
         result = study.result(done)
-        checked.update(engine.stream(partial(verified, solver=solver), [Reducer(one) for one in result.worst[:verify]]))
+        drives = [Reducer(worst) for worst in result.worst[:verify]]
+        checked.update(engine.stream(partial(verify_design, solver=solver), drives))
     except KeyboardInterrupt as stop:
         if 0 not in done:
             raise
-        raise Unfinished(stop, _with_dynamics(study.result(done), checked)) from stop
+        raise StudyInterrupted(stop, _with_dynamics(study.result(done), checked)) from stop
     return _with_dynamics(result, checked)
 
 
 def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> bool:
-    """Balance the samples of a study, and the sets of its budget; `done` takes their figures by place in its work.
+    """Balance the samples of a study and the sets of its budget.
+
+    Parameters
+    ----------
+    study, progress, engine
+        The study, and how to run it.
+    done
+        Takes the figures of each batch, by its index in the work of the study.
 
     Returns
     -------
-    Whether all is done: the study ends where too many samples of its first block jam.
+    Whether all is done; False where too many samples of the first batch jam.
     """
-    whole, count = sum(block.count for block, _ in study.work), 0
-    work = partial(balanced, study.reducer, study.zones, study.seed, ANGLES)
-    for place, figures in engine.stream(work, study.work):
-        done[place] = figures
-        count += study.work[place][0].count
-        progress(count, whole)
-        if place == 0 and jams_too_often(jams_of(figures)):
+    total, count = sum(batch.count for batch, _ in study.work), 0
+    work = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
+    for index, figures in engine.stream(work, study.work):
+        done[index] = figures
+        count += study.work[index][0].count
+        progress(count, total)
+        if index == 0 and jams_too_often(find_jams(figures)):
             return False
     return True
 
 
-def _with_dynamics(tolerances: Tolerances, checked: Mapping[int, Verified]) -> Tolerances:
-    return replace(tolerances, verified=tuple(one for _, one in sorted(checked.items())))
+def _with_dynamics(tolerances: Tolerances, checked: Mapping[int, DynamicsCheck]) -> Tolerances:
+    return replace(tolerances, verified=tuple(check for _, check in sorted(checked.items())))
 
 
 @dataclass(frozen=True)
 class _Study:
-    """Samples that are asked for, block by block, with the sets that their budget compares."""
+    """The batches of a study and the sets of its error budget, and the result of their figures."""
 
     reducer: Reducer
     zones: Mapping[str, Zone]
@@ -396,25 +409,25 @@ class _Study:
     limits: tuple[FigureLimit, ...]
 
     @property
-    def of(self) -> str:
+    def budget_key(self) -> str:
         """The figure of the budget."""
         return self.limits[0].key if self.limits else "backlash_arcmin"
 
     @cached_property
     def main(self) -> list[Batch]:
-        return blocks(self.samples)
+        return list_batches(self.samples)
 
     @cached_property
-    def compared(self) -> dict[str, Batch]:
+    def budget_sets(self) -> dict[str, Batch]:
         count = budget_samples(self.samples)
         return budget_blocks(self.zones, count) if count and len(self.zones) > 1 else {}
 
     @cached_property
     def work(self) -> list[tuple[Batch, tuple[str, ...]]]:
-        """Every block with the figures that it is balanced for: those of the samples, then those of the budget."""
-        keys = tuple(dict.fromkeys((self.of, *PRELOADS, *PRELOADS.values())))
-        budget = [(block, keys) for block in self.compared.values()]
-        return [*((block, self.keys) for block in self.main), *budget]
+        """All batches with the keys of their figures: those of the samples, then those of the budget."""
+        keys = tuple(dict.fromkeys((self.budget_key, *PRELOADS, *PRELOADS.values())))
+        budget = [(batch, keys) for batch in self.budget_sets.values()]
+        return [*((batch, self.keys) for batch in self.main), *budget]
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -422,17 +435,16 @@ class _Study:
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Gather the result from the figures of all work, or of so much as is `done`: its first block at least."""
-        main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
-        figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in self.keys}
-        jams, parts = jams_of(figures), [departures(self.reducer, self.zones, self.seed, block) for block in main]
+        """Gather the result of the batches that are done, the first at least."""
+        main = self.main[: next((index for index in range(len(self.main)) if index not in done), len(self.main))]
+        figures = {key: np.concatenate([done[index][key] for index in range(len(main))]) for key in self.keys}
+        jams = find_jams(figures)
         stopped = len(main) == 1 and jams_too_often(jams)
-        changed = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
-        budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.of][~jams])
-        has_file = filed(self.reducer, put(self.reducer, alike(self.reducer, jams.size), changed))
-        outwards = 1.0 if not self.limits or self.limits[0].at_most else -1.0
-        ranked = np.argsort(-outwards * figures[self.of], kind="stable")
-        worst = ranked[(~jams & has_file)[ranked]][:WORST].tolist()
+        parts = [draw_departures(self.reducer, self.zones, self.seed, batch) for batch in main]
+        departures = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
+        samples = apply_departures(self.reducer, alike(self.reducer, jams.size), departures)
+        can_be_written = has_design_file(self.reducer, samples)
+        budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.budget_key][~jams])
         return Tolerances(
             design=self.reducer.design.name,
             condition=condition(self.reducer),
@@ -440,64 +452,80 @@ class _Study:
             asked=self.samples,
             seed=self.seed,
             figures=figures,
-            drawn=drawn_columns(changed),
+            drawn=departure_columns(departures),
             jams=jams,
-            jammed_by=cause(self.reducer, self.zones, self.seed, jams) if stopped else "",
+            jammed_by=explain_jams(self.reducer, self.zones, self.seed, jams) if stopped else "",
             limits=self.limits,
-            budget_of=self.of,
+            budget_of=self.budget_key,
             budget=budget,
             no_budget=no_budget,
-            worst=tuple(sample_design(self.reducer, self.zones, self.seed, number) for number in worst),
-            left_out=left_out(self.reducer, self.zones, int(np.sum(~jams & ~has_file))),
+            worst=self._worst(figures[self.budget_key], ~jams & can_be_written),
+            left_out=list_omissions(self.reducer, self.zones, int(np.sum(~jams & ~can_be_written))),
         )
+
+    def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
+        """Return the designs of the eligible samples with the worst values, shape (samples,) each."""
+        sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
+        ranked = np.argsort(-sense * values, kind="stable")
+        numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
+        return tuple(sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
 
     def _budget(self, done: Mapping[int, Mapping[str, Array]], values: Array) -> tuple[tuple[Share, ...], str]:
         """Return the error budget, or none and the reason; `values` are those of the samples that do not jam."""
-        if values.size > 1 and np.ptp(values) <= UNVARIED * np.abs(values).max():
-            return (), f"{self.of} does not vary with these tolerances: it is {values[0]:.6g} in every sample"
+        key = self.budget_key
+        if values.size > 1 and np.ptp(values) <= CONSTANT_RTOL * np.abs(values).max():
+            return (), f"{key} does not vary with these tolerances: it is {values[0]:.6g} in every sample"
         if len(self.zones) == 1 and values.size > 1:
             return (Share(next(iter(self.zones)), 1.0, 1.0, (1.0, 1.0)),), ""
-        if not self.compared:
+        if not self.budget_sets:
             return (), f"it takes {SOBOL.min_samples} samples or more (--samples)"
-        places = range(len(self.main), len(self.work))
-        if any(place not in done for place in places):
+        indices = range(len(self.main), len(self.work))
+        if any(index not in done for index in indices):
             return (), "the study was stopped before its samples were balanced"
-        balanced = {name: done[place] for name, place in zip(self.compared, places, strict=True)}
-        sets = {name: np.where(jams_of(figures), np.nan, figures[self.of]) for name, figures in balanced.items()}
-        drawn = [departures(self.reducer, self.zones, self.seed, self.compared[name]) for name in "AB"]
-        if found := shares(self.zones, drawn, sets):
-            return found, ""
-        used, count = usable_rows(sets).size, self.compared["A"].count
+        figures = {name: done[index] for name, index in zip(self.budget_sets, indices, strict=True)}
+        sets = {name: np.where(find_jams(each), np.nan, each[key]) for name, each in figures.items()}
+        drawn = [draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"]
+        if budget := shares(self.zones, drawn, sets):
+            return budget, ""
+        used, count = usable_rows(sets).size, self.budget_sets["A"].count
+        remedy = "" if count == SOBOL.max_samples else ", or draw more samples (--samples)"
         return (), (
-            f"{used} of its {count} samples fit in all sets that it compares, and it takes {SOBOL.min_samples}: reduce "
-            "the tolerances" + ("" if count == SOBOL.max_samples else ", or draw more samples (--samples)")
+            f"{used} of its {count} samples do not jam in any of the sets that it compares, and it takes "
+            f"{SOBOL.min_samples}: reduce the tolerances{remedy}"
         )
 
 
-def balanced(
+def balance_batch(
     reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Batch, Sequence[str]]
 ) -> dict[str, Array]:
-    """Balance the samples of a block; give the figures that are asked for by key, shape (samples,) each."""
-    block, keys = work
-    made = drawn(reducer, zones, seed, block)
-    alone = {key: _each(reducer, made, figure(key)) for key in keys if figure(key).sampled is None}
-    return compute_sampled(reducer, made, keys, angles) | alone
+    """Balance the samples of a batch, and compute figures of them.
+
+    Parameters
+    ----------
+    reducer, zones, seed
+        The study.
+    angles
+        Crank angles at which the samples are balanced.
+    work
+        The batch, and the keys of the figures.
+
+    Returns
+    -------
+    The figures by key, shape (samples,) each; those that are not in `SAMPLED` are NaN where a sample is no design.
+    """
+    batch, keys = work
+    samples = draw_samples(reducer, zones, seed, batch)
+    separate = {key: _compute_each(reducer, samples, figure(key)) for key in keys if figure(key).sampled is None}
+    return compute_sampled(reducer, samples, keys, angles) | separate
 
 
-def _each(reducer: Reducer, made: Samples, row: Figure) -> Array:
-    """Compute a figure of each sample as a design of its own, shape (samples,); NaN where there is none."""
-    return np.array([_of_sample(reducer, made, number, row) for number in range(len(made))])
+def _compute_each(reducer: Reducer, samples: Samples, row: Figure) -> Array:
+    """Compute a figure of each sample as a design, shape (samples,); NaN where there is none."""
+    return np.array([_of_sample(reducer, samples, number, row) for number in range(len(samples))])
 
 
-def _of_sample(reducer: Reducer, made: Samples, number: int, row: Figure) -> float:
+def _of_sample(reducer: Reducer, samples: Samples, number: int, row: Figure) -> float:
     try:
-        return row.value(Reducer(as_design(reducer, made, number, reducer.design.name)))
+        return row.value(Reducer(design_of_sample(reducer, samples, number, reducer.design.name)))
     except CycloidError:
         return math.nan
-
-
-def _distribution(values: Array, unit: str) -> Distribution:
-    if len(values) < 2:
-        values = np.full(2, np.nan)
-    low, middle, high = np.percentile(values, [5.0, 50.0, 95.0]).tolist()
-    return Distribution(float(np.mean(values)), float(np.std(values, ddof=1)), low, middle, high, unit)

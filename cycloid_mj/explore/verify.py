@@ -1,4 +1,4 @@
-"""Samples in full dynamics beside their statics: what friction, inertia and moving pins make of the worst of them."""
+"""Comparison of statics and full dynamics (friction, inertia, moving pins) for the worst samples."""
 
 import math
 from collections.abc import Mapping
@@ -14,23 +14,23 @@ from cycloid_mj.measure.contact_pressure import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.reducer import Reducer
 
-KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
+CONTACT_KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 
 
 @dataclass(frozen=True)
-class Verified:
-    """A design run over a turn of the crank, at its own speed and under its rated torque, beside its statics.
+class DynamicsCheck:
+    """Figures of a run over a crank turn at the design's speed and rated torque, and by statics.
 
     Attributes
     ----------
     design
         Its name.
     statics, dynamics
-        Figures by their keys in `SAMPLED`; `dynamics` are fewer, and none where the run went wrong.
+        Figures by their keys in `SAMPLED`; `dynamics` has some of them, and none if the run failed.
     note
-        Why there are none.
+        Why the run failed.
     solver
-        What took the steps of the run.
+        Solver of the run.
     """
 
     design: str
@@ -41,20 +41,20 @@ class Verified:
 
     @property
     def differences(self) -> dict[str, float]:
-        """Dynamics less statics, as a share of the statics."""
+        """Difference of dynamics to statics, relative to statics."""
         return {
             key: value / self.statics[key] - 1.0 if self.statics[key] else math.nan
             for key, value in self.dynamics.items()
         }
 
 
-def verified(reducer: Reducer, solver: Solver = "planar") -> Verified:
-    """Run a design and give its figures beside those of its statics; a run that goes wrong is told in the note."""
+def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
+    """Run a design, and return its figures with those of statics; the note has the error of a run that fails."""
     statics = compute(reducer, SAMPLED)
     try:
-        return Verified(reducer.design.name, statics, _dynamics(reducer, solver), solver=solver)
+        return DynamicsCheck(reducer.design.name, statics, _dynamics(reducer, solver), solver=solver)
     except CycloidError as error:
-        return Verified(reducer.design.name, statics, {}, str(error), solver)
+        return DynamicsCheck(reducer.design.name, statics, {}, str(error), solver)
 
 
 def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
@@ -63,23 +63,23 @@ def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
     run = steady(loaded, SETTLED, design.ring.teeth, solver)
     error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
     contacts = pressed(run, loaded)
-    kinds = {"tooth_force_n": design.tooth_pair, **KINDS}
+    kinds = {"tooth_force_n": design.tooth_pair, **CONTACT_KINDS}
     return {
         "te_loaded_arcsec": ARCSECONDS * float(np.ptp(error)),
         **{key: contacts[kind].peak_force for key, kind in kinds.items()},
     }
 
 
-def table_rows(verified: Verified) -> list[tuple[str, ...]]:
-    """List statics, dynamics and their difference as rows of text, a figure each."""
+def table_rows(check: DynamicsCheck) -> list[tuple[str, ...]]:
+    """Format statics, dynamics and their difference, a row for each figure."""
     return [
         (
-            verified.design,
+            check.design,
             key,
-            f"{verified.statics[key]:.5g}",
+            f"{check.statics[key]:.5g}",
             f"{value:.5g}",
-            f"{100.0 * verified.differences[key]:+.2f} %",
+            f"{100.0 * check.differences[key]:+.2f} %",
             figure(key).unit,
         )
-        for key, value in verified.dynamics.items()
+        for key, value in check.dynamics.items()
     ]

@@ -1,4 +1,4 @@
-"""Tolerance zones in the words of the design file, and draws from them.
+"""Tolerance zones in the words of the design file, and their quantiles.
 
 ``normal 2``, ``uniform 5`` and ``between -1 4`` are micrometres about the design's value; ``IT6`` is a grade's zone at
 a part's size, ``H7/g6`` the fit of two (ISO 286-1): both are normal, with a sixth of the zone as standard deviation.
@@ -15,7 +15,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.fits import clearances, grade_width
 
 ZONE_SIGMAS = 6.0
-"""Standard deviations in a zone that a process keeps: 3 parts in 1000 lie beyond."""
+"""Standard deviations in a zone of a capable process (ISO 22514): 3 parts in 1000 lie outside."""
 
 LARGEST_ZONE_UM = 1e6
 """Largest deviation that a tolerance may state [um]: a metre, beyond which a number is a slip and overflows follow."""
@@ -25,14 +25,14 @@ FORMS = '"normal 2", "uniform 5", "between -1 4" (in um), "IT6", or for a cleara
 
 @dataclass(frozen=True)
 class Zone:
-    """A distribution about `middle` [m]: `width` is its standard deviation, or its half width where it is uniform."""
+    """A distribution about `middle` [m]; `width` is its standard deviation, or its half width if it is uniform."""
 
     kind: Literal["normal", "uniform"]
     middle: float
     width: float
 
     def quantiles(self, share: Array) -> Array:
-        """Compute the deviations [m] below which shares of the parts lie, between 0 and 1, of any shape."""
+        """Compute the deviations [m] below which shares of the parts lie (0 to 1), in the shape of `share`."""
         if self.kind == "uniform":
             return self.middle + self.width * (2.0 * share - 1.0)
         from scipy.special import ndtri  # not loaded where nothing is drawn
@@ -46,21 +46,21 @@ class Zone:
 
 
 def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zone | None:
-    """Read a tolerance; None where there is none.
+    """Parse a tolerance; None where there is none.
 
     Parameters
     ----------
     text, key
-        What the design file says, and where.
+        Text of the design file, and its key.
     size
-        Diameter that grades and fits are of [m].
+        Diameter that grades and fits refer to [m].
     clearance
-        The design's own clearance [m], about which a fit lies; None where no fit is meant.
+        Clearance of the design [m], to which the departures of a fit refer; None where a fit is not allowed.
 
     Raises
     ------
     DesignError
-        It is not of one of `FORMS`.
+        It does not have one of the `FORMS`, or its numbers are not finite.
     """
     words = text.split()
     try:
@@ -91,12 +91,12 @@ def _finite(text: str) -> float:
 
 
 def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
-    """Read the zones of the amplitudes of waves by order, from 1 to the highest, as in ``2: normal 1, 35: uniform 2``.
+    """Parse the zones of the amplitudes of waves by order, 1 to `highest`, as in ``2: normal 1, 35: uniform 2``.
 
     Raises
     ------
     DesignError
-        An order is none, or stands there twice, or its zone is not of one of `FORMS`.
+        An order is not valid or repeated, or its zone does not have one of the `FORMS`.
     """
     zones: dict[int, Zone] = {}
     for part in filter(str.strip, text.split(",")):
@@ -104,15 +104,15 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
         number = int(order) if order.strip().isdecimal() else 0
         if not colon or not 1 <= number <= highest or number in zones:
             raise DesignError(
-                f"tolerance.profile = {text!r}: {part.strip()!r} is no order with its tolerance; write orders from "
-                f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
+                f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance; write orders "
+                f'from 1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
-        if one := zone(words, "profile", size):
-            zones[number] = one
+        if parsed := zone(words, "profile", size):
+            zones[number] = parsed
     return zones
 
 
 def _fit(text: str, size: float, clearance: float) -> Zone:
-    """Return the radial clearance of a fit, about the design's own; its limits are 3 standard deviations off."""
+    """Return the radial clearance of a fit, relative to the design's; its limits are 3 standard deviations away."""
     tight, loose = (0.5 * limit for limit in clearances(text, size))
     return Zone("normal", 0.5 * (tight + loose) - clearance, (loose - tight) / ZONE_SIGMAS)

@@ -10,7 +10,7 @@ from matplotlib.tri import Triangulation
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore import Sweep
-from cycloid_mj.explore.ranks import number_inputs, ranks
+from cycloid_mj.explore.ranks import number_inputs, rank_correlations
 from cycloid_mj.figures import known
 from cycloid_mj.plots.style import (
     BLACK,
@@ -194,7 +194,7 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     rows = max(1, len(quantities))
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
-    correlated = ranks(sweep, tuple(quantities))
+    correlated = rank_correlations(sweep, tuple(quantities))
     step = math.ceil(len(sweep) / MAX_POINTS) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
@@ -217,7 +217,7 @@ def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     """Return the inputs to draw in their order; of too many, those with the largest rank correlations."""
     if len(sweep.task.keys) <= MAX_PAIRED:
         return sweep.task.keys
-    correlated = ranks(sweep, tuple(quantities))
+    correlated = rank_correlations(sweep, tuple(quantities))
     rho = np.nan_to_num(np.abs(correlated.rho))
     largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlated.inputs))
     kept = {correlated.inputs[column] for column in np.argsort(-largest, kind="stable")[:MAX_PAIRED]}

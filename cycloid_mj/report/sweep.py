@@ -48,13 +48,13 @@ def _inputs_table(sweep: Sweep) -> Table:
         else:
             text = ", ".join(map(str, values))
         rows.append((key, text))
-    rows += [(follower.key, f"follows: {follower.words}") for follower in sweep.task.followers]
+    rows += [(link.key, f"follows: {link.words}") for link in sweep.task.links]
     return Table("inputs", ("key of the design file", "values"), tuple(rows))
 
 
 def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
     """Return the first points with their inputs and quantities."""
-    follows = (follower.key for follower in sweep.task.followers)
+    follows = (link.key for link in sweep.task.links)
     names = ("point", *sweep.task.keys, *follows, *quantities, "error")
     columns = [sweep[name][:MAX_ROWS].tolist() for name in names]
     cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))

@@ -17,7 +17,15 @@ from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
-from cycloid_mj.explore.sampling import BLOCK, Batch, as_design, departures, drawn, drawn_columns, tolerances
+from cycloid_mj.explore.sampling import (
+    BLOCK_SAMPLES,
+    Batch,
+    departure_columns,
+    design_of_sample,
+    draw_departures,
+    draw_samples,
+    tolerance_zones,
+)
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, inputs
 from cycloid_mj.reducer import Reducer
@@ -185,7 +193,7 @@ def population(
         values=values,
         departures=drawn_values,
         ranges=ranges,
-        has_tolerances=bool(tolerances(reducer)),
+        has_tolerances=bool(tolerance_zones(reducer)),
     )
 
 
@@ -226,17 +234,21 @@ def _drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
     """Draw a drive by its number; return its parameters and what was drawn, or None where it does not go together."""
-    zones, (block, row) = tolerances(reducer), divmod(number, BLOCK)
+    zones, (block, row) = tolerance_zones(reducer), divmod(number, BLOCK_SAMPLES)
     place = Batch(block, 1, row)
     shares = np.random.default_rng([seed, STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
     for one, share in zip(ranges, shares, strict=True):
         changes.setdefault(one.table, {}).update(one.between(share))
     try:
-        made = Reducer(as_design(reducer, drawn(reducer, zones, seed, place), 0, reducer.design.name)).but(**changes)
+        made = Reducer(
+            design_of_sample(reducer, draw_samples(reducer, zones, seed, place), 0, reducer.design.name)
+        ).but(**changes)
         values = parameters(made)
     except CycloidError:
         return None
-    of_parts = {key: float(values[0]) for key, values in drawn_columns(departures(reducer, zones, seed, place)).items()}
+    of_parts = {
+        key: float(values[0]) for key, values in departure_columns(draw_departures(reducer, zones, seed, place)).items()
+    }
     of_ranges = {f"drawn_{table}_{key}": value for table, of in changes.items() for key, value in of.items()}
     return values, {**of_ranges, **of_parts}

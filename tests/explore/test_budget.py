@@ -8,7 +8,7 @@ from scipy.stats import binom, qmc, sobol_indices, uniform
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore import budget, sampling, tolerances
-from cycloid_mj.explore.jam import PRELOADS, jams_of
+from cycloid_mj.explore.jam import PRELOADS, find_jams
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 
@@ -130,14 +130,16 @@ def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> No
     """`pin`, cam, pin and hole positions: the intervals of 24 seeds of 64 samples and the mean of 4 of 512."""
     words = {"cam": "uniform 0.3", "pin_position": "normal 0.3", "hole_position": "normal 0.3"}
     reducer = Reducer(override(PRESETS["pin"], {f"tolerance.{key}": text for key, text in words.items()}))
-    zones = sampling.tolerances(reducer)
+    zones = sampling.tolerance_zones(reducer)
     keys = ("backlash_arcmin", *PRELOADS, *PRELOADS.values())
 
     def study(samples: int, seed: int) -> dict[str, budget.Share]:
         blocks = budget.budget_blocks(zones, samples)
-        figures = {name: tolerances.balanced(reducer, zones, seed, 12, (block, keys)) for name, block in blocks.items()}
-        values = {name: np.where(jams_of(one), np.nan, one["backlash_arcmin"]) for name, one in figures.items()}
-        drawn = [sampling.departures(reducer, zones, seed, blocks[name]) for name in "AB"]
+        figures = {
+            name: tolerances.balance_batch(reducer, zones, seed, 12, (block, keys)) for name, block in blocks.items()
+        }
+        values = {name: np.where(find_jams(one), np.nan, one["backlash_arcmin"]) for name, one in figures.items()}
+        drawn = [sampling.draw_departures(reducer, zones, seed, blocks[name]) for name in "AB"]
         return {share.source: share for share in budget.shares(zones, drawn, values)}
 
     reference = [study(512, seed) for seed in range(4)]

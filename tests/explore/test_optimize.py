@@ -20,7 +20,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override, value_of
 from cycloid_mj.explore import optimizer
 from cycloid_mj.explore.optimizer import HISTORY, optimize
-from cycloid_mj.explore.problem import problem, refusals
+from cycloid_mj.explore.problem import define_problem, rejections
 from cycloid_mj.figures import figure, figures_of
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear
@@ -68,7 +68,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
         rho = radii[np.searchsorted(radii, c, side="right")]
         best = max(best, float(bends(c, rho)))
     at = convex.design()
-    assert not refusals(Reducer(at), strict=False)
+    assert not rejections(Reducer(at), strict=False)
     found = convex.best_figures["least_convex_radius_mm"]
     assert found == pytest.approx(best, rel=1e-3)
     assert found == pytest.approx(float(bends(1e3 * at.gear.eccentricity, 1e3 * at.ring.pin_radius)), rel=1e-6)
@@ -77,7 +77,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_points_wherever_they_are_evaluated(monkeypatch) -> None:
-    monkeypatch.setattr(optimizer, "FAST", 0.0)  # quick points would not be handed on
+    monkeypatch.setattr(optimizer, "MIN_POINT_CPU", 0.0)  # quick points would not be handed on
     few = {**CONVEX, "evaluations": 36, "starts": 2}
     one, two, other = (
         optimize(PIN, SHAPE, **{**few, "engine": Engine(workers)}, seed=seed)
@@ -115,15 +115,17 @@ def test_limits_that_contradict_each_other_are_refused_before_any_point() -> Non
         optimize(PIN, {"gear.face_width_mm": "8:12"}, "backlash_arcmin", [], limits, **SERIAL)
 
 
-def test_the_end_of_a_range_and_the_limit_that_it_ran_into_are_told() -> None:
+def test_active_ends_of_ranges_and_limits_are_reported() -> None:
     """A wider face makes a heavier gear: the least mass is at the lower end, or where a limit holds it."""
     vary = {"gear.face_width_mm": "8:12"}
     free = optimize(PIN, vary, "mass_kg", evaluations=60, verify=False, engine=HERE)
-    assert free.ran_into == ("gear.face_width_mm ran into the lower end of its range, 8: more may lie beyond",)
+    assert free.active_bounds == (
+        "gear.face_width_mm is at the lower end of its range, 8: a wider range may allow a better design",
+    )
     bound = float(np.mean([free.best_figures["mass_kg"], free.start_figures["mass_kg"]]))
     held = optimize(PIN, vary, "mass_kg", [], [f"mass_kg>={bound}"], evaluations=60, verify=False, engine=HERE)
-    (told,) = held.ran_into
-    assert told.startswith(f"mass_kg ran into its limit, mass_kg>={bound:g}: it is ")
+    (sentence,) = held.active_bounds
+    assert sentence.startswith(f"mass_kg is at its limit mass_kg>={bound:g}: ")
 
 
 def test_values_alone_are_all_tried() -> None:
@@ -133,7 +135,9 @@ def test_values_alone_are_all_tried() -> None:
     assert masses[found.design().output.pins] == min(masses.values())
     best, end = found.design().output.pins, {6: "lower", 9: "upper"}
     assert best in end
-    assert found.ran_into == (f"output.pins ran into the {end[best]} end of its range, {best}: more may lie beyond",)
+    assert found.active_bounds == (
+        f"output.pins is at the {end[best]} end of its range, {best}: a wider range may allow a better design",
+    )
 
 
 def test_a_front_trades_one_objective_for_the_other() -> None:
@@ -214,7 +218,7 @@ def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
     found = optimize(broken, SHAPE, **CONVEX, evaluations=40)
     assert not found.start_figures
     assert found.best is not None
-    assert not refusals(Reducer(found.design()), strict=False)
+    assert not rejections(Reducer(found.design()), strict=False)
 
 
 @pytest.mark.slow
@@ -250,7 +254,7 @@ def test_other_designs(name: str) -> None:
 
 @pytest.mark.slow
 def test_the_best_is_checked_in_statics_dynamics_and_tolerances(monkeypatch) -> None:
-    monkeypatch.setattr(optimizer, "SAMPLES", 16)
+    monkeypatch.setattr(optimizer, "TOLERANCE_SAMPLES", 16)
     monkeypatch.setattr("cycloid_mj.explore.tolerances.ANGLES", 12)
     monkeypatch.setattr("cycloid_mj.explore.tolerances.BUDGET_SAMPLES", 16)
     design = override(unlike("light"), {"tolerance.cam": "normal 0.5", "tolerance.output": "normal 0.5"})
@@ -289,7 +293,7 @@ def test_the_command(tmp_path: Path, capsys) -> None:
 def test_a_folder_of_another_optimisation_is_refused(tmp_path: Path) -> None:
     optimize(PIN, SHAPE, **CONVEX, evaluations=6, out=tmp_path)
     assert load(tmp_path / "best.toml").name == "pin-best"
-    with pytest.raises(UsageError, match="other seed"):
+    with pytest.raises(UsageError, match="differs in seed"):
         optimize(PIN, SHAPE, **CONVEX, evaluations=6, seed=1, out=tmp_path)
 
 
@@ -311,9 +315,9 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) ->
     history = (tmp_path / "one" / HISTORY).read_text().splitlines()
     assert len(history) > 20
     kept = rows.read_bytes().splitlines()
-    task = problem(Reducer(PIN), SHAPE, (), ("least_convex_radius_mm",), ("short_width>=0.5",))
+    task = define_problem(Reducer(PIN), SHAPE, (), ("least_convex_radius_mm",), ("short_width>=0.5",))
     resumed, whole = (
-        optimizer.explored(task, 200, 3, 0, folder, HERE, optimizer.silent) for folder in (tmp_path / "one", None)
+        optimizer.run_search(task, 200, 3, 0, folder, HERE, optimizer.silent) for folder in (tmp_path / "one", None)
     )
     assert [row.values for row in resumed.rows] == [row.values for row in whole.rows]
     assert rows.read_bytes().splitlines()[: len(kept)] == kept
@@ -334,11 +338,11 @@ def test_no_point_at_all_says_what_refused_how_many(tmp_path: Path, capsys) -> N
 @pytest.mark.parametrize(
     ("vary", "more", "message"),
     [
-        ({}, {}, "nothing may change"),
+        ({}, {}, "no key varies"),
         ({"gear.eccentricty_mm": "0.5:1"}, {}, "did you mean gear.eccentricity_mm"),
-        ({"gear.eccentricity_mm": "1:0.5"}, {}, "lower to a higher"),
+        ({"gear.eccentricity_mm": "1:0.5"}, {}, "lower end below the upper end"),
         ({"gear.eccentricity_mm": "a:b"}, {}, "expected LO:HI"),
-        ({"ring.teeth": "30.5:36"}, {}, "no whole number"),
+        ({"ring.teeth": "30.5:36"}, {}, "is not a whole number"),
         ({"errors.pin_x_um": "0:1"}, {}, "only single values"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": "pressure"}, "no figure 'pressure'.*pin_gear_pressure"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": ()}, "0 objectives"),
@@ -356,7 +360,7 @@ def test_wrong_wishes_are_refused(vary, more, message: str) -> None:
     ("flags", "message"),
     [
         (["--vary", "gear.eccentricity_mm"], "expected KEY=LO:HI"),
-        (["--vary", "ring.teeth=34:36", "--vary", "ring.teeth=30:36"], "twice"),
+        (["--vary", "ring.teeth=34:36", "--vary", "ring.teeth=30:36"], "is repeated"),
         (["--vary", "ring.teeth=34:36", "--evaluations", "0"], "evaluations"),
         (["--vary", "ring.teeth=34:36", "--seed", "1.5"], "whole number"),
     ],

@@ -22,8 +22,8 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.explore import journal, sweep, sweeps
 from cycloid_mj.explore.measured import MeasureSettings
-from cycloid_mj.explore.points import MOST_POINTS, grid, sampled, tabled
-from cycloid_mj.explore.ranks import ranks, shown
+from cycloid_mj.explore.points import MAX_POINTS, draw_points, grid_points, list_rows
+from cycloid_mj.explore.ranks import rank_correlations, select_quantities
 from cycloid_mj.explore.row import PointResult, Task
 from cycloid_mj.figures import FIGURES, compute, figure
 from cycloid_mj.plots import save
@@ -56,18 +56,20 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 
 def test_a_grid_is_every_combination() -> None:
-    found = grid({"clearance.cam_um": "1:2:3", "ring.kind": "pin,nonpin", "output.rollers": [True], "ring.teeth": "36"})
+    found = grid_points(
+        {"clearance.cam_um": "1:2:3", "ring.kind": "pin,nonpin", "output.rollers": [True], "ring.teeth": "36"}
+    )
     assert found.keys == ("clearance.cam_um", "ring.kind", "output.rollers", "ring.teeth")
     assert [row[:2] for row in found.rows] == [(cam, kind) for cam in (1.0, 1.5, 2.0) for kind in ("pin", "nonpin")]
     assert {row[2:] for row in found.rows} == {(True, 36)}
-    assert grid({"clearance.cam_um": "0.1:0.5:5"}).rows[2] == (0.3,)
+    assert grid_points({"clearance.cam_um": "0.1:0.5:5"}).rows[2] == (0.3,)
 
 
 @pytest.mark.parametrize("method", ["sobol", "lhs", "random"])
 def test_samples_fill_their_ranges_and_follow_their_seed(method: str) -> None:
     vary = {"clearance.cam_um": "1:3", "ring.teeth": "12:15", "ring.kind": "pin,nonpin"}
-    found = sampled(vary, method, 200, 4)
-    assert found == sampled(vary, method, 200, 4) != sampled(vary, method, 200, 5)
+    found = draw_points(vary, method, 200, 4)
+    assert found == draw_points(vary, method, 200, 4) != draw_points(vary, method, 200, 5)
     cam, teeth, kinds = zip(*found.rows, strict=True)
     assert 1.0 <= min(cam) < 1.05 < 2.95 < max(cam) <= 3.0
     assert np.mean(cam) == pytest.approx(2.0, abs=0.15)
@@ -80,7 +82,7 @@ def test_sobol_points_are_more_even_than_random_ones() -> None:
 
     uneven = {}
     for method in ("sobol", "random"):
-        points = sampled({"clearance.cam_um": "0:1", "clearance.output_um": "0:1"}, method, 100, 0)
+        points = draw_points({"clearance.cam_um": "0:1", "clearance.output_um": "0:1"}, method, 100, 0)
         uneven[method] = qmc.discrepancy(np.array(points.rows))
     assert uneven["sobol"] < 0.2 * uneven["random"]
 
@@ -91,34 +93,34 @@ def test_sobol_points_are_more_even_than_random_ones() -> None:
         ({"clearance.cam": "1,2"}, r"unknown key clearance\.cam; did you mean clearance\.cam_um\?"),
         ({"ring.teth": "30"}, r"did you mean ring\.teeth\?"),
         ({"nothing": "1"}, "unknown key nothing"),
-        ({"ring.teeth": "30:37:3"}, r"33\.5 is no whole number"),
-        ({"ring.teeth": "30.5"}, "give a whole number"),
-        ({"ring.kind": "pin,none"}, "give pin, nonpin"),
-        ({"output.rollers": "1"}, "give true or false"),
-        ({"clearance.cam_um": "one"}, "give a number"),
+        ({"ring.teeth": "30:37:3"}, r"33\.5 is not a whole number"),
+        ({"ring.teeth": "30.5"}, "expected a whole number"),
+        ({"ring.kind": "pin,none"}, "expected pin, nonpin"),
+        ({"output.rollers": "1"}, "expected true or false"),
+        ({"clearance.cam_um": "one"}, "expected a number"),
         ({"clearance.cam_um": "1:2"}, r"1:2:5, or draw from the range with --sample"),
-        ({"clearance.cam_um": "2:1:3"}, "from a lower to a higher"),
-        ({"clearance.cam_um": "1:2:1"}, "give 2 values or more"),
+        ({"clearance.cam_um": "2:1:3"}, "lower end below the upper end"),
+        ({"clearance.cam_um": "1:2:1"}, "needs 2 values or more"),
         ({"clearance.cam_um": "1:2:x"}, "expected LO:HI:N"),
-        ({"clearance.cam_um": "0:inf:3"}, "from a lower to a higher"),
-        ({"clearance.cam_um": "1:2:100000000000"}, f"from 1 to {MOST_POINTS:,}"),
+        ({"clearance.cam_um": "0:inf:3"}, "lower end below the upper end"),
+        ({"clearance.cam_um": "1:2:100000000000"}, f"from 1 to {MAX_POINTS:,}"),
         ({f"clearance.{key}_um": "1:2:2000" for key in ("cam", "output")}, "4,000,000 points"),
-        ({"errors.pin_x_um": "1,2"}, "holds a list"),
-        ({"clearance": "1"}, "holds a list or a table"),
-        ({"clearance.cam_um": []}, "no values"),
+        ({"errors.pin_x_um": "1,2"}, "is a list"),
+        ({"clearance": "1"}, "is a list or a table"),
+        ({"clearance.cam_um": []}, "list of values is empty"),
     ],
 )
 def test_wrong_points_are_refused(vary: dict[str, str], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        grid(vary)
+        grid_points(vary)
 
 
 def test_tables_give_points() -> None:
-    found = tabled([{"clearance.cam_um": "2", "ring.kind": "nonpin"}, {"ring.kind": "pin", "clearance.cam_um": 1}])
+    found = list_rows([{"clearance.cam_um": "2", "ring.kind": "nonpin"}, {"ring.kind": "pin", "clearance.cam_um": 1}])
     assert found.rows == ((2.0, "nonpin"), (1.0, "pin"))
     for rows in ([], [{"clearance.cam_um": 1}, {"ring.kind": "pin"}], [{"clearance.cam_um": None}]):
         with pytest.raises(UsageError, match="table"):
-            tabled(rows)
+            list_rows(rows)
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +188,7 @@ def test_statics_has_one_column_for_each_figure_under_its_catalogue_key(statics:
     assert set(statics.quantities) <= FIGURES.keys()
     assert {figure(key).key for key in sheet(Reducer(PIN)).quantities} <= set(statics.quantities)
     # an older name still shows the column
-    assert shown(statics, ("stiffness_ideal_nm_arcmin",)) == ("stiffness_nm_per_arcmin",)
+    assert select_quantities(statics, ("stiffness_ideal_nm_arcmin",)) == ("stiffness_nm_per_arcmin",)
 
 
 def test_columns_name_quotients_with_a_torque_by_per() -> None:
@@ -233,7 +235,7 @@ def test_a_run_that_cannot_be_is_told_in_its_row() -> None:
     found = sweep(design, {"drive.speed_rpm": [0.0]}, "simulate", engine=HERE)
     assert "drive.speed_rpm is 0" in found["error"][0]
     found = sweep(design, {"drive.hold_s": [1000.0], "settings.timestep_us": [0.1]}, "simulate", engine=HERE)
-    assert "1e+10 steps, more than 1e+09: shorten drive.hold_s" in found["error"][0]
+    assert "1e+10 time steps; allowed: 1e+09. Shorten drive.hold_s" in found["error"][0]
 
 
 @pytest.mark.parametrize("name", ["light", "few"])
@@ -248,13 +250,13 @@ def test_other_designs(name: str) -> None:
 @pytest.mark.slow
 def test_ranks_are_those_of_monotonic_functions() -> None:
     found = sweep(PIN, {"clearance.cam_um": "1,2", "clearance.output_um": "1,2,3"}, "statics", engine=HERE)
-    one = ranks(found, ("backlash_arcmin",))
+    one = rank_correlations(found, ("backlash_arcmin",))
     assert one.inputs == ("clearance.cam_um", "clearance.output_um")
     assert (one.rho > 0.2).all()
-    assert shown(found)[0] == "backlash_arcmin"
-    assert shown(found, ("cam_margin",)) == ("cam_margin",)
+    assert select_quantities(found)[0] == "backlash_arcmin"
+    assert select_quantities(found, ("cam_margin",)) == ("cam_margin",)
     with pytest.raises(UsageError, match="--show nothing: there is no such number; there are backlash_arcmin"):
-        shown(found, ("nothing",))
+        select_quantities(found, ("nothing",))
 
 
 def command(folder: Path, *more: str) -> list[str]:
@@ -290,7 +292,7 @@ def test_the_command_leaves_one_table_three_ways(tmp_path: Path, capsys: pytest.
 
 def made_up(vary: dict[str, object], spoiled: int = -1) -> sweeps.Sweep:
     """A sweep whose quantities are functions of its first input, without any measuring."""
-    points = grid(vary)
+    points = grid_points(vary)
     rows = {}
     for place, values in enumerate(points.rows):
         number = float(values[0]) if not isinstance(values[0], str) else 1.0
@@ -331,7 +333,7 @@ def test_figures_suit_the_inputs(vary: dict[str, object], columns: int, tmp_path
 
 def test_what_failed_everywhere_still_has_a_page() -> None:
     found = made_up({"clearance.cam_um": "1"}, spoiled=0)
-    assert shown(found) == ()
+    assert select_quantities(found) == ()
     assert "1 of 1" in sweep_page(found, (), b"<svg/>")
     assert sweep_figure(found, ()) is not None
 
@@ -364,24 +366,24 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path, monkeypatch: pytes
     sweep(PIN, vary, "mass", out=tmp_path, engine=HERE)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     for design, points, measure, what in (
-        (PRESETS["nonpin"], vary, "mass", "other design"),
-        (PIN, {"clearance.cam_um": "1,3"}, "mass", "other points"),
-        (PIN, {"clearance.output_um": "1,2"}, "mass", "other keys, points"),
-        (PIN, vary, "checks", "other measures"),
+        (PRESETS["nonpin"], vary, "mass", "design"),
+        (PIN, {"clearance.cam_um": "1,3"}, "mass", "points"),
+        (PIN, {"clearance.output_um": "1,2"}, "mass", "keys, points"),
+        (PIN, vary, "checks", "measures"),
     ):
-        with pytest.raises(UsageError, match=rf"is of another sweep \({what}\): choose another folder"):
+        with pytest.raises(UsageError, match=f"contains another sweep, which differs in {what}: choose another"):
             sweep(design, points, measure, out=tmp_path, engine=HERE)
     monkeypatch.setattr(sweeps, "versions", lambda: (("mujoco", "9.9"),))
-    with pytest.raises(UsageError, match="other versions"):
+    with pytest.raises(UsageError, match="differs in versions"):
         sweep(PIN, vary, "mass", out=tmp_path, engine=HERE)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_two_at_once_do_not_share_a_folder(tmp_path: Path) -> None:
     with (
-        journal.journal(tmp_path, {}),
-        pytest.raises(UsageError, match="another process is at work"),
-        journal.journal(tmp_path, {}),
+        journal.open_journal(tmp_path, {}),
+        pytest.raises(UsageError, match="another process is working"),
+        journal.open_journal(tmp_path, {}),
     ):
         pass
 
@@ -408,22 +410,25 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        ([], "give the points of a sweep by --vary"),
+        ([], "specify the points of a sweep with either --vary"),
         (["--vary", "clearance.cam_um"], "expected KEY=VALUES"),
-        (["--vary", "clearance.cam_um=1", "--vary", "clearance.cam_um=2"], "is there twice"),
-        (["--vary", "clearance.cam_um=1", "--measure", "play"], "there is no measure 'play'; there are statics, te"),
-        (["--vary", "clearance.cam_um=1", "--measure", ","], "there is no measure ''"),
-        (["--vary", "clearance.cam_um=1", "--points", "3"], "give --sample"),
+        (["--vary", "clearance.cam_um=1", "--vary", "clearance.cam_um=2"], "is repeated"),
+        (
+            ["--vary", "clearance.cam_um=1", "--measure", "play"],
+            "unknown measure 'play'; available measures: statics, te",
+        ),
+        (["--vary", "clearance.cam_um=1", "--measure", ","], "unknown measure ''"),
+        (["--vary", "clearance.cam_um=1", "--points", "3"], "add --sample"),
         (["--vary", "clearance.cam_um=1:2", "--sample", "sobol", "--points", "0"], "a sweep of 0 points"),
         (["--vary", "clearance.cam_um=1:2", "--sample", "sobol", "--points", "-5"], "a sweep of -5 points"),
         (["--vary", "clearance.cam_um=1:2", "--sample", "halton"], "halton"),
-        (["--vary", "clearance.cam_um=1", "--table", "EMPTY"], "by --vary KEY=VALUES, or by --table"),
-        (["--table", "EMPTY"], "needs rows"),
-        (["--table", "HEADER"], "needs rows"),
+        (["--vary", "clearance.cam_um=1", "--table", "EMPTY"], "either --vary KEY=VALUES or --table"),
+        (["--table", "EMPTY"], "requires a header"),
+        (["--table", "HEADER"], "requires a header"),
         (["--table", "UNEVEN"], "row 2 has 1 values for 2 columns"),
-        (["--table", "BINARY"], "cannot read it"),
-        (["--table", "NONE"], "cannot read it: No such file"),
-        (["--table", "TWICE"], "is there twice"),
+        (["--table", "BINARY"], "cannot be read"),
+        (["--table", "NONE"], "cannot be read: No such file"),
+        (["--table", "TWICE"], "is repeated"),
         (["--vary", "clearance.cam_um=1", "--workers", "0"], "--workers"),
         (["--vary", "clearance.cam_um=1", "--workers", "2", "--scheduler", "a:1"], "leave --workers out"),
         (["--vary", "clearance.cam_um=1", "--scheduler", "here"], "expected HOST:PORT"),

@@ -16,8 +16,8 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.explore import budget, sampling, tolerance, tolerances
-from cycloid_mj.explore.constraints import limit, require_consistent
-from cycloid_mj.explore.verify import Verified, verified
+from cycloid_mj.explore.constraints import parse_limit, require_consistent
+from cycloid_mj.explore.verify import DynamicsCheck, verify_design
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.figures import figure, sampled
 from cycloid_mj.reducer import Reducer
@@ -92,8 +92,8 @@ def test_a_fit_is_for_a_clearance_alone() -> None:
 
 def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
     """How far samples that depart in single numbers alone do so [m], by tolerance."""
-    zones = sampling.tolerances(Reducer(design))
-    made = [sampling.departures(Reducer(design), zones, seed, block) for block in sampling.blocks(samples)]
+    zones = sampling.tolerance_zones(Reducer(design))
+    made = [sampling.draw_departures(Reducer(design), zones, seed, block) for block in sampling.list_batches(samples)]
     return {key: np.concatenate([one[key] for one in made]) for key in zones}
 
 
@@ -173,7 +173,7 @@ def test_the_budget_has_as_many_samples_as_the_study(monkeypatch, samples: int, 
 
     monkeypatch.setattr(tolerances, "ANGLES", 1)
     two = override(PIN, {"tolerance.cam": "uniform 0.3", "tolerance.mesh": "uniform 0.1"})
-    with pytest.raises(tolerances.Unfinished):
+    with pytest.raises(tolerances.StudyInterrupted):
         tolerance(two, samples, progress=stop, engine=Engine(1))
     assert counts == [samples + 4 * each]
 
@@ -182,10 +182,10 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
-    zones, block = sampling.tolerances(Reducer(design)), sampling.Batch(0, 3)
+    zones, block = sampling.tolerance_zones(Reducer(design)), sampling.Batch(0, 3)
     found, made = (
-        sampling.drawn_columns(sampling.departures(Reducer(design), zones, 0, block)),
-        sampling.drawn(Reducer(design), zones, 0, block),
+        sampling.departure_columns(sampling.draw_departures(Reducer(design), zones, 0, block)),
+        sampling.draw_samples(Reducer(design), zones, 0, block),
     )
     assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
     for column, values in (
@@ -200,8 +200,8 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
 
 
 def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "BLOCK", 8)
-    monkeypatch.setattr(sampling, "BEGINNING", 3)
+    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
+    monkeypatch.setattr(sampling, "FIRST_BATCH", 3)
     design = override(PIN, ['tolerance.cam="uniform 0.3"'])
     few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
     assert np.array_equal(few, many[:16])
@@ -220,9 +220,9 @@ def stopping_after(count: int):
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(sampling, "BLOCK", 8)
+    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
-    with pytest.raises(tolerances.Unfinished) as stopped:
+    with pytest.raises(tolerances.StudyInterrupted) as stopped:
         tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
     found = stopped.value.tolerances
     shorter = tolerance(design, found.samples, 1, ["backlash_arcmin<=1"])
@@ -240,25 +240,25 @@ def test_ctrl_c_before_the_first_block_is_no_study(monkeypatch) -> None:
     def pressed(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tolerances, "balanced", pressed)
+    monkeypatch.setattr(tolerances, "balance_batch", pressed)
     with pytest.raises(KeyboardInterrupt) as stopped:
         tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 8, 1, engine=Engine(1))
-    assert not isinstance(stopped.value, tolerances.Unfinished)
+    assert not isinstance(stopped.value, tolerances.StudyInterrupted)
 
 
 def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatch) -> None:
-    whole = Verified("done", {"cam_force_n": 2.0}, {"cam_force_n": 3.0})
+    whole = DynamicsCheck("done", {"cam_force_n": 2.0}, {"cam_force_n": 3.0})
     runs = iter([whole])
 
-    def run(_: Design, solver: str) -> Verified:
+    def run(_: Design, solver: str) -> DynamicsCheck:
         try:
             return next(runs)
         except StopIteration:
             raise KeyboardInterrupt from None
 
-    monkeypatch.setattr(tolerances, "verified", run)
+    monkeypatch.setattr(tolerances, "verify_design", run)
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
-    with pytest.raises(tolerances.Unfinished) as stopped:
+    with pytest.raises(tolerances.StudyInterrupted) as stopped:
         tolerance(design, 64, 1, engine=Engine(1), verify=3)
     assert stopped.value.tolerances.verified == (whole,)
     assert stopped.value.tolerances.budget == tolerance(design, 64, 1).budget
@@ -346,11 +346,11 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values: seen.update(values) or ())
     design = override(PIN, words)
     tolerance(design, 64, 0)
-    cam = sampling.departures(
+    cam = sampling.draw_departures(
         Reducer(design),
-        sampling.tolerances(Reducer(design)),
+        sampling.tolerance_zones(Reducer(design)),
         0,
-        budget.budget_blocks(sampling.tolerances(Reducer(design)), 64)["A"],
+        budget.budget_blocks(sampling.tolerance_zones(Reducer(design)), 64)["A"],
     )
     assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
     assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
@@ -358,7 +358,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(sampling, "BEGINNING", 6)
+    monkeypatch.setattr(sampling, "FIRST_BATCH", 6)
     design = override(PIN, {"tolerance.cam": "H7/g6", "tolerance.pin_position": "normal 2"})
     with pytest.raises(
         tolerances.TooManyJams, match=r"^6 of the first 6 samples jam .*pin_gear interferes by"
@@ -370,7 +370,7 @@ def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: E
 
 def test_a_study_of_which_nearly_all_jams_ends_after_its_first_block(monkeypatch) -> None:
     """A cam 3 um too small to 1000 um too large: 2 of 1000 fit."""
-    monkeypatch.setattr(sampling, "BEGINNING", 40)
+    monkeypatch.setattr(sampling, "FIRST_BATCH", 40)
     design = override(PIN, {"tolerance.cam": "between -1000 1", "tolerance.mesh": "uniform 0.1"})
     with pytest.raises(tolerances.TooManyJams, match=r"of the first 40 samples jam .*cam interferes") as stopped:
         tolerance(design, 3000, 0)
@@ -433,12 +433,12 @@ def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
         {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}, "errors.profile_sin_um": {"2": 0.5}},
     )
     smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
-    found = verified(Reducer(smooth))
+    found = verify_design(Reducer(smooth))
     assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}
     for key, difference in found.differences.items():
         assert abs(difference) < (0.2 if key == "te_loaded_arcsec" else 0.03), (key, difference)
     assert found.statics["tooth_force_n"] > 10.0
-    torn = verified(Reducer(design.but(contact={"max_penetration": 1e-9})))
+    torn = verify_design(Reducer(design.but(contact={"max_penetration": 1e-9})))
     assert not torn.dynamics
     assert "max_penetration_um" in torn.note
 
@@ -448,25 +448,25 @@ def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
 
 def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
     design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
-    zones = sampling.tolerances(Reducer(design))
+    zones = sampling.tolerance_zones(Reducer(design))
     assert list(zones) == ["profile_2", "profile_35"]
-    waves = sampling.departures(Reducer(design), zones, 0, sampling.Batch(0, 20_000, compared=True))
+    waves = sampling.draw_departures(Reducer(design), zones, 0, sampling.Batch(0, 20_000, compared=True))
     for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
         assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
         assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)
-    made = sampling.drawn(Reducer(design), zones, 0, sampling.Batch(0, 4))
+    made = sampling.draw_samples(Reducer(design), zones, 0, sampling.Batch(0, 4))
     assert np.flatnonzero(np.any(made.waves != 0.0, axis=(0, 2))).tolist() == [1, 34]
 
 
 @pytest.mark.parametrize("text", ["normal 1", "0: normal 1", "37: normal 1", "2: normal", "2: IT99", "1: IT5, 1: IT5"])
 def test_other_words_are_no_waves(text: str) -> None:
     with pytest.raises(DesignError, match=r"tolerance\.profile"):
-        sampling.tolerances(Reducer(override(PIN, {"tolerance.profile": text})))
+        sampling.tolerance_zones(Reducer(override(PIN, {"tolerance.profile": text})))
 
 
 def test_yield_counts_what_keeps_the_limits() -> None:
     design = override(PIN, {"tolerance.cam": "uniform 0.5"})
-    asked = [limit("backlash_arcmin<=0.98"), limit("backlash_arcmin >= 0.9")]
+    asked = [parse_limit("backlash_arcmin<=0.98"), parse_limit("backlash_arcmin >= 0.9")]
     found = tolerance(design, 300, 1, asked)
     values = found.figures["backlash_arcmin"]
     assert found.good.mean() == np.mean((values <= 0.98) & (values >= 0.9))
@@ -479,7 +479,9 @@ def test_limits_that_contradict_each_other_are_refused(tmp_path: Path, capsys) -
     assert main(["tolerance", "--design", "pin", "--set", 'tolerance.cam="normal 0.2"', *flags]) == 2
     said = capsys.readouterr().err
     assert "'backlash_arcmin>=2' contradicts --limit 'backlash_arcmin<=1'" in said
-    require_consistent([limit("backlash_arcmin<=1"), limit("backlash_arcmin>=1"), limit("mass_kg>=2")])
+    require_consistent(
+        [parse_limit("backlash_arcmin<=1"), parse_limit("backlash_arcmin>=1"), parse_limit("mass_kg>=2")]
+    )
 
 
 @pytest.mark.parametrize(
@@ -495,7 +497,7 @@ def test_a_figure_that_does_not_vary_has_no_budget(zones: dict[str, str]) -> Non
 @pytest.mark.parametrize("text", ["play<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
 def test_wrong_limits_are_refused(text: str) -> None:
     with pytest.raises(UsageError, match="--limit"):
-        limit(text)
+        parse_limit(text)
 
 
 @pytest.mark.parametrize("name", UNLIKE)
@@ -534,7 +536,7 @@ def test_the_command_fails_with_one_message_where_a_few_samples_all_jam(tmp_path
 
 
 def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "BEGINNING", 6)
+    monkeypatch.setattr(sampling, "FIRST_BATCH", 6)
     flags = ["--samples", "50", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"', "--json"]
     assert main(["tolerance", "--design", "pin", *flags]) == 1
     said = capsys.readouterr()
@@ -546,7 +548,7 @@ def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeyp
 
 
 def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "BLOCK", 8)
+    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
     monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda *_: stopping_after(16))
     zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
     flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]
@@ -582,17 +584,17 @@ def test_a_limit_takes_a_figure_that_samples_are_designs_for() -> None:
     assert not found.budget or found.budget_of == "lost_motion_arcmin"
     of_each = [
         figure("lost_motion_arcmin").value(
-            Reducer(sampling.sample_design(Reducer(design), sampling.tolerances(Reducer(design)), 1, number))
+            Reducer(sampling.sample_design(Reducer(design), sampling.tolerance_zones(Reducer(design)), 1, number))
         )
         for number in range(3)
     ]
     assert found.figures["lost_motion_arcmin"].tolist() == pytest.approx(of_each, rel=1e-12)
     assert found.distributions["lost_motion_arcmin"].unit == "arcmin"
-    assert any("lost_motion_arcmin: of each sample" in note for note in found.notes)
+    assert any("lost_motion_arcmin: computed for each sample" in note for note in found.notes)
 
 
 def test_a_limit_on_no_figure_proposes_near_names() -> None:
     with pytest.raises(
         UsageError, match="--limit 'tooth_force<=1': there is no figure 'tooth_force'; did you mean tooth"
     ):
-        limit("tooth_force<=1")
+        parse_limit("tooth_force<=1")
