@@ -103,7 +103,7 @@ def test_sobol_points_are_more_even_than_random_ones() -> None:
         ({"clearance.cam_um": "1:2:1"}, "needs 2 values or more"),
         ({"clearance.cam_um": "1:2:x"}, "expected LO:HI:N"),
         ({"clearance.cam_um": "0:inf:3"}, "lower end below the upper end"),
-        ({"clearance.cam_um": "1:2:100000000000"}, f"from 1 to {MAX_POINTS:,}"),
+        ({"clearance.cam_um": "1:2:100000000000"}, f"allowed: 1 to {MAX_POINTS:,}"),
         ({f"clearance.{key}_um": "1:2:2000" for key in ("cam", "output")}, "4,000,000 points"),
         ({"errors.pin_x_um": "1,2"}, "is a list"),
         ({"clearance": "1"}, "is a list or a table"),
@@ -411,7 +411,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     ("flags", "message"),
     [
         ([], "specify the points of a sweep with either --vary"),
-        (["--vary", "clearance.cam_um"], "expected KEY=VALUES"),
+        (["--vary", "clearance.cam_um"], "give KEY=VALUES"),
         (["--vary", "clearance.cam_um=1", "--vary", "clearance.cam_um=2"], "is repeated"),
         (
             ["--vary", "clearance.cam_um=1", "--measure", "play"],
@@ -430,7 +430,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
         (["--table", "NONE"], "cannot be read: No such file"),
         (["--table", "TWICE"], "is repeated"),
         (["--vary", "clearance.cam_um=1", "--workers", "0"], "--workers"),
-        (["--vary", "clearance.cam_um=1", "--workers", "2", "--scheduler", "a:1"], "leave --workers out"),
+        (["--vary", "clearance.cam_um=1", "--workers", "2", "--scheduler", "a:1"], "exclude each other"),
         (["--vary", "clearance.cam_um=1", "--scheduler", "here"], "expected HOST:PORT"),
     ],
 )
