@@ -359,7 +359,7 @@ def test_wrong_wishes_are_refused(vary, more, message: str) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (["--vary", "gear.eccentricity_mm"], "expected KEY=LO:HI"),
+        (["--vary", "gear.eccentricity_mm"], "give KEY=LO:HI"),
         (["--vary", "ring.teeth=34:36", "--vary", "ring.teeth=30:36"], "is repeated"),
         (["--vary", "ring.teeth=34:36", "--evaluations", "0"], "evaluations"),
         (["--vary", "ring.teeth=34:36", "--seed", "1.5"], "whole number"),
