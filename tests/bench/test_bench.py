@@ -783,7 +783,7 @@ def test_a_calibration_whose_design_was_not_tried_is_in_its_folder(
     monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", pressed)
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
-    assert "whether its design serves was not tried" in capsys.readouterr().err
+    assert "its design was not tested" in capsys.readouterr().err
     found = json.loads((tmp_path / "printed-calibrated.json").read_text())
     assert found["complete"] is True
     assert found["unusable"] is None

@@ -468,15 +468,15 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
     ("flags", "message"),
     [
         (["--ratio", "20"], "--diameter-mm and --torque-nm are missing"),
-        (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
+        (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of them"),
         (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--process", "wood"], "steel"),
-        (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "leave one of them out"),
-        (["--ratio-range", "2-3", "--diameter-mm", "60", "--torque-nm", "1"], "expected LOW:HIGH"),
+        (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of them"),
+        (["--ratio-range", "2-3", "--diameter-mm", "60", "--torque-nm", "1"], "give LOW:HIGH"),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--discs", "few"],
             "'few' is not a whole number, or auto",
         ),
-        (["--discs", "2"], "is for a new size"),
+        (["--discs", "2"], "applies to new sizes only"),
     ],
 )
 def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, flags: list[str], message: str) -> None:

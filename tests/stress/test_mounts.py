@@ -138,4 +138,4 @@ def test_a_missing_file_of_mounts_is_told(tmp_path: Path) -> None:
 
 def test_mounts_are_for_springs(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stress", "--design", "printed", "--mounts", str(DRAWN)]) == 2
-    assert "--mounts is for the springs of a design: add --springs" in capsys.readouterr().err
+    assert "--mounts applies to --springs only: add --springs" in capsys.readouterr().err

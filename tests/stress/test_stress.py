@@ -688,8 +688,8 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
 @pytest.mark.parametrize(
     ("argv", "exit_code", "words"),
     [
-        ((), 2, "stress needs a design or a log"),
-        (("--log", "a.mcap", "--load-nm", "3"), 2, "logs are read as they are"),
+        ((), 2, "no design and no log is given"),
+        (("--log", "a.mcap", "--load-nm", "3"), 2, "have no effect on logs"),
         (("--log", "a.mcap", "--design", "pin", "nonpin"), 2, "there are 2 designs and 1 logs"),
         (("--design", "pin", "pin", "--out", "{}"), 2, "two of the designs are called 'pin'"),
         (("--log", "{}/none.mcap"), 2, "none.mcap"),
