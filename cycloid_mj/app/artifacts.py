@@ -87,13 +87,13 @@ FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
 """Kind -> text of its button, and the function that creates the files by name."""
 
 
-def make(told: Progress, values: Any, kind: str) -> Download:
+def make(on_progress: Progress, values: Any, kind: str) -> Download:
     """Create the files of a kind of `FILES` for a design of the page."""
-    told({"doing": "creating the file"})
+    on_progress({"doing": "creating the file"})
     return Download(files=FILES[kind][1](design_of(values)))
 
 
-def run(told: Progress, values: Any) -> Download:
+def run(on_progress: Progress, values: Any) -> Download:
     """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
 
     Raises
@@ -113,9 +113,9 @@ def run(told: Progress, values: Any) -> Download:
     short = started.steady(settled, max(MIN_CRANK_TURNS, settled / turn))  # at most half of a hold is not judged
 
     def report_progress(done: int, total: int) -> None:
-        told({"doing": "simulating in MuJoCo", "share": done / total})
+        on_progress({"doing": "simulating in MuJoCo", "share": done / total})
 
-    told({"doing": "building the model", "share": 0.0})
+    on_progress({"doing": "building the model", "share": 0.0})
     run = simulate(short, progress=report_progress)
     return Download(page=report({design.name: run}, settle=settled))
 

@@ -108,8 +108,8 @@ class LimitedConnection(H11Protocol):
         self.transport.close()
 
     def _close_longest_waiting(self) -> None:
-        since = {one: one._waiting_since for one in self.connections if isinstance(one, LimitedConnection)}
-        waiting = {one: time for one, time in since.items() if time is not None}
+        since = {other: other._waiting_since for other in self.connections if isinstance(other, LimitedConnection)}
+        waiting = {other: time for other, time in since.items() if time is not None}
         if waiting:
             longest = min(waiting, key=waiting.__getitem__)
             longest._stop_waiting()  # else it would be chosen again before the event loop has removed it

@@ -117,7 +117,7 @@ class Jobs:
                 return
             job.state, self._running = "running", job.number
             try:
-                result = self._worker.do(work, *args, told=lambda content: setattr(job, "progress", content))
+                result = self._worker.do(work, *args, on_progress=lambda content: setattr(job, "progress", content))
             except CycloidError as error:
                 job.error = "" if job.state == "stopped" else str(error)
             else:

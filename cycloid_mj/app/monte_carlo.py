@@ -31,12 +31,12 @@ UNITS = ("arcmin", "arcsec")
 """Units of the figures that are shown."""
 
 
-def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[str, Any]:
+def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> dict[str, Any]:
     """Solve samples of a design within its tolerances, and share out the variance.
 
     Parameters
     ----------
-    told
+    on_progress
         Called after each block with the distributions so far.
     values
         The design, by its values of the page.
@@ -55,9 +55,9 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
     columns: dict[str, Array] = {}
     for batch in list_batches(SAMPLES):
         block = balance_batch(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
-        columns = {key: np.concatenate([columns[key], one]) if columns else one for key, one in block.items()}
+        columns = {key: np.concatenate([columns[key], values]) if columns else values for key, values in block.items()}
         count = len(find_jams(columns))
-        told(
+        on_progress(
             {
                 "doing": f"{count} of {SAMPLES} samples",
                 "share": count / SAMPLES,
@@ -67,7 +67,7 @@ def samples(told: Callable[[Any], None], values: Any, spread_um: Any) -> dict[st
         if batch.first == 0 and batch.number == 0 and jams_too_often(find_jams(columns)):
             break
     else:
-        told({"doing": "computing the error budget", "share": 1.0, "seen": _distributions(reducer, columns)})
+        on_progress({"doing": "computing the error budget", "share": 1.0, "seen": _distributions(reducer, columns)})
         study = tolerance(reducer.design, BUDGET_SAMPLES, SEED)
         shares = [{"source": share.source, "share": share.total} for share in study.budget]
         return {**_distributions(reducer, columns), "budget": shares, "budget_of": figure(study.budget_of).name}

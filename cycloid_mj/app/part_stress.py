@@ -17,11 +17,11 @@ PARTS = {"gear": "gear", "output": "output", "shaft": "shaft", "pin": "pin", "ri
 """Kind of part in the keys of the catalogue -> the part that names its material."""
 
 
-def stress(told: Callable[[Any], None], values: Any) -> dict[str, Any]:
+def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """Compute the largest stress of each part over one crank turn under the load, and judge it by the yield strength.
 
     A part whose bulk does not yield can still fail at its surface or by fatigue: those items of the rating at the
-    same load come first. `told` is called with the rows so far after each part.
+    same load come first. `on_progress` is called with the rows so far after each part.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def stress(told: Callable[[Any], None], values: Any) -> dict[str, Any]:
     rows = list[dict[str, Any]]()
     for number, (kind, part) in enumerate(PARTS.items()):
         progress = number / len(PARTS)
-        told({"doing": f"stress of the {kind}", "share": progress, "rated": rated, "rows": list(rows)})
+        on_progress({"doing": f"stress of the {kind}", "share": progress, "rated": rated, "rows": list(rows)})
         entry = figure(f"{kind}_stress_mpa")
         largest = entry.value(reducer)
         if not math.isnan(largest):

@@ -81,10 +81,10 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
     }
 
 
-def size(told: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for a requirement; `told` is called with the alternatives of an infeasible one as they are found."""
-    told({"doing": "searching for proportions that meet the requirements"})
-    return _answer(answered(requirement_of(form), lambda answer: told({"answer": _answer(answer)})))
+def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
+    """Find drives for a requirement; `on_progress` gets the alternatives of an infeasible one as they are found."""
+    on_progress({"doing": "searching for proportions that meet the requirements"})
+    return _answer(answered(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer)})))
 
 
 def _answer(answer: Answer) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def _answer(answer: Answer) -> dict[str, Any]:
         "most": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
-        "ways": [{"words": with_symbols(way.words), "asked": form_of(way.asked)} for way in answer.ways],
+        "ways": [{"words": with_symbols(option.words), "asked": form_of(option.asked)} for option in answer.ways],
     }
 
 
@@ -105,8 +105,8 @@ def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
     """Return a drive in JSON values, judged by the requirement with its covers."""
     figures = dict(drive.figures)
     verdicts = requirement_verdicts(form_of(required), figures)
-    violated = {field: one for field, one in verdicts.items() if one["judgement"] != Judgement.PASSED}
-    words = "; ".join(f"{NAMES[field]}: {one['words']} required" for field, one in violated.items())
+    violated = {field: judged for field, judged in verdicts.items() if judged["judgement"] != Judgement.PASSED}
+    words = "; ".join(f"{NAMES[field]}: {judged['words']} required" for field, judged in violated.items())
     return {
         "title": drive.title,
         "why": drive.why,
@@ -114,7 +114,7 @@ def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
         "figures": figures,
         "life": hours(figures["life_h"]),
         "verdicts": verdicts,
-        "verdict": verdict(gravest(Judgement(one["judgement"]) for one in verdicts.values()), words),
+        "verdict": verdict(gravest(Judgement(judged["judgement"]) for judged in verdicts.values()), words),
     }
 
 

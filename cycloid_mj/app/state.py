@@ -63,7 +63,7 @@ def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
         key: [values[key] if key in values else value_of(design, key) for values, design in designs]
         for key in dict.fromkeys((*first, *second))
     }
-    return [(key, one, other) for key, (one, other) in pairs.items() if one != other]
+    return [(key, a, b) for key, (a, b) in pairs.items() if a != b]
 
 
 def changed(design: Design, changes: Any) -> Design:

@@ -71,7 +71,7 @@ def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 def errors(reducer: Reducer) -> list[dict[str, Any]]:
     """Return the checks that a design fails and without which it cannot be built; empty for a sound design."""
-    return _unmet(reducer, (one for one in soundness(reducer) if one.severity == "error"))
+    return _unmet(reducer, (check for check in soundness(reducer) if check.severity == "error"))
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:

@@ -54,16 +54,16 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     discs, lobes, departures = design.gear.discs, design.lobes, solved.departures
     poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
     of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # columns of x and y of the disc of each contact
-    way = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
+    direction = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
     rings, pins = ring_places(reducer), output_centres(reducer)
     turned = np.stack([moved(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
-    teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * way[:, : springs.teeth]
-    output = np.tile(turned, (1, discs, 1)) + design.output.pin_radius * way[:, springs.teeth :]
+    teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
+    output = np.tile(turned, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
     return {
         "turn": turn,
         "load_nm": abs(load),
-        "teeth": _rounded(solved.teeth, teeth, way[:, : springs.teeth], discs),
-        "output": _rounded(solved.output, output, way[:, springs.teeth :], discs),
+        "teeth": _rounded(solved.teeth, teeth, direction[:, : springs.teeth], discs),
+        "output": _rounded(solved.output, output, direction[:, springs.teeth :], discs),
         "cam": np.round(solved.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
@@ -87,14 +87,14 @@ def error(reducer: Reducer) -> dict[str, Any]:
     full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, MAX_ORDER)
-    drawn = spectrum.amplitude > MIN_AMPLITUDE * spectrum.amplitude.max(initial=0.0)
+    strong = spectrum.amplitude > MIN_AMPLITUDE * spectrum.amplitude.max(initial=0.0)
     mesh = float(reducer.mesh_periods)
     pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
     return {
         "crank_deg": np.round(np.degrees(crank), 3).tolist(),
         "curves": curves,
-        "orders": np.round(spectrum.order[drawn], 4).tolist(),
-        "amplitudes": np.round(spectrum.amplitude[drawn], 5).tolist(),
+        "orders": np.round(spectrum.order[strong], 4).tolist(),
+        "amplitudes": np.round(spectrum.amplitude[strong], 5).tolist(),
         "named": [[mesh, "mesh"], [2.0 * mesh, "2 x mesh"], [round(pins, 4), "output pins"]],
     }
 
@@ -105,13 +105,13 @@ def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
     return np.asarray(angle - angle.mean())
 
 
-def _rounded(force: Array, place: Array, way: Array, discs: int) -> dict[str, Any]:
+def _rounded(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
     """Convert forces [N], positions [m] and directions to rounded lists, shape (angles, discs, contacts, ...)."""
     shape = (len(force), discs, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),
-        "place": np.round(MILLIMETRES * place, 4).reshape(*shape, 2).tolist(),
-        "way": np.round(way, 5).reshape(*shape, 2).tolist(),
+        "place": np.round(MILLIMETRES * position, 4).reshape(*shape, 2).tolist(),
+        "way": np.round(direction, 5).reshape(*shape, 2).tolist(),
     }
 
 

@@ -57,13 +57,13 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
         Field -> ``judgement``, and ``words`` for the requirement, such as "≤ 70 mm".
     """
     verdicts: Verdicts = {}
-    for field, one in REQUIREMENTS.items():
+    for field, limited in REQUIREMENTS.items():
         limit = required.get(field) if isinstance(required, Mapping) else None
         if not isinstance(limit, int | float) or isinstance(limit, bool) or not 0.0 < limit < math.inf:
             continue
-        if one.figure in figures:
-            margin = _margin(figures[one.figure], float(limit), one.sense) * (1.0 + one.rtol)
-            verdicts[field] = verdict(judge(margin), f"{one.sense}{limit:.6g} {one.unit}".replace(" :", ":"))
+        if limited.figure in figures:
+            margin = _margin(figures[limited.figure], float(limit), limited.sense) * (1.0 + limited.rtol)
+            verdicts[field] = verdict(judge(margin), f"{limited.sense}{limit:.6g} {limited.unit}".replace(" :", ":"))
     return verdicts
 
 

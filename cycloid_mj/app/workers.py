@@ -45,12 +45,12 @@ class Worker:
         self._closed = False
         self._start()
 
-    def do(self, work: Work, *args: Any, told: Progress | None = None) -> Any:
+    def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
         """Call a function in the process and return its result.
 
         Parameters
         ----------
-        told
+        on_progress
             Called with each progress report; the function then gets a callback for these as its first argument.
 
         Raises
@@ -63,11 +63,11 @@ class Worker:
         with self._lock:
             pipe = self._pipe
             try:
-                pipe.send((work, args, told is not None))
+                pipe.send((work, args, on_progress is not None))
                 while True:
                     kind, content = pipe.recv()
-                    if kind == "told" and told:
-                        told(content)
+                    if kind == "progress" and on_progress:
+                        on_progress(content)
                     elif kind == "failed":
                         raise CycloidError(content)
                     elif kind == "done":
@@ -132,4 +132,4 @@ def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
 
 
 def _reporter(pipe: Connection) -> Progress:
-    return lambda content: pipe.send(("told", content))
+    return lambda content: pipe.send(("progress", content))

@@ -36,7 +36,7 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
         `q` is not a point.
     """
     motion = run if isinstance(run, Series) else series(run, q)
-    drawn = {
+    figures_by_name = {
         "transmission_error": transmission_error_figure(motion),
         "fig5_input": input_figure(motion),
         "fig6_gear_speed": gear_speed_figure(motion),
@@ -44,9 +44,9 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
         "fig8_q_speed": velocity_figure(motion),
     }
     if motion.pin_1:
-        drawn["fig9_pin1"] = pin_figure(motion, motion.pin_1)
+        figures_by_name["fig9_pin1"] = pin_figure(motion, motion.pin_1)
     ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
     followed = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
-    for figure in drawn.values():
+    for figure in figures_by_name.values():
         state(figure, f"{motion.design.name}, {condition(motion.reducer)}{ended}{followed}")
-    return drawn
+    return figures_by_name

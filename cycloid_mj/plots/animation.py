@@ -86,13 +86,13 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         raise UsageError(f"animation width {width} px is out of range: {MIN_WIDTH} to {MAX_WIDTH} px")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
-    reducer, seen = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
-    drawn = drawing(reducer, gaps(reducer, seen, motion.disc), scene.magnification)
+    reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
+    poses = drawing(reducer, gaps(reducer, in_ring, motion.disc), scene.magnification)
     script = Script(
         reducer=motion.reducer,
-        drawn=drawn,
-        acting=contact_forces(reducer, seen, drawn).of_disc(motion.disc),
-        ideal=ideal_forces(reducer, seen, motion.disc),
+        drawn=poses,
+        acting=contact_forces(reducer, in_ring, poses).of_disc(motion.disc),
+        ideal=ideal_forces(reducer, in_ring, motion.disc),
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 

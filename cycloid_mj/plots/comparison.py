@@ -65,8 +65,8 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
-    drawn = {f"compare_{name}": _over_a_turn(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
-    return drawn | {"compare_vibration": _spectra(grid)}
+    figures = {f"compare_{name}": _over_a_turn(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
+    return figures | {"compare_vibration": _spectra(grid)}
 
 
 @styled

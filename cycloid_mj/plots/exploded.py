@@ -28,20 +28,28 @@ HEIGHT = 6.2
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section through the axis, each part rotated into its plane: assembled, and exploded below."""
     laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
-    drawn = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
+    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     together, apart = figure.subplots(2, 1)
-    counts, gap = Counter(names.family(place.part) for place in placed), GAP * reducer.design.housing.outer_radius
-    at = 0.0
-    for number, family in enumerate([one for one in ALONG if counts[one]]):
-        own = [place for place in placed if names.family(place.part) == family]
-        ends = [place.origin[2] + z for place in own for one in drawn[place.part] for z in (one.z0, one.z1)]
-        shift, top = at - min(ends), 0.0
-        for place in own:
-            _draw(together, place, drawn[place.part], 0.0)
-        for place in own:
-            top = max(top, _draw(apart, place, drawn[place.part], shift))
-        at += max(ends) - min(ends) + gap
+    counts, gap = (
+        Counter(names.family(component.part) for component in placed),
+        GAP * reducer.design.housing.outer_radius,
+    )
+    start = 0.0
+    for number, family in enumerate([family for family in ALONG if counts[family]]):
+        own = [component for component in placed if names.family(component.part) == family]
+        ends = [
+            component.origin[2] + z
+            for component in own
+            for prism in prisms[component.part]
+            for z in (prism.z0, prism.z1)
+        ]
+        shift, top = start - min(ends), 0.0
+        for component in own:
+            _draw(together, component, prisms[component.part], 0.0)
+        for component in own:
+            top = max(top, _draw(apart, component, prisms[component.part], shift))
+        start += max(ends) - min(ends) + gap
         middle = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
         text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
         apart.annotate(
@@ -61,14 +69,14 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, place: Place, prisms: tuple[Prism, ...], shift: float) -> float:
+def _draw(axes: Axes, component: Place, prisms: tuple[Prism, ...], shift: float) -> float:
     """Draw the section of a part in the plane through the axis and its centre; return its largest radius [m]."""
-    x, y, z = place.origin
+    x, y, z = component.origin
     away = float(np.hypot(x, y))
-    red, green, blue, _ = COLOURS[names.family(place.part)]
+    red, green, blue, _ = COLOURS[names.family(component.part)]
     reach = 0.0
     for prism in prisms:
-        for low, high in cut(prism, (0.0, away if names.family(place.part) != names.GEAR else y)):
+        for low, high in cut(prism, (0.0, away if names.family(component.part) != names.GEAR else y)):
             corner = MILLIMETRES * (prism.z0 + z + shift), MILLIMETRES * low
             size = MILLIMETRES * (prism.z1 - prism.z0), MILLIMETRES * (high - low)
             axes.add_patch(Rectangle(corner, *size, facecolor=(red, green, blue), edgecolor="#26323D", linewidth=0.3))

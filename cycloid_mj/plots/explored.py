@@ -180,8 +180,8 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
         # triangulated in scaled inputs, so that both have the same weight
         triangles = Triangulation(*plane.T).triangles
-        drawn = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
-        axes.figure.colorbar(drawn, ax=axes, pad=0.02)
+        contours = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
+        axes.figure.colorbar(contours, ax=axes, pad=0.02)
     if good.sum() <= 10 * MAX_MARKERS:
         axes.plot(x[good], y[good], ".", color=BLACK, markersize=1.5)
     axes.plot(x[~good], y[~good], "x", color=VERMILION, markersize=3)
@@ -195,15 +195,17 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlated = rank_correlations(sweep, tuple(quantities))
-    step = math.ceil(len(sweep) / MAX_POINTS) or 1
+    stride = math.ceil(len(sweep) / MAX_POINTS) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
-            values = sweep.frame.numbers[name][::step]
+            values = sweep.frame.numbers[name][::stride]
             rho = correlated.rho[row, correlated.inputs.index(key)] if key in correlated.inputs else math.nan
             strength = 0.0 if math.isnan(rho) else abs(rho)
             colour = VERMILION if strength > 0.5 else BLUE
-            axes.plot(_positions(axes, sweep, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
+            axes.plot(
+                _positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
+            )
             axes.margins(x=0.05)
             axes.set_xlabel(wrap_label(_title(sweep, key), LABEL_WIDTH) if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")

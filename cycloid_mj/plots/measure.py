@@ -58,16 +58,16 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     heights = [POLAR_HEIGHT if curves[0].style == "polar" else HEIGHT for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
-    for row, (name, drawn) in enumerate(panels.items()):
-        polar = drawn[0].style == "polar"
+    for row, (name, shown) in enumerate(panels.items()):
+        polar = shown[0].style == "polar"
         axes = figure.add_subplot(grid[row], projection="polar" if polar else None)
         axes.set_title(name)
         if polar:
-            _draw_polar(axes, drawn)
+            _draw_polar(axes, shown)
         else:
-            _draw(axes, drawn)
-            _limit(axes, drawn)
-            axes.set(xlabel=drawn[0].x_label, ylabel=drawn[0].y_label)
+            _draw(axes, shown)
+            _limit(axes, shown)
+            axes.set(xlabel=shown[0].x_label, ylabel=shown[0].y_label)
         axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)

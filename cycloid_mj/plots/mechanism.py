@@ -152,7 +152,7 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
         points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
     power = 10.0 ** math.floor(math.log10(largest))
-    reference = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
+    reference = power * max(factor for factor in (1.0, 2.0, 5.0) if factor * power <= largest)
     axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=DISC_COLOURS[disc])
 
 

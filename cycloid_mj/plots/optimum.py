@@ -47,12 +47,15 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         first.set(xlabel="evaluation", ylabel=_label(optimum, objectives[0].key))
     infeasible = len(optimum.feasible) < np.isfinite(y).sum()
     legend_above(first, *(look for look in LOOKS if infeasible or look is not LOOKS[1]))
-    for number, one in enumerate(varied):
+    for number, key_range in enumerate(varied):
         axes = figure.add_subplot(grid[1 + number // 3, number % 3])
         _scatter(
-            axes, optimum, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float)
+            axes,
+            optimum,
+            np.asarray(columns[key_range.key], dtype=float),
+            np.asarray(columns[objectives[0].key], float),
         )
-        axes.set(xlabel=_label(optimum, one.key), ylabel="" if number % 3 else _label(optimum, objectives[0].key))
+        axes.set(xlabel=_label(optimum, key_range.key), ylabel="" if number % 3 else _label(optimum, objectives[0].key))
     state(figure, optimum.words)
     return figure
 

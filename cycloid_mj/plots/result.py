@@ -131,7 +131,7 @@ def _of_checks(checks: Checks) -> Figures:
 
 @figures_of.register
 def _of_export(exported: Export) -> Figures:
-    ratios = {one.pair: 0.5 * (one.least + one.most) / one.asked for one in exported.clearances if one.asked}
+    ratios = {pair.pair: 0.5 * (pair.least + pair.most) / pair.asked for pair in exported.clearances if pair.asked}
     if not ratios:
         raise UsageError("Export has no clearances to draw; .to_frame() lists the files")
     return {"clearances": _bars(ratios, "clearance of the exported parts / nominal clearance", exported.line)}
@@ -145,7 +145,7 @@ def _of_orders(orders: Orders) -> Figures:
 @figures_of.register
 def _of_joint(joint: ReducedJoint) -> Figures:
     torque = joint.rated_torque * np.linspace(-1.0, 1.0, POINTS)
-    turn = np.array([joint.wind_up(one) for one in torque]) / ARCMINUTE
+    turn = np.array([joint.wind_up(load) for load in torque]) / ARCMINUTE
     return {"wind_up": _curve(torque, turn, "wind-up [arcmin]", joint.line)}
 
 
@@ -181,7 +181,7 @@ def _of_rating(rating: Rating) -> Figures:
 
 @figures_of.register
 def _of_sheet(sheet: Sheet) -> Figures:
-    ratios = {one.name: one.value / one.reference for one in sheet.quantities.values() if one.reference}
+    ratios = {item.name: item.value / item.reference for item in sheet.quantities.values() if item.reference}
     return {"closed_form": _bars(ratios, "static equilibrium / closed form [1]", f"{sheet.design}, {sheet.condition}")}
 
 

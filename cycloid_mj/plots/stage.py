@@ -107,14 +107,14 @@ def set_stage(script: Script, width: int) -> AnimatedFigure:
 
 def show(stage: AnimatedFigure, script: Script, row: int) -> None:
     """Update the figure to a frame."""
-    drawn = script.drawn
-    _move(stage, GEAR, [drawn.gear[row]])
+    poses = script.drawn
+    _move(stage, GEAR, [poses.gear[row]])
     _move(stage, OTHERS, _others(script, row))
-    _move(stage, SHAFT, [drawn.shaft[row]])
-    _move(stage, OUTPUT, drawn.output_pins[row])
+    _move(stage, SHAFT, [poses.shaft[row]])
+    _move(stage, OUTPUT, poses.output_pins[row])
     outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
-    _move(stage, SOCKET, np.column_stack([drawn.sockets[row], outwards]))
-    _move(stage, PIN, np.column_stack([drawn.ring[row], drawn.gaps.pin_angle[row]]))
+    _move(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
+    _move(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
     if script.reducer.design.ring.kind != "pin":
         _set_ring(stage.wall, script, row)
     _show_forces(stage, script, row)
@@ -142,16 +142,16 @@ def _show_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
         stage.ideal_steps.set_data(script.ideal[row])
 
 
-def _title(reducer: Reducer, drawn: Drawing) -> str:
+def _title(reducer: Reducer, poses: Drawing) -> str:
     """Return the name of the design and the magnification of clearances."""
     return reducer.design.name + (
-        f",  clearances magnified {drawn.magnification:g} times" if drawn.magnification > 1 else ""
+        f",  clearances magnified {poses.magnification:g} times" if poses.magnification > 1 else ""
     )
 
 
-def _view_words(drawn: Drawing, reducer: Reducer) -> tuple[str, ...]:
+def _view_words(poses: Drawing, reducer: Reducer) -> tuple[str, ...]:
     """Return which of several discs is shown with its forces, and the frame of the view."""
-    disc = (f"disc {drawn.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
+    disc = (f"disc {poses.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
     return (*disc, "seen from the ring") if reducer.design.output.turns_ring else disc
 
 
@@ -185,10 +185,10 @@ def _set_ring(wall: Any, script: Script, row: int) -> None:
     wall.set_path(_path([outline, hole]))
 
 
-def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]:
+def _parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
     """Draw the parts from back to front, each copy in its own frame; return lists of artists that move together."""
     design = reducer.design
-    ring, output, gear, radii, disc = design.ring, design.output, design.gear, drawn.radii, drawn.gaps.disc
+    ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
     pinned = design.ring.kind == "pin"
     prism = gear_solid(reducer, CHORD_ERROR, disc).prisms[0]
     cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])

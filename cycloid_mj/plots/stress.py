@@ -48,15 +48,15 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
     Dashed: the range of Hsieh 2014 for its designs, if they run without load as there.
     """
-    drawn = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
+    studies = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
     figure = sheet(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    for number, each, one in drawn:
-        degrees, look = np.degrees(one.angle), _look(number)
-        top.plot(degrees, one.bulk / MEGAPASCAL, **look)
-        peak = one.bulk_peak
+    for number, each, maxima in studies:
+        degrees, look = np.degrees(maxima.angle), _look(number)
+        top.plot(degrees, maxima.bulk / MEGAPASCAL, **look)
+        peak = maxima.bulk_peak
         top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
-        bottom.plot(degrees, one.contact / MEGAPASCAL, **look)
+        bottom.plot(degrees, maxima.contact / MEGAPASCAL, **look)
         if published := each.published(part):
             top.axhline(published / MEGAPASCAL, color=_color(number), **RANGE)
     top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
@@ -64,10 +64,10 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     for panel in (top, bottom):
         panel.set_ylabel("[MPa]")
         panel.set_ylim(0.0, 1.05 * panel.get_ylim()[1])
-        crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in drawn]))
+        crank_axis(panel, np.concatenate([np.degrees(maxima.angle) for _, _, maxima in studies]))
     top.set_xlabel("")
-    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in drawn]
-    if any(each.published(part) for _, each, _ in drawn):
+    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in studies]
+    if any(each.published(part) for _, each, _ in studies):
         entries.append(("range of Hsieh 2014", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure
@@ -85,11 +85,11 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
         Design and load, for the title.
     """
     figure, panels = _panels(list(maps), f"{condition}: von Mises stress")
-    for axes, (part, drawn) in zip(panels, maps.items(), strict=False):
-        top = float(drawn.von_mises[drawn.bulk].max()) / MEGAPASCAL
-        image = _draw_map(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
+    for axes, (part, stress) in zip(panels, maps.items(), strict=False):
+        top = float(stress.von_mises[stress.bulk].max()) / MEGAPASCAL
+        image = _draw_map(axes, stress, stress.von_mises / MEGAPASCAL, top)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
-        axes.set_title(f"{TITLES[part]} at {np.degrees(drawn.angle):.0f} deg:\nat most {top:.3g} MPa in bulk")
+        axes.set_title(f"{TITLES[part]} at {np.degrees(stress.angle):.0f} deg:\nat most {top:.3g} MPa in bulk")
     return figure
 
 
@@ -116,12 +116,12 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     axes = figure.subplots()
     marks = dict(zip(TITLES, "osspPXD^v", strict=True))
     for number, each in enumerate(findings):
-        for one in each.parts:
-            largest = one.refinement.stress.max(axis=1)
+        for maxima in each.parts:
+            largest = maxima.refinement.stress.max(axis=1)
             axes.plot(
-                one.refinement.unknowns,
+                maxima.refinement.unknowns,
                 100 * (largest / largest[-1] - 1.0),
-                marker=marks[one.part],
+                marker=marks[maxima.part],
                 markersize=4.0,
                 **_look(number),
             )
@@ -175,13 +175,13 @@ def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
     return figure, panels
 
 
-def _draw_map(axes: Axes, drawn: StressMap, values: Array, top: float) -> Any:
+def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
     """Draw nodal values as colours, interpolated within each element."""
     look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
-    if drawn.points.shape[1] == 2:
-        flat = _flat(drawn.points / MILLIMETRE, drawn.cells)
+    if stress.points.shape[1] == 2:
+        flat = _flat(stress.points / MILLIMETRE, stress.cells)
         return axes.tripcolor(flat, values, **look)
-    points, faces, _ = _project(drawn.points, drawn.cells, drawn.part)
+    points, faces, _ = _project(stress.points, stress.cells, stress.part)
     axes.set_axis_off()
     return axes.tripcolor(_flat(points, faces), values, **look)
 
@@ -195,8 +195,10 @@ def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
         lines = points[np.unique(ends, axis=0)] / MILLIMETRE
         axes.add_collection(LineCollection(list(lines), colors=EDGE, **look))
     else:
-        seen, faces, _ = _project(points, cells, grid.part)
-        axes.add_collection(PolyCollection(list(seen[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look))
+        projected, faces, _ = _project(points, cells, grid.part)
+        axes.add_collection(
+            PolyCollection(list(projected[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look)
+        )
         axes.set_axis_off()
     axes.autoscale_view()
 

@@ -28,10 +28,10 @@ OUTLIER_SHARE = 0.001
 
 def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
     """Return the figures of a study by name: the error budget, if there is one, and the distributions."""
-    drawn = {"distributions": distributions_figure(tolerances)}
+    figures = {"distributions": distributions_figure(tolerances)}
     if any(np.isfinite(share.total) for share in tolerances.budget):
-        drawn = {"budget": budget_figure(tolerances), **drawn}
-    return drawn
+        figures = {"budget": budget_figure(tolerances), **figures}
+    return figures
 
 
 @styled

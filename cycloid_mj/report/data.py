@@ -75,9 +75,9 @@ def _theory(key: str) -> str:
 
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     """Return the data of a run on a page with a number of runs."""
-    motion, drawn = item.motion, curves(item.motion)
-    max_samples = min(MAX_SAMPLES, MAX_VALUES // (runs * len(drawn)))
-    time, values = decimate(motion.time, np.stack(list(drawn.values()), axis=1), max_samples)
+    motion, signals = item.motion, curves(item.motion)
+    max_samples = min(MAX_SAMPLES, MAX_VALUES // (runs * len(signals)))
+    time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
     judged, turn = motion.time[motion.judged], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
@@ -85,7 +85,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "colour": item.colour,
         "start": float(time[0]),
         "time": encode_array(time - time[0]),
-        "curves": {key: encode_array(values[:, column]) for column, key in enumerate(drawn)},
+        "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
         "paths": {path: _path(path, motion) for path in paths},
         "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
         "mechanism": mechanism(motion.reducer, item.shown),

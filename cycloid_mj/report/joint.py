@@ -32,7 +32,7 @@ def joint_page(
     reduced: ReducedJoint,
     against: Against,
     steps: Sequence[Tried],
-    asked: Tried,
+    requested: Tried,
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
@@ -47,13 +47,13 @@ def joint_page(
             reducer=reduced,
             numbers=list(_numbers(reduced).items()),
             quantities=_quantities(reduced),
-            population=[{"title": one.title, "text": _texts(one)} for one in (drives.tables() if drives else ())],
+            population=[{"title": each.title, "text": _texts(each)} for each in (drives.tables() if drives else ())],
             comparison=_texts(against.table()),
             missed=against.missed,
             figures=figures,
             steps=_texts(study_table(tuple(steps))),
             longest=_texts(recommended_table(tuple(steps))),
-            asked=asked,
+            asked=requested,
             dynamics=_dynamics(reduced),
             efficiency=_texts(_efficiency(reduced)),
             harmonics=_harmonics(reduced),
@@ -98,10 +98,10 @@ def _texts(result: Result) -> TextTable:
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
     """Return the data of a chart: curves sorted by x, the full model as a broad line below the joint."""
     first = curves[0]
-    drawn = []
+    data = []
     for curve in curves:
         order = np.argsort(curve.x, kind="stable")
-        drawn.append(
+        data.append(
             {
                 "name": curve.name,
                 "x": encode_array(curve.x[order]),
@@ -110,7 +110,7 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
             }
         )
     span = [min(float(curve.x.min()) for curve in curves), max(float(curve.x.max()) for curve in curves)]
-    return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": drawn}
+    return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": data}
 
 
 def _dynamics(reduced: ReducedJoint) -> TextTable:
@@ -122,7 +122,9 @@ def _dynamics(reduced: ReducedJoint) -> TextTable:
     for share in FRICTION_LOADS:
         torque, speed = share * reduced.rated_torque, reduced.rated_speed
         both = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
-        rows.append((f"correct at {share:.0%} of the rated torque", *(f"{one:.4g}" for one in both), f"{damping:.3g}"))
+        rows.append(
+            (f"correct at {share:.0%} of the rated torque", *(f"{each:.4g}" for each in both), f"{damping:.3g}")
+        )
     return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
@@ -147,14 +149,17 @@ def _harmonics(reduced: ReducedJoint) -> TextTable:
         for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
         if harmonic["load_nm"] == load
     ]
-    least = MIN_HARMONIC * max((one["value"] for one in rated), default=0.0)
+    least = MIN_HARMONIC * max((each["value"] for each in rated), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
-    for one in rated:
-        by_order.setdefault(one["order"], []).append(one)
+    for each in rated:
+        by_order.setdefault(each["order"], []).append(each)
     rows = [
-        (f"{order:.5g}", *(text for one in both for text in (f"{one['value']:.4g}", f"{one['numerical_error']:.1g}")))
+        (
+            f"{order:.5g}",
+            *(text for each in both for text in (f"{each['value']:.4g}", f"{each['numerical_error']:.1g}")),
+        )
         for order, both in by_order.items()
-        if max(one["value"] for one in both) >= least
+        if max(each["value"] for each in both) >= least
     ]
     head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
     return TextTable([head], rows)

@@ -32,12 +32,12 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
     """Return the outlines of the mechanism [mm] and its motion in the samples of a run over one crank turn."""
-    from_ring, seen = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
-    widest = widest_gap(from_ring, gaps(from_ring, seen))
+    from_ring, in_ring = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
+    widest = widest_gap(from_ring, gaps(from_ring, in_ring))
     return _shape(reducer) | {
         "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
-        "frames": _frames(from_ring, seen, shown.time),
+        "frames": _frames(from_ring, in_ring, shown.time),
     }
 
 

@@ -88,8 +88,8 @@ def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:
     """Yield backlash and stiffness of the static equilibrium, which a run does not determine."""
     load, _ = load_of(reducer)
     for name, key in (("backlash", "backlash_arcmin"), (f"stiffness at {load:.3g} N m", "stiffness_nm_per_arcmin")):
-        one = figure(key)
-        yield f"{name} (static)", f"{_short(one.value(reducer))} {one.unit}"
+        entry = figure(key)
+        yield f"{name} (static)", f"{_short(entry.value(reducer))} {entry.unit}"
 
 
 def _short(value: float, digits: int = 3) -> str:

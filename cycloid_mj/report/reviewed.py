@@ -42,7 +42,7 @@ def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     names = _names(list(runs), [motion.design.name for motion in motions])
     shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
     each = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)
-    return [Reviewed(*one) for one in each]
+    return [Reviewed(*fields) for fields in each]
 
 
 def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:

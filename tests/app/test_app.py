@@ -529,11 +529,11 @@ class Slow:
     def __init__(self) -> None:
         self.go, self.stopped = threading.Event(), False
 
-    def do(self, work: Any, *args: Any, told: Any) -> Any:
+    def do(self, work: Any, *args: Any, on_progress: Any) -> Any:
         self.go.wait(20.0)
         if self.stopped:
             raise WorkerDied("stopped")
-        return work(told, *args)
+        return work(on_progress, *args)
 
     def stop(self) -> None:
         self.stopped = True

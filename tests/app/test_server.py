@@ -40,9 +40,9 @@ class Immediate:
     def __init__(self) -> None:
         self.quick = self.slower = self.long = self
 
-    def do(self, work: Any, *args: Any, told: Any = None) -> Any:
-        if told:
-            return work(told, *args)
+    def do(self, work: Any, *args: Any, on_progress: Any = None) -> Any:
+        if on_progress:
+            return work(on_progress, *args)
         if args[0]["design"].get("load.torque_nm") == 13:
             raise ZeroDivisionError("by the thirteenth")
         return {"value": math.nan, "of": [math.inf, 1.0]}

@@ -19,11 +19,11 @@ const start = new Start(byId("start"), take, open);
 // --- requests
 
 const solved = {
-  statics: newest("statics", told => { state.statics = told; showHead(); tabs.told("statics", told); }, words => { state.statics = null; showHead(); tabs.failed("statics", words); }),
-  forces: newest("forces", told => { section.forces(told); tabs.told("forces", told); }, words => { section.forces(null); tabs.failed("forces", words); }),
-  checks: newest("checks", told => { state.checks = told; showRemedies(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
-  life: newest("life", told => { state.life = told; showHead(); tabs.told("life", told); }, words => { state.life = null; showHead(); tabs.failed("life", words); }),
-  remedies: newest("remedies", told => { state.remedies = told; showRemedies(); }, () => {}),
+  statics: newest("statics", data => { state.statics = data; showHead(); tabs.receive("statics", data); }, words => { state.statics = null; showHead(); tabs.receiveError("statics", words); }),
+  forces: newest("forces", data => { section.forces(data); tabs.receive("forces", data); }, words => { section.forces(null); tabs.receiveError("forces", words); }),
+  checks: newest("checks", data => { state.checks = data; showRemedies(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
+  life: newest("life", data => { state.life = data; showHead(); tabs.receive("life", data); }, words => { state.life = null; showHead(); tabs.receiveError("life", words); }),
+  remedies: newest("remedies", data => { state.remedies = data; showRemedies(); }, () => {}),
 };
 
 section.nextTurn = turn => ask("forces", { design: state.design, turn });
@@ -37,36 +37,36 @@ export async function apply(changes, { step = true } = {}) {
   while (pending) {
     const asked = pending;
     pending = null;
-    let told;
+    let data;
     try {
-      told = await ask("draw", { design: state.design, changes: asked, play: section.play, asked: state.asked });
+      data = await ask("draw", { design: state.design, changes: asked, play: section.play, asked: state.asked });
     } catch (error) {
       refuse(asked, error.message);
       continue;
     }
-    show(told);
+    show(data);
     if (step) remember(Object.keys(asked).join());
   }
   drawing = false;
 }
 
-function show(told) {
-  state.design = told.design;
-  state.name = told.name;
-  state.shown = told;
+function show(data) {
+  state.design = data.design;
+  state.name = data.name;
+  state.shown = data;
   state.remedies = null;
-  if (!told.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // solved by the workers while the browser draws
-  showControls(byId("parameters"), told.controls, apply);
-  section.show(told.section, told.errors);
-  byId("name").value = told.name;
-  document.title = `${told.name}: ${told.head.ratio}:1, ${number(told.head.diameter_mm)} mm – cycloid_mj`;
-  showWrong(told.errors);
-  if (told.errors.length) {
+  if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // solved by the workers while the browser draws
+  showControls(byId("parameters"), data.controls, apply);
+  section.show(data.section, data.errors);
+  byId("name").value = data.name;
+  document.title = `${data.name}: ${data.head.ratio}:1, ${number(data.head.diameter_mm)} mm – cycloid_mj`;
+  showWrong(data.errors);
+  if (data.errors.length) {
     state.statics = state.life = state.checks = null;
     for (const one of Object.values(solved)) one.drop();
     section.forces(null);
-    showChecks(told.errors, { judgement: "failed", words: `This design cannot be built: ${told.errors.length} ${told.errors.length > 1 ? "errors" : "error"}` });
-    tabs.broken(told.errors);
+    showChecks(data.errors, { judgement: "failed", words: `This design cannot be built: ${data.errors.length} ${data.errors.length > 1 ? "errors" : "error"}` });
+    tabs.broken(data.errors);
   } else {
     for (const place of ["head", "checks"]) byId(place).classList.add("old");
     tabs.changed();
@@ -194,16 +194,16 @@ function fromAddress() {
 }
 
 async function put(entry, step = true) {
-  let told;
+  let data;
   try {
-    told = await ask("draw", { design: entry.design, changes: {}, play: section.play, asked: entry.asked });
+    data = await ask("draw", { design: entry.design, changes: {}, play: section.play, asked: entry.asked });
   } catch (error) {
     toast(error.message);
     return false;
   }
   state.asked = { ...entry.asked };
   another();
-  show(told);
+  show(data);
   if (step) remember("");
   else address();
   return true;
@@ -222,16 +222,16 @@ function take(drive, form) { return put({ design: drive.design, asked: form }); 
 // --- files
 
 async function open(content) {
-  let told;
+  let data;
   try {
-    told = await ask("open", { ...content, play: section.play });
+    data = await ask("open", { ...content, play: section.play });
   } catch (error) {
     toast(error.message);
     return false;
   }
   state.asked = {};
   another();
-  show(told);
+  show(data);
   remember("");
   return true;
 }

@@ -33,8 +33,8 @@ export function lines(title, x, series, labels) {
   const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)], room = 0.06 * (high - low || 1);
   const { across, up, axes } = frame([x[0], x[x.length - 1]], [low < 0 ? low - room : low, high + room], labels, QUARTERS);
   const cursor = svg("line", { class: "cursor", y1: TOP, y2: H - BOTTOM, x1: -9, x2: -9 });
-  const told = el("figcaption", {});
-  const key = () => fill(told, ...series.filter(one => one.name).map(one => el("span", { class: `key ${one.look}` }, one.name)));
+  const data = el("figcaption", {});
+  const key = () => fill(data, ...series.filter(one => one.name).map(one => el("span", { class: `key ${one.look}` }, one.name)));
   key();
   const drawn = chart(title, axes, series.map(one => svg("polyline", { class: one.look, points: one.y.map((value, at) => `${across(x[at]).toFixed(1)},${up(value).toFixed(1)}`).join(" ") })), cursor);
   drawn.addEventListener("pointermove", event => {
@@ -43,10 +43,10 @@ export function lines(title, x, series, labels) {
     x.forEach((value, place) => { if (Math.abs(across(value) - at) < Math.abs(across(x[near]) - at)) near = place; });
     cursor.setAttribute("x1", across(x[near]));
     cursor.setAttribute("x2", across(x[near]));
-    fill(told, el("span", {}, `${number(x[near])}°`), ...series.filter(one => one.name).map(one => el("span", { class: `key ${one.look}` }, `${one.name}: ${number(one.y[near])}`)));
+    fill(data, el("span", {}, `${number(x[near])}°`), ...series.filter(one => one.name).map(one => el("span", { class: `key ${one.look}` }, `${one.name}: ${number(one.y[near])}`)));
   });
   drawn.addEventListener("pointerleave", () => { cursor.setAttribute("x1", -9); cursor.setAttribute("x2", -9); key(); });
-  return el("figure", {}, el("h3", {}, title), drawn, told);
+  return el("figure", {}, el("h3", {}, title), drawn, data);
 }
 
 // Vertical bars at orders; `named` highlights some of them: [order, name] each. The names are drawn above all bars.

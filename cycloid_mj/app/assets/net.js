@@ -10,9 +10,9 @@ export async function ask(name, content = {}) {
     throw new Error("The server of this page does not respond. Check that `cycloid-mj app` is still running.");
   }
   if (!answer.headers.get("Content-Type")?.startsWith("application/json")) throw new Error(await answer.text());
-  const told = await answer.json();
-  if (!answer.ok || "refused" in told) throw new Error(told.refused ?? told.error);
-  return told;
+  const data = await answer.json();
+  if (!answer.ok || "refused" in data) throw new Error(data.refused ?? data.error);
+  return data;
 }
 
 // Send only the newest request: those that arrive while an older one is being answered replace each other.
@@ -24,8 +24,8 @@ export function newest(name, shown, failed) {
       const [content, at] = [waiting, round];
       waiting = null;
       try {
-        const told = await ask(name, content);
-        if (at === round) shown(told);
+        const data = await ask(name, content);
+        if (at === round) shown(data);
       } catch (error) {
         if (at === round) failed(error.message);
       }
@@ -38,14 +38,14 @@ export function newest(name, shown, failed) {
   };
 }
 
-// Start a job and poll it until it ends; `told` is called with each state. Return the last state.
-export async function work(content, told = () => {}) {
+// Start a job and poll it until it ends; `data` is called with each state. Return the last state.
+export async function work(content, data = () => {}) {
   let job = await ask("job", content);
-  told(job);
+  data(job);
   while (job.state === "queued" || job.state === "running") {
     await new Promise(done => setTimeout(done, 250));
     job = await ask("look", { job: job.job });
-    told(job);
+    data(job);
   }
   if (job.error) throw new Error(job.error);
   return job;

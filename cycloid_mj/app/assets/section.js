@@ -25,10 +25,10 @@ export class Section {
     this.#place();
   }
 
-  forces(told) {
-    this.acting = told;
+  forces(data) {
+    this.acting = data;
     this.ahead.clear();
-    if (told) this.ahead.set(told.turn, told);
+    if (data) this.ahead.set(data.turn, data);
     this.#place();
   }
 
@@ -188,15 +188,15 @@ export class Section {
   // Forces at the crank angle, interpolated between the angles at which they were solved.
   #now() {
     const turn = Math.floor(this.crank / 360 + 1e-9);
-    const told = this.ahead.get(turn) || (this.playing ? null : this.acting);
+    const data = this.ahead.get(turn) || (this.playing ? null : this.acting);
     if (this.playing && this.nextTurn && this.acting && !this.ahead.has(turn + 1)) {
       const asked = this.acting;
       this.ahead.set(turn + 1, null);
       this.nextTurn(turn + 1).then(next => { if (this.acting === asked) { this.ahead.set(turn + 1, next); this.ahead.delete(turn - 1); } }, () => {});
     }
-    if (!told) return null;
-    const count = told.cam.length - 1, place = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(place));
-    return { told, low, share: place - low };
+    if (!data) return null;
+    const count = data.cam.length - 1, place = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(place));
+    return { data, low, share: place - low };
   }
 
   #place() {
@@ -210,12 +210,12 @@ export class Section {
       const at = angle + d.phases[place];
       let [x, y, z] = [-d.orbit * Math.sin(at), d.orbit * Math.cos(at), turn];
       if (now) {
-        const part = axis => between(now.told.discs.map(row => row[place][axis]));
+        const part = axis => between(now.data.discs.map(row => row[place][axis]));
         [x, y, z] = [x + d.play * part(0), y + d.play * part(1), z + d.play * part(2) * 180 / Math.PI];
       }
       disc.setAttribute("transform", `translate(${x},${y}) rotate(${z})`);
     });
-    const lag = now ? d.play * between(now.told.output_turn) * 180 / Math.PI : 0;
+    const lag = now ? d.play * between(now.data.output_turn) * 180 / Math.PI : 0;
     this.output.setAttribute("transform", `rotate(${turn + lag})`);
     const centre = [-d.orbit * Math.sin(angle), d.orbit * Math.cos(angle)];
     this.cam.setAttribute("transform", `translate(${centre})`);
@@ -227,37 +227,37 @@ export class Section {
     fill(this.over);
     fill(this.bars);
     if (!now) { this.legend.textContent = this.drawn.whole ? "" : "No forces: this design cannot be built."; return; }
-    const d = this.drawn, { told } = now, row = now.share < 0.5 ? now.low : now.low + 1;
-    const largest = kind => Math.max(...told[kind].force.map(discs => Math.max(...discs.map(one => Math.max(...one)))));
-    const most = { teeth: largest("teeth"), output: largest("output"), cam: Math.max(...told.cam.map(discs => Math.max(...discs.map(([x, y]) => Math.hypot(x, y))))) };
+    const d = this.drawn, { data } = now, row = now.share < 0.5 ? now.low : now.low + 1;
+    const largest = kind => Math.max(...data[kind].force.map(discs => Math.max(...discs.map(one => Math.max(...one)))));
+    const most = { teeth: largest("teeth"), output: largest("output"), cam: Math.max(...data.cam.map(discs => Math.max(...discs.map(([x, y]) => Math.hypot(x, y))))) };
     const long = 0.3 * d.reach, here = { teeth: 0, output: 0, cam: 0 };
     const arrow = (tail, tip, look) => svg("line", { x1: tail[0], y1: tail[1], x2: tip[0], y2: tip[1], class: look, "marker-end": "url(#tip)" });
     const spin = lag * Math.PI / 180, turned = ([x, y]) => [x * Math.cos(spin) - y * Math.sin(spin), x * Math.sin(spin) + y * Math.cos(spin)];
     for (const kind of ["teeth", "output"]) {
-      told[kind].force[row].forEach((forces, disc) => forces.forEach((force, at) => {
+      data[kind].force[row].forEach((forces, disc) => forces.forEach((force, at) => {
         here[kind] = Math.max(here[kind], force);
         if (force < 0.004 * most[kind] || !this.shows.arrows) return;
-        const size = long * force / most[kind], way = told[kind].way[row][disc][at];
-        const tip = kind === "output" ? turned(told[kind].place[row][disc][at]) : told[kind].place[row][disc][at];
+        const size = long * force / most[kind], way = data[kind].way[row][disc][at];
+        const tip = kind === "output" ? turned(data[kind].place[row][disc][at]) : data[kind].place[row][disc][at];
         this.over.append(arrow([tip[0] - size * way[0], tip[1] - size * way[1]], tip, `${kind}${disc ? " second" : ""}`));
       }));
     }
-    told.cam[row].forEach((force, disc) => {
+    data.cam[row].forEach((force, disc) => {
       const size = Math.hypot(...force);
       here.cam = Math.max(here.cam, size);
       const from = disc ? centre.map(one => -one) : centre;
       if (this.shows.arrows && size > 0.004 * most.cam) this.over.append(arrow(from, [from[0] + long * force[0] / most.cam, from[1] + long * force[1] / most.cam], "cam-force"));
     });
     if (this.shows.bars) {
-      const count = told.teeth.force[row][0].length, wide = Math.min(0.05, 1.6 / count) * d.reach;
+      const count = data.teeth.force[row][0].length, wide = Math.min(0.05, 1.6 / count) * d.reach;
       for (let at = 0; at < count; at += 1) {
-        const force = Math.max(...told.teeth.force[row].map(disc => disc[at]));
+        const force = Math.max(...data.teeth.force[row].map(disc => disc[at]));
         const angle = Math.PI / 2 - 2 * Math.PI * at / count, from = 1.03 * d.reach, to = from + 0.26 * d.reach * force / most.teeth;
         this.bars.append(svg("line", { x1: from * Math.cos(angle), y1: from * Math.sin(angle), x2: (from + 0.27 * d.reach) * Math.cos(angle), y2: (from + 0.27 * d.reach) * Math.sin(angle), class: "rail", "stroke-width": wide }));
         if (force > 0.004 * most.teeth) this.bars.append(svg("line", { x1: from * Math.cos(angle), y1: from * Math.sin(angle), x2: to * Math.cos(angle), y2: to * Math.sin(angle), class: "bar", "stroke-width": wide }));
       }
     }
     const force = (kind, words) => `${words} ${number(here[kind], 3)} N (maximum over the turn ${number(most[kind], 3)} N)`;
-    this.legend.textContent = `Largest forces at this angle under ${number(told.load_nm, 3)} N m: ${force("teeth", "tooth")}, ${force("output", "output pin")}, ${force("cam", "cam")}. Arrows of each kind have their own scale.${d.play > 1 ? ` Clearances are magnified ${d.play} times.` : ""}`;
+    this.legend.textContent = `Largest forces at this angle under ${number(data.load_nm, 3)} N m: ${force("teeth", "tooth")}, ${force("output", "output pin")}, ${force("cam", "cam")}. Arrows of each kind have their own scale.${d.play > 1 ? ` Clearances are magnified ${d.play} times.` : ""}`;
   }
 }

@@ -33,8 +33,8 @@ function normalsOf(corners) {
 const columns = (angle, x, y) => { const [c, s] = [Math.cos(angle), Math.sin(angle)]; return [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, x, y, 0, 1]; };
 
 export class Solid {
-  constructor(told) {
-    Object.assign(this, { told, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+  constructor(data) {
+    Object.assign(this, { data, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
     this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The assembly in 3-D. Drag or use the arrow keys to rotate it, + and − to zoom" });
     this.gl = this.canvas.getContext("webgl", { antialias: true, alpha: true, preserveDrawingBuffer: true });
     const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this[key], onchange: event => { this[key] = event.target.checked; this.#draw(); } }), words);
@@ -68,7 +68,7 @@ export class Solid {
     gl.useProgram(program);
     this.at = Object.fromEntries(["place", "view", "aspect", "colour"].map(name => [name, gl.getUniformLocation(program, name)]));
     let reach = 0, low = Infinity, high = -Infinity;
-    this.bodies = this.told.bodies.map(body => {
+    this.bodies = this.data.bodies.map(body => {
       const bytes = Uint8Array.from(atob(body.corners), one => one.charCodeAt(0)), corners = new Float32Array(bytes.buffer);
       for (let at = 0; at < corners.length; at += 3) {
         reach = Math.max(reach, Math.hypot(corners[at], corners[at + 1]));
@@ -116,7 +116,7 @@ export class Solid {
     const view = [cy * s, cp * sy * s, -sp * sy * s, 0, -sy * s, cp * cy * s, -sp * cy * s, 0, 0, -sp * s, -cp * s, 0, 0, sp * s * this.middle, cp * s * this.middle, 1];
     gl.uniformMatrix4fv(this.at.view, false, new Float32Array(view));
     gl.uniform2f(this.at.aspect, Math.min(1, tall / wide), Math.min(1, wide / tall));
-    const { orbit, gear_rate: rate } = this.told;
+    const { orbit, gear_rate: rate } = this.data;
     const glass = body => body.colour[3] < 1 || (this.cut && body.name === "housing");
     for (const clear of [false, true]) {
       for (const body of this.bodies) {

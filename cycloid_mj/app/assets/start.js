@@ -97,16 +97,16 @@ export class Start {
     look();
     let mine = null, ways = -1;
     try {
-      const job = await work({ kind: "size", form }, told => {
-        this.job = mine = told.job;
-        if (told.state === "queued") doing.textContent = "waiting for other jobs";
-        if (told.progress?.doing) doing.textContent = told.progress.doing;
-        if (told.progress?.answer) {
+      const job = await work({ kind: "size", form }, data => {
+        this.job = mine = data.job;
+        if (data.state === "queued") doing.textContent = "waiting for other jobs";
+        if (data.progress?.doing) doing.textContent = data.progress.doing;
+        if (data.progress?.answer) {
           doing.textContent = "searching for alternatives: larger diameters, other processes, other materials";
-          if (told.progress.answer.ways.length !== ways) { // else the buttons stay: one may just be about to be pressed
+          if (data.progress.answer.ways.length !== ways) { // else the buttons stay: one may just be about to be pressed
             const first = ways < 0;
-            ways = told.progress.answer.ways.length;
-            this.#refused(found, told.progress.answer, false);
+            ways = data.progress.answer.ways.length;
+            this.#refused(found, data.progress.answer, false);
             if (first) look(); // later ones must not move the text that is being read
           }
         }

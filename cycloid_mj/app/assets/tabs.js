@@ -15,8 +15,8 @@ export class Tabs {
   constructor(place, state, apply) {
     Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null });
     this.solved = {
-      error: newest("error", told => this.told("error", told), words => this.failed("error", words)),
-      solid: newest("solid", told => this.told("solid", told), words => this.failed("solid", words)),
+      error: newest("error", data => this.receive("error", data), words => this.receiveError("error", words)),
+      solid: newest("solid", data => this.receive("solid", data), words => this.receiveError("solid", words)),
     };
     this.list = el("div", { role: "tablist", "aria-label": "Results", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
@@ -66,8 +66,8 @@ export class Tabs {
     this.#draw();
   }
 
-  told(key, content) { this.last[key] = { told: content }; this.#again(key); }
-  failed(key, words) { this.last[key] = { words }; this.#again(key); }
+  receive(key, content) { this.last[key] = { data: content }; this.#again(key); }
+  receiveError(key, words) { this.last[key] = { words }; this.#again(key); }
 
   #again(key) {
     const needs = { figures: ["statics"], turn: ["forces"], losses: ["statics"], life: ["life"], error: ["error"], solid: ["solid"], compare: ["statics", "life"] };
@@ -93,45 +93,45 @@ export class Tabs {
   #of(key, draw) {
     const last = this.last[key];
     if (!last) return el("p", { class: "soft waits" }, "…");
-    return last.words ? el("p", { class: "fails" }, last.words) : draw(last.told);
+    return last.words ? el("p", { class: "fails" }, last.words) : draw(last.data);
   }
 
   #figures() {
-    return this.#of("statics", told => [
-      el("p", { class: "soft" }, `Static equilibrium at ${told.condition}.`),
-      el("table", { class: "figures" }, el("tbody", {}, told.rows.map(row => el("tr", { title: row.note }, el("th", { scope: "row" }, row.name), el("td", {}, row.value))))),
-      el("details", {}, el("summary", {}, "Assumptions"), el("ul", {}, told.assumptions.map(one => el("li", {}, one))))]);
+    return this.#of("statics", data => [
+      el("p", { class: "soft" }, `Static equilibrium at ${data.condition}.`),
+      el("table", { class: "figures" }, el("tbody", {}, data.rows.map(row => el("tr", { title: row.note }, el("th", { scope: "row" }, row.name), el("td", {}, row.value))))),
+      el("details", {}, el("summary", {}, "Assumptions"), el("ul", {}, data.assumptions.map(one => el("li", {}, one))))]);
   }
 
   #turn() {
-    return this.#of("forces", told => {
-      const count = told.cam.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
-      const largest = kind => x.map((_, at) => Math.max(...told[kind].force[at].flat()));
-      const carrying = x.map((_, at) => { const all = told.teeth.force[at].flat(), most = Math.max(...all); return all.filter(one => one > 0.01 * most).length; });
-      const place = at => told.teeth.force.map(row => row[0][at]);
-      const pins = told.teeth.force[0][0].length;
+    return this.#of("forces", data => {
+      const count = data.cam.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
+      const largest = kind => x.map((_, at) => Math.max(...data[kind].force[at].flat()));
+      const carrying = x.map((_, at) => { const all = data.teeth.force[at].flat(), most = Math.max(...all); return all.filter(one => one > 0.01 * most).length; });
+      const place = at => data.teeth.force.map(row => row[0][at]);
+      const pins = data.teeth.force[0][0].length;
       return [
-        lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: told.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
+        lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: data.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
         lines("Force on three ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: place(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
         lines("Loaded teeth", x, [{ name: "force above 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
     });
   }
 
   #error() {
-    return this.#of("error", told => {
-      const [loaded, idle] = told.curves;
+    return this.#of("error", data => {
+      const [loaded, idle] = data.curves;
       return [
-        lines("Transmission error of the output", told.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
-        spikes("Orders at the load", told.orders, told.amplitudes, ["order [per crank turn]", "amplitude [arcsec]"], told.named),
+        lines("Transmission error of the output", data.crank_deg, [{ name: `${loaded.name}: ${number(loaded.peak_to_peak, 3)} arcsec peak to peak`, y: loaded.arcsec, look: "teeth" }, { name: `${idle.name}: ${number(idle.peak_to_peak, 3)} arcsec`, y: idle.arcsec, look: "output" }], ["crank angle [°]", "error [arcsec]"]),
+        spikes("Orders at the load", data.orders, data.amplitudes, ["order [per crank turn]", "amplitude [arcsec]"], data.named),
         el("p", { class: "soft" }, "Static equilibrium without friction, mean value subtracted. Manufacturing errors are those of the design.")];
     });
   }
 
   #losses() {
-    return this.#of("statics", told => {
-      const { parts, input_power: supplied, output_power: out } = told.losses, lost = parts.reduce((sum, one) => sum + one.watts, 0);
+    return this.#of("statics", data => {
+      const { parts, input_power: supplied, output_power: out } = data.losses, lost = parts.reduce((sum, one) => sum + one.watts, 0);
       return [
-        el("p", {}, "Losses ", el("b", {}, `${number(lost, 3)} W`), ` of ${number(supplied, 3)} W input power; output power ${number(Math.abs(out), 3)} W. ${told.condition}.`),
+        el("p", {}, "Losses ", el("b", {}, `${number(lost, 3)} W`), ` of ${number(supplied, 3)} W input power; output power ${number(Math.abs(out), 3)} W. ${data.condition}.`),
         bars(parts.map(one => ({ name: one.name, share: one.watts / Math.max(lost, 1e-12), text: `${number(one.watts, 3)} W · ${number(100 * one.watts / Math.max(lost, 1e-12), 3)} %`, look: "cam" })))];
     });
   }
@@ -144,8 +144,8 @@ export class Tabs {
   }
 
   // Progress of a job, and a button that stops it; created once and updated in place.
-  #progress(job, told) {
-    if (told) Object.assign(job, { number: told.job, progress: told.progress });
+  #progress(job, data) {
+    if (data) Object.assign(job, { number: data.job, progress: data.progress });
     if (!job.row) {
       job.bar = el("progress", { max: "1" });
       job.says = el("span", { class: "soft" });
@@ -166,15 +166,15 @@ export class Tabs {
       this.#draw();
       let seen = "";
       try {
-        const done = await work({ kind: key, design: this.state().design, ...content() }, told => {
-          this.#progress(mine, told);
-          const found = told.progress?.seen || (told.progress?.rows && { rows: told.progress.rows, rated: told.progress.rated });
+        const done = await work({ kind: key, design: this.state().design, ...content() }, data => {
+          this.#progress(mine, data);
+          const found = data.progress?.seen || (data.progress?.rows && { rows: data.progress.rows, rated: data.progress.rated });
           if (!found || JSON.stringify(found) === seen) return;
           seen = JSON.stringify(found);
-          this.last[key] = { told: found };
+          this.last[key] = { data: found };
           if (this.open === key && this.jobs[key] === mine) this.#draw();
         });
-        if (done.result) this.last[key] = { told: done.result, old: mine.asked !== this.state().design };
+        if (done.result) this.last[key] = { data: done.result, old: mine.asked !== this.state().design };
       } catch (error) { this.last[key] = { words: error.message }; }
       if (this.jobs[key] === mine) delete this.jobs[key];
       if (this.open === key) this.#draw();
@@ -182,7 +182,7 @@ export class Tabs {
     return [
       job ? this.#progress(job) : el("div", { class: "go" }, before, el("button", { class: "strong", onclick: begin }, label)),
       last?.old ? el("p", { class: "near" }, `${JUDGED.warning.mark} The design has changed: these results are out of date.`) : null,
-      last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.told))) : null];
+      last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.data))) : null];
   }
 
   #scatter() {
@@ -190,10 +190,10 @@ export class Tabs {
     const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), id: "spread", oninput: event => { this.spread = event.target.valueAsNumber; } });
     const before = el("label", {}, "Tolerance of each size ± ", typed, " µm ");
     return [el("p", { class: "soft" }, "Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0). Each sample is solved over all crank angles; the charts are updated as samples arrive."),
-      ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: Number(typed.value) }), told => [
-        el("p", {}, el("b", {}, `${told.samples} samples`), `, ${told.jam ? `of which ${number(100 * told.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${told.condition}.`)),
-        told.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
-        told.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${told.budget_of}`), bars(told.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
+      ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: Number(typed.value) }), data => [
+        el("p", {}, el("b", {}, `${data.samples} samples`), `, ${data.jam ? `of which ${number(100 * data.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${data.condition}.`)),
+        data.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
+        data.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${data.budget_of}`), bars(data.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
   }
 
   #stress() {
@@ -204,9 +204,9 @@ export class Tabs {
   }
 
   #solid() {
-    return this.#of("solid", told => {
+    return this.#of("solid", data => {
       if (this.solid) this.solid.end();
-      this.solid = new Solid(told);
+      this.solid = new Solid(data);
       return this.solid.element;
     });
   }
@@ -246,7 +246,7 @@ export class Tabs {
       const mine = this.jobs.make = { words };
       this.#draw();
       try {
-        const done = await work({ kind, design: this.state().design }, told => this.#progress(mine, told));
+        const done = await work({ kind, design: this.state().design }, data => this.#progress(mine, data));
         if (done.files.length) download(done);
         if (done.page) this.report = done.job;
       } catch (error) { toast(error.message); this.wrong = error.message; }
