@@ -1,9 +1,9 @@
-"""Whether a design can be built, and how well it would work: each check with its reason and remedy.
+"""Checks of a design: whether it can be built, and how well it works, each with its reason and remedy.
 
 Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]. As in the parts, the clearance is cut
-from the gear (profile and holes) or added to sockets and bore. Where no source sets a limit it is assumed here and
-stated, and what misses it is warned of: ``WALL_SHARE``, ``LEAST_CORE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``,
-and those of `margin` and `strength`. An error is what cannot be made, put together or turned.
+from the disc (profile and holes) or added to sockets and bore. A design that cannot be made, assembled or turned fails
+a check. Limits without a source are assumed and stated as such, and cause warnings: ``MIN_WALL_SHARE``,
+``MIN_CORE_SHARE``, ``MAX_CLEARANCE_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``, and those of `margin` and `strength`.
 """
 
 from collections.abc import Iterator
@@ -11,24 +11,26 @@ from itertools import chain
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
-from cycloid_mj.checks.body import body_rules, whole_rules
-from cycloid_mj.checks.limit import Check, Checks, Limit, judged
+from cycloid_mj.checks.body import balance_rules, body_rules
+from cycloid_mj.checks.check import Check, Checks
+from cycloid_mj.checks.limit import Limit
 from cycloid_mj.checks.margin import margin_rules
-from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, jumps, mechanical_rules
+from cycloid_mj.checks.mechanics import MAX_CLEARANCE_SHARE, OVERLOAD, PLAUSIBLE, jumps, mechanical_rules
 from cycloid_mj.checks.multi_disc import disc_checks
+from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
-from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_rules
+from cycloid_mj.checks.teeth import MIN_WALL_SHARE, WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.reducer import Reducer
 
 __all__ = [
+    "MAX_CLEARANCE_SHARE",
+    "MIN_WALL_SHARE",
     "OVERLOAD",
     "PLAUSIBLE",
-    "PLAY_SHARE",
     "WALLS",
-    "WALL_SHARE",
     "Check",
     "Checks",
     "Limit",
@@ -44,53 +46,54 @@ __all__ = [
 
 
 def check(design: Named) -> Checks:
-    """List every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
+    """Return the checks of a design, passed or not: those of `soundness`, then those of how well it works.
 
-    The latter need a design without errors, and are all warnings.
+    The latter need a design that can be built, and are warnings. Those of its life are in ``life.checks``.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what is checked.
+        A design, or the name of a preset or a file.
     """
     design = resolve(design)
     reducer = Reducer(design)
     sound = soundness(reducer)
     if any(item.severity == "error" and not item.passed for item in sound):
         return Checks(sound)
-    margins = judged(reducer, margin_rules(reducer))
-    good = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
-    return Checks((*sound, *good))
+    margins = evaluate(reducer, margin_rules(reducer))
+    quality = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
+    return Checks((*sound, *quality))
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:
-    """List the checks of whether a design can be built and would turn.
+    """Return the checks of whether a design can be built and turned.
 
-    What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
+    Checks that depend on a failed one are left out: undercut of a profile with loops, balance and assembly of a disc
+    that cannot be made.
     """
     return tuple(sound_checks(reducer))
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of `soundness`, each as it is made: who looks for a failed one need not wait for all."""
+    """Yield the checks of `soundness` one after the other: a search for a failed one can stop early."""
     design = reducer.design
-    whole = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
+    has_shape = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
     for item in shape_checks(reducer):
-        whole &= item.passed or item.severity == "warning"
+        has_shape &= item.passed or item.severity == "warning"
         yield item
-    if whole:
-        yield from judged(reducer, whole_rules(reducer))
+    if has_shape:
+        yield from evaluate(reducer, balance_rules(reducer))
         yield from assembly_checks(reducer)
-    yield from judged(reducer, mechanical_rules(reducer, whole))
+    yield from evaluate(reducer, mechanical_rules(reducer, has_shape))
 
 
 def shape_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of `soundness` of the shape of gear and ring, on which the others rest."""
-    return judged(reducer, chain(tooth_rules(reducer), body_rules(reducer)))
+    """Yield the checks of the shape of disc and ring, on which the others depend."""
+    return evaluate(reducer, chain(tooth_rules(reducer), body_rules(reducer)))
 
 
 def require_sound(reducer: Reducer) -> None:
-    """Raise DesignError with a line for each failed check of `soundness`; warnings pass."""
-    failed = [item for item in soundness(reducer) if not item.passed and item.severity == "error"]
+    """Raise DesignError with a line for each failed check of `soundness`; warnings do not count."""
+    failed = Checks(soundness(reducer)).failures
     if failed:
         raise DesignError(f"the design {reducer.design.name!r} cannot be built:", map(str, failed))

@@ -7,8 +7,9 @@ from dataclasses import replace
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.checks import Check, Checks, soundness
-from cycloid_mj.checks.limit import Change, judged
+from cycloid_mj.checks.check import Change
 from cycloid_mj.checks.margin import margin_rules
+from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.design import override, value_of
 from cycloid_mj.reducer import Reducer
 
@@ -152,7 +153,7 @@ def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
         sound = soundness(changed)
         if any(check.judgement is Judgement.FAILED for check in sound):
             return {check.name: check for check in sound}
-        return {check.name: check for check in (*sound, *judged(changed, margin_rules(changed)))}
+        return {check.name: check for check in (*sound, *evaluate(changed, margin_rules(changed)))}
     except CycloidError:
         return None
 

@@ -1,30 +1,32 @@
-"""Checks of a reducer with manufacturing errors or modified flanks: whether its parts go together."""
+"""Checks of whether the parts of a reducer with manufacturing errors or modified flanks can be assembled."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
+from cycloid_mj.checks.check import Check
+from cycloid_mj.checks.limit import Limit, joint_change, single_changes, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit
 
-MOST_POSES = 36
-"""Crank angles that are tried: one in each mesh period of the paper's designs."""
+MAX_POSES = 36
+"""Crank angles at which the parts are fitted: one in each mesh period of 36 ring pins."""
 
 
 def assembly_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check the fit of a sound design that departs from the ideal mesh; an ideal one needs none."""
+    """Yield the checks of fit of a design that departs from the ideal mesh; an ideal one has none."""
     if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:
         yield _pins_in_sockets(reducer)
     if not reducer.design.ring.preload:
-        # parts that are preloaded are pressed into each other by intent
-        yield _room(reducer)
+        # preloaded parts are pressed into each other on purpose
+        yield _assembly_gap(reducer)
 
 
 def _pins_in_sockets(reducer: Reducer) -> Check:
+    """Check that the thickest free pin fits into its socket."""
     radius_errors = reducer.deviations.pin_radius
     thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
@@ -37,15 +39,15 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
         got=f"{got} (pin {thickest + 1})",
         limit=f"{limit} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
-        remedy="" if passed else f"{enough.remedy(reducer)}, or lower the pins' errors",
+        remedy="" if passed else f"{enough.remedy(reducer)}, or lower the errors of the pins",
         key="errors.pin_dr_um",
         changes=() if passed else single_changes(reducer, [enough]),
     )
 
 
-def _room(reducer: Reducer) -> Check:
-    """Check the smallest gap in the roomiest pose; parts that are pressed together run, but under load of their own."""
-    poses = min(MOST_POSES, reducer.design.ring.teeth)
+def _assembly_gap(reducer: Reducer) -> Check:
+    """Check the smallest gap with the disc where it fits best: parts that are pressed together run, but under load."""
+    poses = min(MAX_POSES, reducer.design.ring.teeth)
     room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
     got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
@@ -53,11 +55,11 @@ def _room(reducer: Reducer) -> Check:
     return Check(
         name="assembly",
         passed=room >= 0.0,
-        got=f"{got} (smallest gap with the gear at its best, worst crank angle)",
+        got=f"{got} (smallest gap with the disc where it fits best, at the worst crank angle)",
         limit=limit,
-        why="the errors and the modification are larger than the clearances: parts go together only under force",
+        why="errors and modification exceed the clearances: the parts can be assembled by force only",
         remedy="" if room >= 0.0 else f"{' and '.join(limit.remedy(reducer) for limit in wider)}, or lower the errors",
         severity="warning",
-        key="errors and modification",
+        key="the gap left by errors and modification",
         changes=() if room >= 0.0 else joint_change(reducer, wider),
     )

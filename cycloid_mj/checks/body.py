@@ -1,19 +1,21 @@
-"""Checks of the gear's body: its bore, the output holes, the walls between them, and its balance."""
+"""Rules for the disc's body: its bore, the output holes, the walls between them, and its balance."""
 
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Demand, Limit, millimetres, wall_rule
-from cycloid_mj.checks.teeth import WALL_SHARE, pitches
+from cycloid_mj.checks.check import Check
+from cycloid_mj.checks.limit import Limit, millimetres
+from cycloid_mj.checks.rule import Rule, wall_rule
+from cycloid_mj.checks.teeth import MIN_WALL_SHARE, circles_on_circle
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.reducer import Reducer
 
-HOLE_TOLERANCE = 1e-9
-"""Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
+HOLE_RTOL = 1e-9
+"""Relative tolerance for the rounding of a hole of output pin + eccentricity."""
 
 
-def body_rules(reducer: Reducer) -> Iterator[Demand | Check]:
-    """State the rules of bore and holes of the gear."""
+def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
+    """Yield the rules for bore and holes of the disc."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
@@ -21,7 +23,7 @@ def body_rules(reducer: Reducer) -> Iterator[Demand | Check]:
     root = E - below_root
     root_text = f"the root of the lobes (radius {millimetres(root)})"
 
-    def beside_bore(wall: float) -> tuple[Limit, ...]:
+    def bore_to_root(wall: float) -> tuple[Limit, ...]:
         return (
             Limit("gear.bore_radius", "less than", root - wall * E - cam),
             Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - wall)),
@@ -40,77 +42,77 @@ def body_rules(reducer: Reducer) -> Iterator[Demand | Check]:
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
         )
 
-    yield wall_rule("bore", beside_bore, WALL_SHARE, E, f"between the bore and {root_text}")
-    yield wall_rule("holes_to_bore", bore_to_holes, WALL_SHARE, E, "between the bore and the output holes")
-    yield wall_rule("holes_to_root", holes_to_root, WALL_SHARE, E, f"between the output holes and {root_text}")
+    yield wall_rule("bore", bore_to_root, MIN_WALL_SHARE, E, f"between the bore and {root_text}")
+    yield wall_rule("holes_to_bore", bore_to_holes, MIN_WALL_SHARE, E, "between the bore and the output holes")
+    yield wall_rule("holes_to_root", holes_to_root, MIN_WALL_SHARE, E, f"between the output holes and {root_text}")
     yield _neighbouring_holes(reducer)
     yield _hole_size(reducer)
 
 
-def whole_rules(reducer: Reducer) -> tuple[Demand, ...]:
-    """State what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
+def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
+    """Return the rules for counterweight and shaft bearings of a disc that can be made.
 
-    Several discs balance each other, and need none.
+    Several discs balance each other and need no counterweight.
     """
     if reducer.design.gear.discs > 1:
         return (bearings(reducer),)
     balanced = balance(reducer)
-    return (balanced, bearings(reducer)) if balanced.limit.holds(reducer) else (balanced,)
+    return (balanced, bearings(reducer)) if balanced.limit.is_met(reducer) else (balanced,)
 
 
-def balance(reducer: Reducer) -> Demand:
-    """State that a half disc, at most as thick as the shaft is long, balances gear and cam.
+def balance(reducer: Reducer) -> Rule:
+    """Return the rule that a half-disc counterweight no thicker than the shaft is long balances disc and cam.
 
-    Needs a sound gear and a counterweight that stands out from the shaft.
+    It needs a disc that can be made and a counterweight larger than the shaft.
 
-    Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the gear's
+    Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the disc's
     density over the shaft's q, radii R and r of counterweight and shaft, and the shaft's length L.
     """
     shaft = reducer.design.shaft
     moment, moment_per_length = _static_moments(reducer)
-    return Demand(
+    return Rule(
         "balance",
         Limit("shaft.counterweight_radius", "more than", math.cbrt(shaft.radius**3 + 1.5 * moment / shaft.length)),
-        "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
+        "a smaller half-disc counterweight cannot balance the disc within the length of the shaft",
         (Limit("shaft.length", "more than", moment / moment_per_length),),
     )
 
 
-def bearings(reducer: Reducer) -> Demand:
-    """State that the bearings of the shaft find room on its journal, before the counterweight that balances it.
+def bearings(reducer: Reducer) -> Rule:
+    """Return the rule that the journal is long enough for the shaft's bearings and the counterweight.
 
-    Bearings whose width or spacing follows a rule take the room that there is.
+    Bearings whose width or spacing follows from other sizes use the length that is left.
     """
     design = reducer.design
     shaft = design.shaft
     moment, moment_per_length = _static_moments(reducer) if design.gear.discs == 1 else (0.0, 1.0)
-    beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
-    return Demand(
+    second = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
+    return Rule(
         "bearings",
         Limit(
-            "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
+            "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + second
         ),
-        "counterweight and bearings stand on the shaft one beside the other"
+        "counterweight and bearings sit next to each other on the shaft"
         if design.gear.discs == 1
-        else "the bearings stand on the shaft one beside the other",
+        else "the bearings sit next to each other on the shaft",
     )
 
 
 def _static_moments(reducer: Reducer) -> tuple[float, float]:
-    """Compute the static moment of gear and cam [m4], and that of the counterweight per thickness [m3].
+    """Compute the static moment of disc and cam [m4], and that of the counterweight per thickness [m3].
 
-    Both over the shaft's density.
+    Both are divided by the shaft's density.
     """
     design = reducer.design
     gear, shaft = design.gear, design.shaft
-    lighter = design.material_of("gear").density / design.material_of("shaft").density
-    area = lighter * reducer.disc_section + math.pi * gear.bore_radius**2
+    density_ratio = design.material_of("gear").density / design.material_of("shaft").density
+    area = density_ratio * reducer.disc_section + math.pi * gear.bore_radius**2
     moment = gear.face_width * gear.eccentricity * area
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
-def _neighbouring_holes(reducer: Reducer) -> Demand:
-    """State the wall between holes as a rule; their radius follows from pin and eccentricity: others are remedies."""
+def _neighbouring_holes(reducer: Reducer) -> Rule:
+    """Return the rule for the wall between holes; their radius follows from pin and eccentricity and is no remedy."""
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
@@ -119,27 +121,27 @@ def _neighbouring_holes(reducer: Reducer) -> Demand:
         taken = _hole(reducer) + wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - wall * E / 2 - design.clearance.output),
-            Limit("output.pins", "less than", pitches(taken / circle)),
+            Limit("output.pins", "less than", circles_on_circle(taken / circle)),
             Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
         )
 
-    return wall_rule("neighbouring_holes", limits, WALL_SHARE, E, "between neighbouring output holes", tied=True)
+    return wall_rule("neighbouring_holes", limits, MIN_WALL_SHARE, E, "between neighbouring output holes", tied=True)
 
 
 def _hole_size(reducer: Reducer) -> Check:
-    """Check that a hole is exactly as large as its pin's orbit: the one limit from both sides."""
+    """Check that a hole is exactly as large as the orbit of its pin."""
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
-    passed = abs(hole - orbit) <= HOLE_TOLERANCE * orbit
+    passed = abs(hole - orbit) <= HOLE_RTOL * orbit
     key, number = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
     return Check(
         name="hole_size",
         passed=passed,
         got=f"{MILLIMETRE.from_si(hole):.14g} mm",
         limit=f"{number} mm (output pin + eccentricity)",
-        why="an output pin, orbiting at the eccentricity, jams in a smaller hole;"
-        " a larger one adds play, which belongs to clearance.output_um",
+        why="an output pin that orbits at the eccentricity jams in a smaller hole;"
+        " a larger hole adds clearance, which is set by clearance.output_um",
         remedy="" if passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
         key=key,
         changes=() if passed else ({key: float(number)},),
@@ -147,10 +149,10 @@ def _hole_size(reducer: Reducer) -> Check:
 
 
 def _bore(reducer: Reducer) -> float:
-    """Radius of the gear's bore [m]: the cam and its clearance."""
+    """Return the radius of the disc's bore [m], with its clearance."""
     return reducer.design.gear.bore_radius + reducer.design.clearance.cam
 
 
 def _hole(reducer: Reducer) -> float:
-    """Radius of a hole as it is cut [m], with its clearance."""
+    """Return the radius of an output hole as cut [m], with its clearance."""
     return reducer.design.output.hole_radius + reducer.design.clearance.output

@@ -1,24 +1,25 @@
-"""Checks of how near the teeth are to what they must not be: the ends of K1, cusps, valleys that no tool reaches."""
+"""Rules for the margins of the teeth: the range of K1, undercut, valleys that a tool can cut."""
 
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Demand, Limit, millimetres
+from cycloid_mj.checks.limit import Limit, millimetres
+from cycloid_mj.checks.rule import Rule
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.reducer import Reducer
 
-K1_ENDS = 0.35, 0.95
-"""Assumed range of K1 = c N / E: below, teeth push the gear aside more than round; above, their bends are sharp."""
+K1_RANGE = 0.35, 0.95
+"""Assumed range of K1 = c N / E: below, tooth forces are mostly radial; above, the lobes are sharply curved."""
 
-UNDERCUT_SHARE = 0.95
-"""Assumed: most of the sharpest convex bend of the pins' path that pin and clearance may take."""
+MAX_UNDERCUT_SHARE = 0.95
+"""Assumed largest share of the smallest convex radius of the pins' path that pin and clearance may use."""
 
-REACH = 10.0
-"""Assumed: a cutter of radius r reaches 10 r deep, five of its diameters."""
+CUTTER_REACH = 10.0
+"""Assumed cutting depth of a cutter over its radius: five diameters."""
 
 
-def margin_rules(reducer: Reducer) -> Iterator[Demand]:
-    """State the margins of sound teeth; all are warnings."""
+def margin_rules(reducer: Reducer) -> Iterator[Rule]:
+    """Yield the rules for the margins of teeth that can be made; all are warnings."""
     yield _short_width(reducer)
     yield _undercut_margin(reducer)
     yield _gear_tool(reducer)
@@ -26,49 +27,52 @@ def margin_rules(reducer: Reducer) -> Iterator[Demand]:
         yield _ring_tool(reducer)
 
 
-def _short_width(reducer: Reducer) -> Demand:
-    """State the rule of the short-width coefficient K1 = c N / E, the eccentricity as a share of what makes loops."""
+def _short_width(reducer: Reducer) -> Rule:
+    """Return the rule for K1 = c N / E, the eccentricity over that from which loops form."""
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
-    low, high = K1_ENDS
+    low, high = K1_RANGE
     above = Limit("gear.eccentricity", "at least", low * E / N)
-    limit = Limit(above.key, "at most", high * E / N) if above.holds(reducer) else above
-    return Demand(
+    limit = Limit(above.key, "at most", high * E / N) if above.is_met(reducer) else above
+    return Rule(
         "short_width",
         limit,
-        f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, is to lie from {low:g} to {high:g} (assumed):"
-        " below, the teeth push the gear aside more than round; above, their bends are sharp",
+        f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, should be {low:g} to {high:g} (assumed):"
+        " below, the tooth forces are mostly radial; above, the lobes are sharply curved",
         severity="warning",
     )
 
 
-def _undercut_margin(reducer: Reducer) -> Demand:
+def _undercut_margin(reducer: Reducer) -> Rule:
+    """Return the rule that the sharpest convex place of the lobes keeps some of its radius."""
     bend, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius
-    return Demand(
+    return Rule(
         "undercut_margin",
-        Limit("ring.pin_radius", "at most", radius - offset + UNDERCUT_SHARE * bend),
-        f"the sharpest convex bend left on the lobes has a radius of {millimetres(bend - offset)}; it is to keep"
-        f" {1 - UNDERCUT_SHARE:.0%} of that of the pins' path, {millimetres(bend)} (assumed), or its edge wears",
+        Limit("ring.pin_radius", "at most", radius - offset + MAX_UNDERCUT_SHARE * bend),
+        f"the smallest convex radius of the lobes is {millimetres(bend - offset)}; it should be at least"
+        f" {1 - MAX_UNDERCUT_SHARE:.0%} of that of the pins' path, {millimetres(bend)} (assumed), or the edge wears",
         severity="warning",
     )
 
 
-def _gear_tool(reducer: Reducer) -> Demand:
-    """State the rule of the gear's valley: a cutter must be smaller, and reach through the face width."""
+def _gear_tool(reducer: Reducer) -> Rule:
+    """Return the rule that a cutter that fits into the disc's valleys reaches through the face width."""
     radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
-    return _tool(reducer, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the gear")
+    return _tool(reducer, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
 
 
-def _ring_tool(reducer: Reducer) -> Demand:
+def _ring_tool(reducer: Reducer) -> Rule:
+    """Return the same rule for the roots of the internal gear."""
     return _tool(reducer, "ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Demand:
-    return Demand(
+def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Rule:
+    """Return the rule that a cutter of a radius [m] reaches through the face width."""
+    return Rule(
         name,
-        Limit("gear.face_width", "at most", REACH * radius),
-        f"the {where} have a radius of {millimetres(radius)}, the largest of a cutter, and one reaches"
-        f" {REACH / 2:g} diameters deep (assumed); a wire or a broach cuts deeper",
+        Limit("gear.face_width", "at most", CUTTER_REACH * radius),
+        f"the {where} have a radius of {millimetres(radius)}, so that a cutter has at most that, and it cuts"
+        f" {CUTTER_REACH / 2:g} diameters deep (assumed); wire erosion or a broach cuts deeper",
         severity="warning",
     )

@@ -1,4 +1,4 @@
-"""What the contacts of a sound design carry at its nominal torque: computed once, for all checks and the summary."""
+"""Static loads of a design at its nominal torque, computed once for all checks and the summary."""
 
 import math
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
 
-CARRIES = 0.01
-"""A tooth carries where its force is at least this share of the largest."""
+LOADED_SHARE = 0.01
+"""Force of a loaded tooth over the largest, at least."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rated:
-    """A design under its nominal torque.
+class RatedLoad:
+    """Static loads of a design at its nominal torque.
 
     Attributes
     ----------
-    design
-        The design.
+    reducer
+        The reducer of the design.
     torque
-        On the output, that of the drive times the ratio [N m], in the sense of `member.share`.
-    springs, found
-        The statics and their solution.
+        Torque on the output, that of the motor times the ratio [N m], in the sense of `member.share`.
+    springs, contact_loads
+        The contact springs and the static equilibrium.
     """
 
     reducer: Reducer
@@ -42,29 +42,31 @@ class Rated:
         return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Find the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
+        """Return the output torque [N m] at which a kind of contact has a peak pressure [Pa]; NaN if not found."""
         try:
-            found, _ = torque_at_pressure(self.reducer, self.springs, {kind: pressure}, self.torque, self.contact_loads)
+            torque, _ = torque_at_pressure(
+                self.reducer, self.springs, {kind: pressure}, self.torque, self.contact_loads
+            )
         except RunError:
             return math.nan
-        return abs(found)
+        return abs(torque)
 
     @property
     def concentration(self) -> float:
-        """Largest force on a tooth over that of ideal sharing [1]."""
+        """Largest force on a tooth over that of ideal load sharing [1]."""
         carried = self.reducer.share * self.torque / (self.reducer.design.gear.discs * self.reducer.design.ring.halves)
         ideal = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
         return float(self.contact_loads.teeth.max() / ideal.forces.max())
 
     @property
     def loaded_teeth(self) -> float:
-        """Contact lines of a disc with the ring that carry, on average [1]."""
-        carrying = (self.contact_loads.teeth > CARRIES * self.contact_loads.teeth.max()).sum(axis=1).mean()
-        return float(carrying) / self.reducer.design.gear.discs
+        """Mean number of loaded contact lines of a disc with the ring [1]."""
+        loaded = (self.contact_loads.teeth > LOADED_SHARE * self.contact_loads.teeth.max()).sum(axis=1).mean()
+        return float(loaded) / self.reducer.design.gear.discs
 
     @property
     def pressure_angle(self) -> float:
-        """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
+        """Pressure angle of the tooth forces, averaged by force [rad]."""
         gear, forces = self.reducer.tooth_profile, self.contact_loads.by_disc(self.contact_loads.teeth)
         ahead = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
         B = np.tile(profile.pin_angles(gear), self.reducer.design.ring.halves) + ahead[..., np.newaxis]
@@ -72,18 +74,18 @@ class Rated:
 
 
 @once
-def rated(reducer: Reducer) -> Rated:
-    """Return a sound design under its nominal torque."""
+def rated_load(reducer: Reducer) -> RatedLoad:
+    """Return the static loads of a sound design at its nominal torque; errors as `loads`."""
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
-    return Rated(reducer, torque, springs, loads(reducer, springs, torque, follow=True))
+    return RatedLoad(reducer, torque, springs, loads(reducer, springs, torque, follow=True))
 
 
 def loaded_teeth(reducer: Reducer) -> float:
-    """Compute how many teeth of a disc carry at the nominal torque, on average [1]."""
-    return rated(reducer).loaded_teeth
+    """Compute the mean number of loaded teeth of a disc at the nominal torque [1]."""
+    return rated_load(reducer).loaded_teeth
 
 
 def pressure_angle(reducer: Reducer) -> float:
     """Compute the pressure angle at the nominal torque, averaged by force [deg]."""
-    return math.degrees(rated(reducer).pressure_angle)
+    return math.degrees(rated_load(reducer).pressure_angle)

@@ -1,6 +1,6 @@
-"""Checks of a sound design under its nominal torque: pressures, sharing, walls. All are warnings: it runs all the same.
+"""Checks of a design at its nominal torque: contact pressures, load sharing, walls. All are warnings.
 
-Forces are those of `loaded`, with the real clearances, errors and friction, and the stiffness of contacts and cam.
+Forces are those of `rated_load`, with clearances, errors, friction, and the stiffness of contacts and cam.
 """
 
 import math
@@ -10,32 +10,34 @@ from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks.cam_rollers import has_bare_rollers, roller_contacts
-from cycloid_mj.checks.limit import Check, Limit, joint_change, single_changes, value_and_limit
-from cycloid_mj.checks.rated_load import Rated, rated
+from cycloid_mj.checks.check import Check
+from cycloid_mj.checks.limit import Limit, alternatives, joint_change, single_changes, value_and_limit
+from cycloid_mj.checks.rated_load import RatedLoad, rated_load
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.reducer import Reducer
 
-CONCENTRATION = 3.0
-"""Assumed: most that the largest tooth force may be, over that of ideal sharing."""
+MAX_CONCENTRATION = 3.0
+"""Assumed largest tooth force over that of ideal load sharing."""
 
-PRESSURE_ANGLE = math.radians(70.0)
-"""Assumed: largest mean pressure angle; beyond, the teeth push the gear aside three times as hard as round."""
+MAX_PRESSURE_ANGLE = math.radians(70.0)
+"""Assumed largest mean pressure angle: radial forces are then three times the tangential ones."""
 
-SAFETY = 2.0
-"""Assumed: what the notches of a wall leave of its strength; `cycloid-mj stress` finds it by finite elements."""
+WALL_SAFETY = 2.0
+"""Assumed factor for the notches of a wall; `cycloid-mj stress` computes them by finite elements."""
 
-MARGIN = 1e-3
-"""Relative; how far a remedy that rests on the statics stays inside its limit: they are as exact as that."""
+STATICS_RTOL = 1e-3
+"""Relative distance of a remedy computed by statics from its limit: the accuracy of the statics."""
 
-NEAR = 0.01
-"""Relative; how near to its limit a remedy comes that is found by halving."""
+BISECTION_RTOL = 0.01
+"""Relative accuracy of a remedy that is found by bisection."""
 
-GUESSES = 6
+MAX_ITERATIONS = 6
+"""Iterations for a face width: pressures and stresses are nearly a power of it."""
 
 TENSION, SHEAR = 1.0, 1.0 / math.sqrt(3.0)
-"""Share of the yield strength that a wall bears (von Mises)."""
+"""Strength of a wall over the yield strength in tension (von Mises)."""
 
 PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam": "the cam's bearing"}
 
@@ -47,11 +49,11 @@ class _Numbers(TypedDict):
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
-    """Check what a sound design carries at its nominal torque."""
+    """Yield the checks of a sound design at its nominal torque."""
     try:
-        state = rated(reducer)
+        state = rated_load(reducer)
     except CycloidError as error:
-        yield _unknown(error)
+        yield _no_balance(error)
         return
     for part in PARTS:
         if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
@@ -62,12 +64,13 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
         yield _wall(state, wall)
 
 
-def _unknown(error: CycloidError) -> Check:
+def _no_balance(error: CycloidError) -> Check:
+    """Return the warning that statics find no equilibrium at the nominal torque."""
     return Check(
         name="rated_load",
         passed=False,
-        got="without a static balance",
-        limit="one that the contacts can hold",
+        got="without a static equilibrium",
+        limit="one that the contacts can carry",
         why=str(error),
         remedy="",
         severity="warning",
@@ -75,7 +78,7 @@ def _unknown(error: CycloidError) -> Check:
     )
 
 
-def _pressures(state: Rated, part: str) -> Iterator[Check]:
+def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
     """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
     design = state.reducer.design
     reducer = Reducer(design)
@@ -85,13 +88,13 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
     breaks = _weaker(reducer, kind, "tensile_strength", "surface_tensile_strength")
     for name, (key, strength, ratio), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
-        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
+        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields again at each pass"),
         (
             "hardness",
             breaks,
             HARDNESS_PRESSURE,
             "x tensile strength",
-            "the contact leaves dents, as a hardness test does",
+            "the contact leaves dents, as in a hardness test",
         ),
     ):
         allowed = factor * strength
@@ -100,11 +103,11 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
         beyond = f"beyond, {what}"
         if not passed:
             torque = state.torque_at(kind, allowed)
-            beyond = f"{what} from {_newton_metres(torque)} on" if math.isfinite(torque) else what
+            beyond = f"{what} above {_newton_metres(torque)}" if math.isfinite(torque) else what
             remedies = [
                 _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
-                Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.reduction),
+                Limit("drive.torque", "at most", (1.0 - STATICS_RTOL) * torque / design.reduction),
             ]
         got, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
         yield Check(
@@ -113,7 +116,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             got=got,
             limit=f"{limit} ({factor:.3g} {where})",
             why=beyond,
-            remedy=_alternatives(reducer, remedies),
+            remedy=alternatives(reducer, remedies),
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
             changes=single_changes(reducer, remedies),
@@ -137,61 +140,68 @@ def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tupl
     return min(strengths, key=lambda item: item[1])
 
 
-def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
-    """Return the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
-    width, figure = reducer.design.gear.face_width, value(rated(reducer))
-    for _ in range(GUESSES):
-        width *= (1.0 + MARGIN) * (figure / allowed) ** power
+def _face_width(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
+    """Return the face width at which a value, about width ** -1/power, decreases to what is allowed."""
+    width, figure = reducer.design.gear.face_width, value(rated_load(reducer))
+    for _ in range(MAX_ITERATIONS):
+        width *= (1.0 + STATICS_RTOL) * (figure / allowed) ** power
         try:
-            figure = value(rated(reducer.but(gear={"face_width": width})))
+            figure = value(rated_load(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
-        if (1.0 - 4.0 * MARGIN) * allowed < figure <= allowed:
+        if (1.0 - 4.0 * STATICS_RTOL) * allowed < figure <= allowed:
             break
     return Limit("gear.face_width", "at least", width)
 
 
-def _concentration(state: Rated) -> Check:
+def _concentration(state: RatedLoad) -> Check:
+    """Check the largest tooth force over that of ideal load sharing."""
     design, ratio = state.reducer.design, state.concentration
     reducer = Reducer(design)
     names = _clearances(reducer)
-    passed = ratio <= CONCENTRATION
-    got, limit = value_and_limit(ratio, "at most", CONCENTRATION, NONE)
+    passed = ratio <= MAX_CONCENTRATION
+    got, limit = value_and_limit(ratio, "at most", MAX_CONCENTRATION, NONE)
 
     def tighter(share: float) -> Design:
         return design.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
-    share = 1.0 if passed else _threshold(lambda share: rated(Reducer(tighter(share))).concentration <= CONCENTRATION)
+    share = (
+        1.0
+        if passed
+        else _threshold(lambda share: rated_load(Reducer(tighter(share))).concentration <= MAX_CONCENTRATION)
+    )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     return Check(
         name="load_concentration",
         passed=passed,
         got=got,
         limit=f"{limit} (assumed)",
-        why="with clearances and a cam that gives, few teeth carry what ideal sharing spreads over half of them",
+        why="with clearances and a compliant cam, few teeth carry what ideal sharing distributes over half of them",
         remedy=""
         if passed
         else " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
         if share
-        else "no smaller clearance is enough: a wider face or more rollers make the cam stiffer"
+        else "smaller clearances are not enough: a wider face or more rollers make the cam stiffer"
         " (gear.face_width_mm, contact.cam_rollers)",
         severity="warning",
-        key="the largest tooth force over that of ideal sharing",
+        key="the largest tooth force over that of ideal load sharing",
         changes=() if passed or not share else joint_change(reducer, limits),
-        **_numbers(ratio, CONCENTRATION, NONE),
+        **_numbers(ratio, MAX_CONCENTRATION, NONE),
     )
 
 
 def _clearances(reducer: Reducer) -> tuple[str, ...]:
+    """List the kinds of pairs whose clearances change the load sharing."""
     design = reducer.design
     moving = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
     return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
 
 
-def _pressure_angle(state: Rated) -> Check:
+def _pressure_angle(state: RatedLoad) -> Check:
+    """Check the mean pressure angle of the tooth forces."""
     design, angle = state.reducer.design, state.pressure_angle
-    passed = angle <= PRESSURE_ANGLE
-    got, limit = value_and_limit(angle, "at most", PRESSURE_ANGLE, DEGREE)
+    passed = angle <= MAX_PRESSURE_ANGLE
+    got, limit = value_and_limit(angle, "at most", MAX_PRESSURE_ANGLE, DEGREE)
     least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def steeper(share: float) -> Design:
@@ -200,10 +210,10 @@ def _pressure_angle(state: Rated) -> Check:
             gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
         )
 
-    def holds(share: float) -> bool:
-        return rated(Reducer(steeper(share))).pressure_angle <= PRESSURE_ANGLE
+    def is_met(share: float) -> bool:
+        return rated_load(Reducer(steeper(share))).pressure_angle <= MAX_PRESSURE_ANGLE
 
-    share = 1.0 if passed else _threshold(holds)
+    share = 1.0 if passed else _threshold(is_met)
     better = steeper(share) if share else design
     limits = [
         Limit("gear.eccentricity", "at least", better.gear.eccentricity),
@@ -214,38 +224,38 @@ def _pressure_angle(state: Rated) -> Check:
         passed=passed,
         got=f"{got} (weighted by force)",
         limit=f"{limit} (assumed)",
-        why="the steeper the tooth forces, the more they load cam and housing instead of turning the gear",
+        why="with a larger angle the tooth forces load cam and housing instead of turning the disc",
         remedy=""
         if passed
         else " and ".join(filter(None, (limit.remedy(Reducer(design)) for limit in limits)))
         if share
-        else "no larger eccentricity is enough: lower the clearances",
+        else "a larger eccentricity is not enough: lower the clearances",
         severity="warning",
         key="the mean pressure angle at the nominal torque",
         changes=() if passed or not share else joint_change(Reducer(design), limits),
-        **_numbers(angle, PRESSURE_ANGLE, DEGREE),
+        **_numbers(angle, MAX_PRESSURE_ANGLE, DEGREE),
     )
 
 
-def _threshold(holds: Callable[[float], bool]) -> float:
-    """Find the largest share from 0 to 1, to a hundredth of it, where something holds that fails at 1; 0 for none."""
+def _threshold(is_met: Callable[[float], bool]) -> float:
+    """Compute the largest share from 0 to 1 at which a condition is met that is not at 1, by bisection; 0 if none."""
 
-    def kept(share: float) -> bool:
+    def is_met_safely(share: float) -> bool:
         try:
-            return holds(share)
+            return is_met(share)
         except CycloidError:
             return False
 
     low, high = 0.0, 1.0
-    while high - low > NEAR * high and high > NEAR:
+    while high - low > BISECTION_RTOL * high and high > BISECTION_RTOL:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if kept(middle) else (low, middle)
+        low, high = (middle, high) if is_met_safely(middle) else (low, middle)
     return low
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall of a `part` that a pin of one `kind` presses on: `thickness` [m], `share` of its yield strength."""
+    """A wall of a `part` that pins of one `kind` press on: `thickness` [m], `share` of the yield strength."""
 
     name: str
     where: str
@@ -255,12 +265,12 @@ class Wall:
     share: float
 
     def stress(self, force: float, width: float) -> float:
-        """Compute the stress [Pa] under a force [N] on so wide a line [m]: two planes of shear or tension bear it."""
+        """Compute the stress [Pa] under a force [N] on a line of a width [m], which two sections carry."""
         return force / (2.0 * self.thickness * width)
 
 
 def walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """List the walls of gear and housing that pins press on."""
+    """List the walls of disc and housing that pins press on."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
@@ -286,16 +296,16 @@ def walls(reducer: Reducer) -> tuple[Wall, ...]:
     )
 
 
-def _wall(state: Rated, wall: Wall) -> Check:
-    """Check that no pin tears out of its wall."""
+def _wall(state: RatedLoad, wall: Wall) -> Check:
+    """Check that no pin tears out its wall."""
     design = state.reducer.design
 
-    def acting(state: Rated) -> float:
+    def acting(state: RatedLoad) -> float:
         return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
 
     stress = acting(state)
     material = design.material_of(wall.part)
-    strength = wall.share * material.yield_strength / SAFETY
+    strength = wall.share * material.yield_strength / WALL_SAFETY
     passed = stress <= strength
     kind = "tension" if wall.share == TENSION else "shear"
     got, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
@@ -307,10 +317,10 @@ def _wall(state: Rated, wall: Wall) -> Check:
         name=wall.name,
         passed=passed,
         got=f"{got} of {kind}",
-        limit=f"{limit} (the yield strength in {kind} over {SAFETY:g}, assumed)",
-        why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the"
-        f" {1e3 * wall.thickness:.4g} mm of wall",
-        remedy=_alternatives(Reducer(design), remedies),
+        limit=f"{limit} (the yield strength in {kind} over {WALL_SAFETY:g}, assumed)",
+        why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
+        f" {1e3 * wall.thickness:.4g} mm",
+        remedy=alternatives(Reducer(design), remedies),
         severity="warning",
         key=f"the wall {wall.where}",
         changes=single_changes(Reducer(design), remedies),
@@ -318,14 +328,11 @@ def _wall(state: Rated, wall: Wall) -> Check:
     )
 
 
-def _alternatives(reducer: Reducer, limits: list[Limit]) -> str:
-    return ", or ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
-
-
 def _numbers(value: float, bound: float, unit: Unit) -> _Numbers:
-    """Return a value and its bound [SI] in a unit of the file."""
+    """Return a value and its bound [SI] in a unit of the file, as arguments of `Check`."""
     return {"value": unit.from_si(value), "bound": unit.from_si(bound), "unit": unit.suffix}
 
 
 def _newton_metres(torque: float) -> str:
+    """Format a torque [N m]."""
     return f"{NEWTON_METRE.from_si(torque):.4g} N m"

@@ -1,49 +1,49 @@
-"""What a sound design is, in a few numbers."""
+"""Summary of a design that can be built."""
 
 import math
 from dataclasses import dataclass
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.checks.rated_load import rated
+from cycloid_mj.checks.rated_load import rated_load
 from cycloid_mj.design import material_limits
 from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_one_part
 
-SLOW = 1e-6
-"""Speed for a crank that stands still in its design [rad/s]: statics need a sense of rotation alone."""
+CREEP_SPEED = 1e-6
+"""Crank speed for statics of a design whose crank does not turn [rad/s]: only its sign matters."""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What a design is, by statics and closed forms.
+    """Main figures of a design, by statics and closed forms.
 
     Attributes
     ----------
     ratio
-        Turns of the crank in one of the output.
+        Turns of the crank per turn of the output.
     discs, one_part
-        Their number, and whether they are all one and the same part.
+        Number of discs, and whether all are the same part.
     outer_diameter
-        Of the housing [m].
+        Outer diameter of the housing [m].
     mass
-        Of all parts [kg].
+        Mass of all parts [kg].
     rated_torque
-        On the output, that of the drive times the ratio [N m].
+        Nominal torque, that of the motor times the ratio [N m].
     loaded_teeth
-        Contact lines with the ring that carry at the nominal torque, on average.
+        Mean number of loaded contact lines of a disc with the ring at the nominal torque.
     pressure_angle
-        Mean angle of their forces to the way that they turn the gear, weighted by force [rad].
+        Pressure angle of their forces, averaged by force [rad].
     backlash
-        Play of the output from stop to stop, mean over a turn of the crank [rad].
+        Backlash of the output, mean over a turn of the crank [rad].
     capacity
-        Torque on the output at which the first contact yields [N m]; NaN where the statics do not reach so far.
+        Torque on the output at which the first contact yields [N m]; NaN if no equilibrium is found there.
     weakest
-        Kind of that contact.
+        Kind of the contact with the highest pressure over its strength.
     material_limits
-        What materials of the library do not bear, a sentence each: heat, and of plastics a load that stays.
+        Limits of the materials of the library, a sentence each: heat, and for plastics sustained load.
     """
 
     ratio: int
@@ -61,10 +61,10 @@ class Summary:
 
 
 def summary(reducer: Reducer) -> Summary:
-    """Sum up a design that has no errors; errors as `rated`."""
+    """Summarize a design that can be built; errors as `rated_load`."""
     design = reducer.design
-    state = rated(reducer)
-    turning = reducer if design.drive.speed else reducer.but(drive={"speed": SLOW})
+    state = rated_load(reducer)
+    turning = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
     weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
     return Summary(
         ratio=design.reduction,
@@ -83,7 +83,7 @@ def summary(reducer: Reducer) -> Summary:
 
 
 def _capacity(reducer: Reducer) -> float:
-    """Compute the torque at first yield [N m]; NaN where statics do not reach it."""
+    """Compute the torque at first yield [N m]; NaN if no equilibrium is found there."""
     try:
         return figure("capacity_nm").value(reducer)
     except RunError:

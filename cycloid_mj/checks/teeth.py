@@ -1,87 +1,91 @@
-"""Checks of the teeth: the path of the pins, the lobes, the sockets, the ring around them."""
+"""Rules for the teeth: the path of the pins, the lobes, the sockets, and the ring around them."""
 
 import math
 from collections.abc import Callable, Iterator
 
-from cycloid_mj.checks.limit import Demand, Limit, millimetres, wall_rule
+from cycloid_mj.checks.limit import Limit, millimetres
+from cycloid_mj.checks.rule import Rule, wall_rule
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
 
-WALL_SHARE = 0.01
-"""Assumed: least wall between any two cut-outs, as a share of E (0.4 mm on the paper's gear)."""
+MIN_WALL_SHARE = 0.01
+"""Assumed least wall between any two cut-outs over E: 0.4 mm of a pin circle of 40 mm."""
 
 LOOP_MARGIN = 1e-6
-"""Relative distance that c N keeps from E, since closer to a loop the closed forms drown in rounding."""
+"""Relative distance of c N from E: closer to a loop the closed forms lose their digits to rounding."""
 
 WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighbouring_pins", "housing", "sleeve")
-"""Checks whose limit is a wall: one that is thinner than is assumed is a warning, one that is not there an error."""
+"""Names of the checks of walls: thinner than assumed is a warning, no wall an error."""
 
-LEAST_CORE = 1 / 3
-"""Assumed: least radius of the pin inside a sleeve, as a share of rho: it carries all of the force in bending."""
-
-BISECTIONS = 60
+MIN_CORE_SHARE = 1 / 3
+"""Assumed least radius of the pin inside a sleeve over rho: it carries the entire force in bending."""
 
 
-def tooth_rules(reducer: Reducer) -> Iterator[Demand]:
-    """State the rules of the teeth of gear and ring."""
+def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
+    """Yield the rules for the teeth of disc and ring."""
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
-    smaller = min(design.modification.pin_circle, 0.0)  # the gear may be generated with a smaller pin circle
-    loops = Demand(
+    shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
+    loops = Rule(
         "loops",
-        Limit("gear.eccentricity", "less than", (E + smaller) / N * (1 - LOOP_MARGIN)),
-        "from E / N on the path of a pin in the gear has loops, which no gear can follow",
+        Limit("gear.eccentricity", "less than", (E + shift) / N * (1 - LOOP_MARGIN)),
+        "at c >= E / N the path of a pin in the disc has loops, and the profile crosses itself",
         (
-            Limit("ring.teeth", "less than", (E + smaller) / c * (1 - LOOP_MARGIN)),
-            Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - smaller),
+            Limit("ring.teeth", "less than", (E + shift) / c * (1 - LOOP_MARGIN)),
+            Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - shift),
         ),
     )
     yield loops
-    looped = not loops.limit.holds(reducer)
-    if not looped:
+    has_loops = not loops.limit.is_met(reducer)
+    if not has_loops:
         yield _undercut(reducer)
     if design.ring.kind == "pin":
         yield _neighbouring_pins(reducer)
         if design.ring.has_sleeves:
             yield _sleeve(reducer)
-        yield Demand(
+        yield Rule(
             "socket",
             Limit("ring.pin_radius", "more than", c),
-            "the gear's tips sweep out to E - rho + 2 c, which must not reach the bottoms of the sockets at E + rho",
+            "the tips of the disc reach out to E - rho + 2 c, and must not reach the bottoms of the sockets at E + rho",
             (Limit("gear.eccentricity", "less than", rho),),
         )
-        if not looped and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
-            yield _sockets_hold(reducer)
+        if not has_loops and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
+            yield _socket_support(reducer)
     yield _housing(reducer)
 
 
-def _undercut(reducer: Reducer) -> Demand:
-    """State that the profile has no cusps.
+def _undercut(reducer: Reducer) -> Rule:
+    """Return the rule that the profile has no undercut.
 
-    It is also all that the internal gear needs to exist (see `envelope`), and it keeps the outline simple: for N >= 4
-    the least convex radius of the path is below the least distance of its tangents from the gear's centre, so that the
-    polar angle of the profile grows all the way round.
+    An internal gear exists under the same condition (see ``geometry.envelope``). It also keeps the outline simple: for
+    N >= 4 the smallest convex radius of the path is below the smallest distance of its tangents from the disc's centre,
+    so that the polar angle grows along the entire profile.
     """
     design = reducer.design
     ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
     generating = design.ring.pin_circle_radius + design.modification.pin_circle
 
-    def spare(eccentricity: float) -> float:
+    def remaining_radius(eccentricity: float) -> float:
         gear = CycloidGear(ring.teeth, eccentricity, generating, ring.pin_radius)
         return profile.undercut_radius(gear) - offset
 
-    flatter = () if spare(c) > 0 else (Limit("gear.eccentricity", "less than", _falling_root(spare, c)),)
-    return Demand(
+    less_eccentric = (
+        ()
+        if remaining_radius(c) > 0
+        else (Limit("gear.eccentricity", "less than", _decreasing_root(remaining_radius, c)),)
+    )
+    return Rule(
         "undercut",
-        Limit("ring.pin_radius", "less than", ring.pin_radius + spare(c)),
-        "a pin that is larger, with its clearance, than the sharpest convex bend of its path cuts the lobes away",
-        flatter,
+        Limit("ring.pin_radius", "less than", ring.pin_radius + remaining_radius(c)),
+        "pin and clearance must be smaller than the smallest convex radius of the pin's path, or they undercut lobes",
+        less_eccentric,
     )
 
 
-def _neighbouring_pins(reducer: Reducer) -> Demand:
+def _neighbouring_pins(reducer: Reducer) -> Rule:
+    """Return the rule for the wall between the sockets of neighbouring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
@@ -90,39 +94,41 @@ def _neighbouring_pins(reducer: Reducer) -> Demand:
         room = math.sin(math.pi / N) - wall / 2
         return (
             Limit("ring.pin_radius", "less than", E * room - play),
-            Limit("ring.teeth", "less than", pitches(socket / E + wall / 2)),
+            Limit("ring.teeth", "less than", circles_on_circle(socket / E + wall / 2)),
             Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
         )
 
-    return wall_rule("neighbouring_pins", limits, WALL_SHARE, E, "between the sockets of neighbouring pins")
+    return wall_rule("neighbouring_pins", limits, MIN_WALL_SHARE, E, "between the sockets of neighbouring pins")
 
 
-def _sleeve(reducer: Reducer) -> Demand:
-    """State that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
+def _sleeve(reducer: Reducer) -> Rule:
+    """Return the rule that a sleeve leaves a pin inside, of at least `MIN_CORE_SHARE` of rho."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
-    none_left = Demand(
-        "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
-    )
-    return Demand(
+    no_pin = Rule(
         "sleeve",
-        Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
-        f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
-        (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - LEAST_CORE)),),
+        Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
+        "the sleeve leaves no pin inside",
+    )
+    return Rule(
+        "sleeve",
+        Limit("ring.sleeve_thickness", "at most", (1 - MIN_CORE_SHARE) * ring.pin_radius - play),
+        f"the pin inside should have at least {MIN_CORE_SHARE:.0%} of the sleeve's outside diameter (assumed)",
+        (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - MIN_CORE_SHARE)),),
         severity="warning",
-        first=none_left,
+        failure=no_pin,
     )
 
 
-def _sockets_hold(reducer: Reducer) -> Demand:
-    """State that sockets reach round their pins as far as the gear presses on these.
+def _socket_support(reducer: Reducer) -> Rule:
+    """Return the rule that half-open sockets support their pins over all directions in which the disc presses them.
 
-    It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin
-    stays in: pressed it lies on the socket's wall, and idle the gear in front of it holds it back.
+    The disc presses a pin outwards, at most asin(c N/E) to the side (Hsieh 2014, Eq. 7). Within that angle a loaded pin
+    rests on the wall of its socket, and an unloaded one is retained by the disc in front of it.
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
-    def spare(pin_radius: float, eccentricity: float) -> float:
+    def remaining_angle(pin_radius: float, eccentricity: float) -> float:
         changed = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
@@ -131,16 +137,17 @@ def _sockets_hold(reducer: Reducer) -> Demand:
         )
         return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
-    return Demand(
+    return Rule(
         "pin_held",
-        Limit("ring.pin_radius", "more than", _falling_root(lambda radius: -spare(radius, c), E)),
-        f"the gear presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg aside, and a half-open socket that "
-        f"holds them to {math.degrees(socket_half_angle(design)):.4g} deg lets them out (closed ones hold them)",
-        (Limit("gear.eccentricity", "less than", _falling_root(lambda aside: spare(rho, aside), E / N)),),
+        Limit("ring.pin_radius", "more than", _decreasing_root(lambda radius: -remaining_angle(radius, c), E)),
+        f"the disc presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg to the side, and half-open sockets "
+        f"support them only to {math.degrees(socket_half_angle(design)):.4g} deg (closed sockets retain them)",
+        (Limit("gear.eccentricity", "less than", _decreasing_root(lambda other: remaining_angle(rho, other), E / N)),),
     )
 
 
-def _housing(reducer: Reducer) -> Demand:
+def _housing(reducer: Reducer) -> Rule:
+    """Return the rule for the wall outside the ring's teeth."""
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
@@ -155,18 +162,20 @@ def _housing(reducer: Reducer) -> Demand:
         )
 
     where = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_rule("housing", limits, WALL_SHARE, ring.pin_circle_radius, where)
+    return wall_rule("housing", limits, MIN_WALL_SHARE, ring.pin_circle_radius, where)
 
 
-def pitches(half_pitch_share: float) -> float:
-    """Compute how many circles fit on a circle, from the half of their pitch as a share of its radius."""
+def circles_on_circle(half_pitch_share: float) -> float:
+    """Compute how many circles fit on a circle, from half their pitch over its radius."""
     return math.pi / math.asin(min(half_pitch_share, 1.0))
 
 
-def _falling_root(function: Callable[[float], float], high: float) -> float:
-    """Compute the root of a falling function between 0 and `high`, where it is negative; 0 if there is none."""
+def _decreasing_root(function: Callable[[float], float], high: float) -> float:
+    """Compute the root of a decreasing function between 0 and `high` by bisection, to rounding; 0 if there is none.
+
+    The lower end is returned: the function is positive there.
+    """
     low = 0.0
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
+    while low < (middle := (low + high) / 2) < high:
         low, high = (middle, high) if function(middle) > 0 else (low, middle)
     return low

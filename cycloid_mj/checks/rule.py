@@ -1,0 +1,88 @@
+"""Rules for values of a design, and their evaluation."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from cycloid_mj.checks.check import Check, Severity
+from cycloid_mj.checks.limit import Limit, alternatives, millimetres, single_changes
+from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A limit that a design must meet; `evaluate` makes a check of it.
+
+    Attributes
+    ----------
+    name, limit, why, severity
+        As in `Check`.
+    alternatives
+        Limits on other keys, each of which is a remedy too.
+    tied
+        Whether the checked value depends on others, so that changing it alone is no remedy.
+    failure
+        A rule on the same value whose violation is an error: then its check is returned, with this one's remedy.
+    """
+
+    name: str
+    limit: Limit
+    why: str
+    alternatives: tuple[Limit, ...] = ()
+    severity: Severity = "error"
+    tied: bool = False
+    failure: "Rule | None" = None
+
+
+def wall_rule(
+    name: str, limits: Callable[[float], tuple[Limit, ...]], share: float, radius: float, where: str, tied: bool = False
+) -> Rule:
+    """Build the rule of a wall: a wall below the assumed thickness is a warning, none at all an error.
+
+    Parameters
+    ----------
+    name, tied
+        As in `Rule`.
+    limits
+        Returns the limits that leave a wall of a share of E; the first is on the checked value.
+    share, radius
+        Assumed least share, and E [m].
+    where
+        What the wall is between.
+    """
+    limit, *others = limits(share)
+    why = f"the wall {where} should be at least {millimetres(share * radius)} thick ({share:.0%} of E, assumed)"
+    no_wall = Rule(name, limits(0.0)[0], f"there is no wall left {where}")
+    return Rule(name, limit, why, tuple(others), severity="warning", tied=tied, failure=no_wall)
+
+
+def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]:
+    """Evaluate rules on a design, in their order; checks among them are passed through."""
+    return (rule if isinstance(rule, Check) else _evaluate(reducer, rule) for rule in rules)
+
+
+def _evaluate(reducer: Reducer, rule: Rule) -> Check:
+    """Evaluate one rule."""
+    limit = rule.limit
+    passed = limit.is_met(reducer)
+    got, allowed = limit.texts(reducer)
+    remedies = [] if passed else [*([] if rule.tied else [limit]), *rule.alternatives]
+    keys = " and ".join(remedy.file_key for remedy in remedies)
+    text = alternatives(reducer, remedies) or f"no change of a single key is enough: change {keys} together"
+    value, bound, unit = limit.numbers(reducer)
+    check = Check(
+        name=rule.name,
+        passed=passed,
+        got=got,
+        limit=allowed,
+        why=rule.why,
+        remedy="" if passed else text,
+        severity=rule.severity,
+        key=limit.file_key,
+        value=value,
+        bound=bound,
+        unit=unit,
+        changes=single_changes(reducer, remedies),
+    )
+    if rule.failure is None or rule.failure.limit.is_met(reducer):
+        return check
+    return replace(_evaluate(reducer, rule.failure), remedy=check.remedy, changes=check.changes)
