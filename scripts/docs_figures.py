@@ -216,10 +216,12 @@ ARTEFACTS: Mapping[str, Artefact] = {
 def statics_of(preset: str) -> dict[str, Value]:
     """Collect the figures of a preset by statics."""
     from cycloid_mj.design import PRESETS as DESIGNS
-    from cycloid_mj.statics.sheet import glance
+    from cycloid_mj.statics.sheet import quick_sheet
 
     design = DESIGNS[preset]
-    return {key: quantity.value for key, quantity in glance(Reducer(design), design.rated_torque).quantities.items()}
+    return {
+        key: quantity.value for key, quantity in quick_sheet(Reducer(design), design.rated_torque).quantities.items()
+    }
 
 
 @cache

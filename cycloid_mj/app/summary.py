@@ -27,7 +27,7 @@ from cycloid_mj.life.duty import steady
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sheet import glance, load_of
+from cycloid_mj.statics.sheet import load_of, quick_sheet
 
 NAMES = {
     "backlash_arcmin": "Backlash",
@@ -98,9 +98,9 @@ def remedies(reducer: Reducer) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of a sound design by statics, at its load, judged by requirements; errors as `glance`."""
+    """Return the figures of a sound design by statics, at its load, judged by requirements; errors as `quick_sheet`."""
     design = reducer.design
-    sheet = glance(reducer)
+    sheet = quick_sheet(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
     tooth = design.tooth_pair

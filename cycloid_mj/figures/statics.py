@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.bearings import HELD
 from cycloid_mj.statics.load_tracking import INERTIA_SHARE
-from cycloid_mj.statics.sheet import CASES, PARTS, SHAFTS, WAYS, sheet_part
+from cycloid_mj.statics.sheet import CASES, DIRECTIONS, PARTS, SHAFTS, sheet_part
 
 SheetPart = Literal["motions", "errors", "loads", "losses"]
 
@@ -123,7 +123,7 @@ def _motions() -> Iterator[Figure]:
         "motions",
         "stiffness_contacts",
         "N m/arcmin",
-        "torsional stiffness of the contacts alone",
+        "torsional stiffness of the contacts only",
         f"Torque over the turn of the output from 50 to 100 % of the load where parts are rigid, {_IDEAL}.",
         "stiffness_contacts_nm_per_arcmin",
         _springs,
@@ -144,7 +144,7 @@ def _errors() -> Iterator[Figure]:
     for shaft in SHAFTS:
         prefix = "" if shaft == "output" else f"{shaft}_"
         for case in CASES:
-            for way in WAYS:
+            for way in DIRECTIONS:
                 under = f"{case}, {way}, with friction, over a turn of the crank"
                 about = f"of the {shaft}'s angle about the ideal one, {under}."
                 end = f"{case}_{way}"
@@ -183,7 +183,7 @@ def _errors() -> Iterator[Figure]:
         "errors",
         INERTIA_SHARE,
         "1",
-        "torque of the load's inertia, were it to follow the loaded error, over the load",
+        "inertia torque of the load, were it to follow the loaded error, over the load",
         "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
         "at the design's speed, over the load: rms of a turn; from 0.1 on runs depart from statics.",
     )
@@ -202,8 +202,8 @@ def _loads() -> Iterator[Figure]:
     for kind, words in KINDS.items():
         for end, unit, name, definition in (
             ("peak_force", "N", "largest force", f"Largest normal force, {words}, {_LOADED}."),
-            ("mean_force", "N", "mean force of the contacts that carry", f"Mean normal force, {words}, {_LOADED}."),
-            ("carrying", "1", "contacts that carry, on average", f"Contacts that carry, {words}, {_LOADED}: mean."),
+            ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {words}, {_LOADED}."),
+            ("carrying", "1", "loaded contacts, mean number", f"Contacts that carry, {words}, {_LOADED}: mean."),
             ("pressure", "MPa", "largest Hertz pressure", f"Largest pressure by Hertz, {words}, {_LOADED}."),
             ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {words}."),
         ):
@@ -238,7 +238,7 @@ def _loads() -> Iterator[Figure]:
         "loads",
         "capacity_shakedown",
         "N m",
-        "shakedown: torque up to which rolling turns elastic again",
+        "shakedown limit: largest torque with elastic repeated rolling",
         "Torque on the output at which the first contact reaches the shakedown limit of rolling.",
     )
 

@@ -45,8 +45,8 @@ SHOWN = 4
 """Contacts of a kind whose forces are drawn."""
 
 FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
-SHAKEDOWN = "shakedown: torque up to which rolling turns elastic again after first yield"
-CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
+SHAKEDOWN = "shakedown limit: largest torque with elastic repeated rolling"
+CONFORMAL = "none: the surfaces are conformal, so the contact is not a narrow strip"
 UNPRESSED = "none: nothing presses on these contacts"
 UNDECIDED = "none: no contact is both pressed and narrow enough for Hertz"
 
@@ -226,9 +226,9 @@ def _of_kind(
         IDEAL.get(kind, "ideal sharing"),
         f"at {math.degrees(contacts.peak_angle):.0f} deg of crank{RIGID_CAM if kind == 'cam' else ''}",
     )
-    name = f"{kind}: mean force of the contacts that carry"
+    name = f"{kind}: mean force of the loaded contacts"
     yield Quantity(f"{kind}_mean_force", name, contacts.mean_force, "N", mean_error)
-    name = f"{kind}: contacts that carry, on average"
+    name = f"{kind}: loaded contacts, mean number"
     error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
     yield Quantity(f"{kind}_carrying", name, contacts.carrying, "1", error)
     name = f"{kind}: largest Hertz pressure"

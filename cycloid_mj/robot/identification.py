@@ -29,7 +29,7 @@ from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import ripple, works
 from cycloid_mj.statics.balance import loads, powers
 from cycloid_mj.statics.locked import slip_elements
-from cycloid_mj.statics.sheet import driven, self_locking
+from cycloid_mj.statics.sheet import back_driving, self_locking
 from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import STRAIGHT, windups
@@ -302,7 +302,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angles_leave_out(reducer, 1.0), _by_assumed_inputs(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
-    back, backward = driven(reducer, rated)
+    back, backward = back_driving(reducer, rated)
     locked = math.isnan(backward)
     yield Quantity(
         "back_driving_efficiency",

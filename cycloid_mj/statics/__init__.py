@@ -1,9 +1,9 @@
-"""What the contacts of a reducer carry at rest under a load, with its real clearances and errors, in milliseconds.
+"""Static equilibrium of the contacts of a reducer under a load, with its clearances and errors, in milliseconds.
 
-Parts are rigid and contacts are springs that only push, each as stiff as in the simulation; gaps and balance are those
-of ``reducer``. Friction, of a crank that turns so slowly that only the weight and centrifugal force of the gear
-matter, comes on as a load, from the normal forces before, until both agree. A pin that moves in its play is a two-force
-body: its two contacts are one, in series, and the smaller of both frictions is that of both.
+Parts are rigid and contacts are unilateral springs with the stiffness of the simulation; the gaps are those of
+``reducer``. Friction is that of a crank that rotates so slowly that weight and centrifugal force of the disc are the
+only other body forces. A pin that moves in its seat is a two-force body: its two contacts act in series, with the
+smaller of both friction coefficients.
 """
 
 import sys
@@ -35,23 +35,23 @@ __all__ = [
 
 
 def main(design: Named, load_nm: float | None = None) -> "Sheet":
-    """Compute what a data sheet has of a reducer; from Python as ``cm.statics(design)``.
+    """Compute the data-sheet figures of a reducer by statics; in Python ``cm.statics(design)``.
 
     Parameters
     ----------
     design
         A sound design, or the name of a preset or a file.
     load_nm
-        Torque on the output [N m]; by default the size of the design's load, or its rated torque where that is 0.
+        Torque on the output [N m]; by default the magnitude of the design's load, or its rated torque if that is 0.
 
     Raises
     ------
     UsageError
-        There is no such design, or the torque is not positive.
+        The design does not exist, or the torque is not positive.
     DesignError
-        The design cannot be read, or the crank does not turn.
+        The design is invalid, or the crank does not rotate.
     RunError
-        No static balance was found, as where friction jams the reducer.
+        There is no static equilibrium, for example because friction jams the reducer.
     """
     from cycloid_mj.statics.sheet import sheet
 

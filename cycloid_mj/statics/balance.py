@@ -1,4 +1,4 @@
-"""The balance of a reducer's springs under a load, and the powers of a crank that turns slowly through it."""
+"""Static equilibrium of a reducer under load, and the power balance of a slowly rotating crank."""
 
 from dataclasses import dataclass, replace
 
@@ -10,44 +10,49 @@ from cycloid_mj.base.compiling import announced
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.jam import BORNE, friction_borne
-from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Left, balance
+from cycloid_mj.statics.jam import JAM_FRICTION, friction_limit
+from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
-REPEATS = 8
-"""Most corrections of the carrier's torque for the losses: two do, but near a jam, where these are a hundred times what
-comes out."""
 
-CORRECTED = 1e-5
-"""Share of the load by which the last correction may change what the losses take of it."""
+@dataclass(frozen=True)
+class RingTorqueSettings:
+    """Settings of the secant iteration for the friction torque of a ring output (`_solve_ring_output`)."""
 
-HALVINGS = 3
-"""How often the carrier's torque is halved to begin with, where it jams under more than it bears in truth."""
+    max_iterations: int = 8
+    """Two suffice, except close to a jam, where the losses are a hundred times the output power."""
+    rtol: float = 1e-5
+    """Largest change of the friction torque in the last iteration, relative to the load."""
+    max_halvings: int = 3
+    """How often the first torque of the carrier is halved if there is no equilibrium under it."""
+    direct_share: float = 0.5
+    """Relative residual below which the first iteration sets the friction torque to that of the losses."""
 
-SMALL_LOSS = 0.5
-"""Share of the load up to which the crank's torque for the losses is as good as what they were under the load alone."""
+
+RING_TORQUE = RingTorqueSettings()
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Forces at m crank angles under one load, and motions, seen from the ring; those of each contact disc after disc.
+    """Contact forces and displacements at m crank angles under a load, in the frame of the ring, disc by disc.
 
     Attributes
     ----------
     teeth, output
-        On each contact line with the ring, shape (m, D lines), and of each disc on each output pin [N], (m, D pins).
+        Force of each contact line with the ring, shape (m, D lines), and of each disc on each output pin, shape
+        (m, D pins) [N].
     cam
-        Of each cam on its disc [N], shape (m, D, 2).
+        Force of each cam on its disc, shape (m, D, 2) [N].
     departures
-        Of discs and output from their ideal places, as in ``reducer.gaps``, shape (m, 3 D + 1) [m].
+        Displacements of discs and output from their ideal poses, as in ``reducer.gaps``, shape (m, 3 D + 1) [m].
     gear_turn, output_turn
-        Of the discs, in the mean, and of the output from their ideal angles, shape (m,) [rad], in the sense of
-        `member.share`; the output's with the twist of carrier, shaft and housing.
+        Rotation of the discs (mean) and of the output from their ideal angles, shape (m,) [rad], in the sense of
+        `member.share`; that of the output includes the torsion of carrier, shaft and housing.
     share
-        Of each disc in the torque on the output, shape (m, D) [1].
+        Share of each disc in the output torque, shape (m, D) [1].
     work
-        Steps of Newton's method at a crank angle, in the mean: some 50, where parts snap over in their play hundreds.
+        Mean number of assemblies per crank angle: about 50; hundreds if parts snap across their clearances.
     """
 
     teeth: Array
@@ -65,74 +70,73 @@ class Loads:
         return self.cam.shape[1]
 
     def by_disc(self, forces: Array) -> Array:
-        """Compute forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
+        """Return forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
         return forces.reshape(len(forces), self.discs, -1)
 
 
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
-    """Compute what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
-
-    A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise.
+    """Compute contact forces and displacements under an output torque, in the sense of `member.share`.
 
     Parameters
     ----------
     reducer
-        Whose contacts carry.
+        The reducer.
     springs
-        Of the reducer at crank angles, as of `springs_of`.
+        Its contact springs at the crank angles, from `springs_of`.
     torque
-        On the output [N m], one or one for each crank angle, shape (m,).
+        Output torque [N m], not 0: a number, or one per crank angle, shape (m,).
     follow
-        Whether angles and torques follow each other closely: each search then starts from the balances before.
+        Whether to start each solution from the previous equilibria, for angles and torques that vary smoothly.
 
     Raises
     ------
     RunError
-        No balance was found.
+        There is no equilibrium.
     """
     if reducer.design.output.turns_ring:
-        return _on_ring(reducer, springs, torque, follow)
-    balanced = _balanced(reducer, springs, torque, follow)
+        return _solve_ring_output(reducer, springs, torque, follow)
+    balanced = _solve_carrier_output(reducer, springs, torque, follow)
     return replace(balanced, output_turn=balanced.output_turn + wind_up(reducer) * torque)
 
 
-def _on_ring(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
-    """Find the balance under a torque on a ring [N m], of which the carrier bears what the crank does not.
+def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
+    """Solve for equilibrium under a torque on the ring [N m].
 
-    Losses take lost/speed of the torque, and the carrier bears the rest over 1 + 1/lobes: by the secant, as what is
-    lost follows from what is borne.
+    The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
+    losses over the speed; it depends on the contact forces and is found by a secant iteration.
     """
+    settings = RING_TORQUE
     speed, parts = float(reducer.member.against_ring(reducer.design.drive.speed)), 1.0 + 1.0 / reducer.design.lobes
     rubs, mean, taken = bool(springs.contacts.rubbing.size and speed), float(np.mean(torque)), 0.0
-    for halved in range(HALVINGS + 1):
+    for halved in range(settings.max_halvings + 1):
         try:
-            balanced = _balanced(reducer, springs, (torque - taken) / parts, follow)
+            balanced = _solve_carrier_output(reducer, springs, (torque - taken) / parts, follow)
             break
         except RunError:
-            if not rubs or halved == HALVINGS:
+            if not rubs or halved == settings.max_halvings:
                 raise
             taken = 0.5 * (mean + taken)
     before = None
-    for _ in range(REPEATS if rubs else 0):
+    for _ in range(settings.max_iterations if rubs else 0):
         lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values()) / speed
         missing = lost - taken
         if before is not None and missing != before[1]:
             step = -missing * (taken - before[0]) / (missing - before[1])
-        elif abs(missing) < SMALL_LOSS * abs(mean):
+        elif abs(missing) < settings.direct_share * abs(mean):
             step = missing
-        else:  # losses in proportion to what is borne
+        else:  # losses in proportion to the supported torque
             step = (mean - taken) * missing / (mean - taken + lost)
         before, taken = (taken, missing), taken + step
-        balanced = _balanced(reducer, springs, (torque - taken) / parts, follow)
-        if abs(step) < CORRECTED * abs(mean):
+        balanced = _solve_carrier_output(reducer, springs, (torque - taken) / parts, follow)
+        if abs(step) < settings.rtol * abs(mean):
             break
     carried = (torque - taken) / parts
     output_turn = reducer.share * balanced.output_turn + wind_up(reducer) * carried / reducer.share
     return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
 
 
-def _balanced(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
-    """Compute what the contacts carry under a torque on the carrier [N m], all seen from the ring, and twist aside."""
+def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
+    """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion."""
     contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
@@ -158,69 +162,70 @@ def _balanced(reducer: Reducer, springs: Springs, torque: float | Array, follow:
     )
 
 
-def require_balance(left: Left, contacts: KernelSprings, load: Array) -> None:
-    """Raise RunError unless a balance was found under loads (k, u) [N]: a jam if friction alone forbids one."""
-    if left.force <= BALANCED:
+def require_balance(residual: Residual, contacts: KernelSprings, load: Array) -> None:
+    """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause."""
+    if residual.force <= BALANCED:
         return
-    lost = f"no static balance was found: {left.force:.1%} of the load is left over"
-    ways = "try a torque that differs by a per cent (--load-nm), or another play (clearance)"
+    failed = f"no static equilibrium found: the residual is {residual.force:.1%} of the load"
+    remedy = "try a slightly different torque (--load-nm) or another clearance (--set clearance....)"
     if not contacts.rubbing.size:
-        raise RunError(f"{lost}; {ways}")
-    borne = friction_borne(contacts, left.angle, load[left.angle])
-    if borne < BORNE:
-        near = ", and next to that limit forces are many times the load: play and give take the rest" * (borne >= 1.0)
+        raise RunError(f"{failed}; {remedy}")
+    limit = friction_limit(contacts, residual.angle, load[residual.angle])
+    if limit < JAM_FRICTION:
+        near = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
-            f"on the crank (even without play, a balance is found under at most {borne:.0%} of the friction{near})"
+            "no static equilibrium: friction jams the drive under this load, whatever the torque on the crank (without "
+            f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near}); lower friction.*"
         )
-    raise RunError(f"{lost}; it is not known to jam, as without play {BORNE:.0%} of the friction is borne; {ways}")
+    raise RunError(
+        f"{failed}; friction does not explain it: without clearance, equilibrium exists up to {JAM_FRICTION:.0%} of "
+        f"it; {remedy}"
+    )
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
-    """Compute the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
+    """Compute the rotation of disc and output from their ideal angles [rad], shape (k, 2), without friction.
 
-    Without friction, and without inertia but the gear's centrifugal force at the speed of the design.
+    The only inertia force is the disc's centrifugal force at the speed of the design.
 
     Parameters
     ----------
     reducer
-        Whose error.
+        The reducer.
     crank
-        Crank angles [rad], shape (k,), which follow each other.
+        Crank angles in order [rad], shape (k,).
     torque
-        On the output, in the sense of `member.share` [N m].
+        Output torque in the sense of `member.share` [N m].
 
     Raises
     ------
     RunError
-        No balance was found.
+        There is no equilibrium.
     """
     contact_loads = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
     return np.stack([contact_loads.gear_turn, contact_loads.output_turn], axis=1)
 
 
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
-    """Compute the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
+    """Compute the mean powers under an output torque that brakes, or drives if it is negative.
 
-    The mean is over crank angles [rad], shape (m,), one after the other; by default all round. Each search starts from
-    the balances before: where friction is high, parts may also wedge, and a search of its own may end there.
-
-    The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
-    output are carried by the contacts.
+    The crank rotates at the design's speed, not 0; its torque follows from the power balance. The contacts also support
+    the drag of the output's seals. Each solution starts from the previous equilibria: at high friction, parts may also
+    wedge, and an independent solution may end in such a state.
 
     Parameters
     ----------
     reducer
-        Whose powers.
+        The reducer.
     torque
-        On the output [N m].
+        Output torque [N m].
     crank
-        Crank angles [rad], shape (m,).
+        Crank angles in order [rad], shape (m,); by default all round.
 
     Raises
     ------
     RunError
-        No balance was found, as where the friction jams the reducer.
+        There is no equilibrium, for example because friction jams the reducer.
     """
     design = reducer.design
     springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
@@ -233,7 +238,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
 
 def _friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
-    """Compute the powers that friction takes at each crank angle [W], shape (m,)."""
+    """Compute the friction losses at each crank angle [W], shape (m,)."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))

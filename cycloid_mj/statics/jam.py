@@ -1,39 +1,41 @@
-"""Whether friction jams a reducer, decided without the search for its balance."""
+"""Jamming by friction, decided for parts without clearance."""
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.statics.kernel import KernelSprings
 
-STEP = 0.01
-"""Share of the friction by which it is brought on."""
+FRICTION_STEP = 0.01
+"""Step of the friction in the continuation, as a share of the design's friction."""
 
-BORNE = 1.1
-"""Multiple of the friction up to which it is brought on; parts that bear less of it jam where no balance is found.
+JAM_FRICTION = 1.1
+"""Multiple of the friction up to which parts without clearance must have an equilibrium; otherwise friction jams them.
 
-Forces grow as 1/(1 - friction/limit), tenfold here: play and give move the contacts, and the limit, by the rest.
-Of 18 random drives with 0.6 to 208 um of play all balance where 1.03 times their friction is borne, at 1 and 100 % of
-the rated torque; where 0.97 times is, 4 jam under the rated torque, where 0.9 times is, 8; play lets others turn.
+Forces grow as 1/(1 - friction/limit), tenfold at this limit: clearance and deflection move the contacts, and the limit,
+by the remaining tenth. Of 18 random drives with clearances of 0.6 to 208 um, all have an equilibrium at 1 and 100 % of
+the rated torque if the limit is 1.03 times their friction; if it is 0.97 times, 4 jam under the rated torque, and if it
+is 0.9 times, 8.
 """
 
-_LEFT, _GROWN = 1e-6, 1000.0
-"""What may be left of the load, as a share of it, and the way of a disc, as a multiple of a cam's give under the load,
-from which on it jams: next to its limit forces grow as 1/(1 - friction/limit)."""
+MAX_RESIDUAL, MAX_DISPLACEMENT = 1e-6, 1000.0
+"""Largest residual relative to the load, and displacement of a disc relative to the deflection of a cam under the load,
+of an equilibrium: close to the limit, forces grow as 1/(1 - friction/limit)."""
 
 
-def friction_borne(springs: KernelSprings, k: int, load: Array) -> float:
-    """Compute up to which multiple of their friction parts without play carry a load (u,) [N] at a crank angle.
+def friction_limit(springs: KernelSprings, k: int, load: Array) -> float:
+    """Compute the largest multiple of the friction, up to `JAM_FRICTION`, at which parts without clearance balance.
 
-    At its ideal place each contact is a linear spring that only pushes, and each cam one about its axis: a system that
-    is homogeneous in departures and load, so that friction alone decides whether it has a solution, whatever the load.
-    It is solved by Levenberg and Marquardt's method while friction is brought on in steps, up to `BORNE`.
+    The load is (u,) [N] at crank angle number `k`. Each contact is a linear unilateral spring in its ideal pose, each
+    cam a linear spring about its axis: a system that is homogeneous in displacements and load, so that friction alone
+    decides whether it has a solution. It is solved by the Levenberg-Marquardt method, with the friction increased in
+    steps (natural-parameter continuation).
     """
     from scipy.optimize import root
 
     slopes, rubbing, scale = springs.slope[k], springs.rubbing[k], float(np.abs(load).max())
     unit = scale / springs.cam_stiffness
 
-    def left(z: Array, friction: float) -> Array:
+    def residual(z: Array, friction: float) -> Array:
         forces = springs.stiffness[k] * np.maximum(-slopes @ z * unit, 0.0)
         rest = load + forces @ (slopes + friction * rubbing)
         away = z[:-1].reshape(-1, 3)[:, :2] * unit
@@ -41,10 +43,13 @@ def friction_borne(springs: KernelSprings, k: int, load: Array) -> float:
         rest[2:-1:3] += friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(away, axis=1)
         return np.asarray(rest / scale)
 
-    z, borne = np.zeros(load.size), 0.0
-    for friction in STEP * np.arange(round(BORNE / STEP) + 1):
-        balanced = root(left, z, args=(friction,), method="lm")
-        if np.abs(balanced.fun).max() > _LEFT or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > _GROWN:
+    z, limit = np.zeros(load.size), 0.0
+    for friction in FRICTION_STEP * np.arange(round(JAM_FRICTION / FRICTION_STEP) + 1):
+        balanced = root(residual, z, args=(friction,), method="lm")
+        if (
+            np.abs(balanced.fun).max() > MAX_RESIDUAL
+            or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > MAX_DISPLACEMENT
+        ):
             break
-        z, borne = balanced.x, float(friction)
-    return borne
+        z, limit = balanced.x, float(friction)
+    return limit

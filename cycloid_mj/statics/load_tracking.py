@@ -1,4 +1,4 @@
-"""Whether load and discs can follow the transmission error at the speed of the crank, as statics has it do."""
+"""Validity of statics at speed: whether load and discs can follow the transmission error."""
 
 from collections.abc import Iterator, Mapping
 
@@ -13,36 +13,36 @@ from cycloid_mj.reducer import Reducer
 
 INERTIA_SHARE = "inertia_torque_share"
 
-FOLLOWS = 0.1
-"""Share of the load up to which statics and runs agree within 0.5 points of efficiency."""
+MAX_INERTIA_SHARE = 0.1
+"""Inertia torque relative to the load up to which statics and runs agree within 0.5 percentage points of efficiency."""
 
-MISSED = ((2.0, 1.0), (20.0, 1.5), (100.0, 5.0), (np.inf, 13.0))
-"""By how many points the efficiency of runs differed from statics up to such a share.
+EFFICIENCY_ERRORS = ((2.0, 1.0), (20.0, 1.5), (100.0, 5.0), (np.inf, 13.0))
+"""Largest relative inertia torque, and difference of the efficiency between runs and statics [percentage points].
 
 Eight drives with clearances of 2 to 250 um at 3 and 10 % of the rated torque, three of them at 30 and 100 % too, at
-1000 rpm; means of twelve crank turns, with a creep speed below what slides.
+1000 rpm; means of twelve crank turns, with a creep speed below the sliding speeds.
 """
 
 
 def inertia_share(reducer: Reducer, turn: Array, load: float) -> float:
-    """Compute the rms torque by which the inertia would follow a transmission error, as a share of the load [1].
+    """Compute the rms inertia torque of a load that follows a transmission error, relative to the load [1].
 
-    `turn` is the output's turn from its ideal angle [rad] at even steps of one crank turn, shape (n,); `load` is the
-    torque on it [N m].
+    `turn` is the rotation of the output from its ideal angle [rad] at even steps of a crank turn, shape (n,); `load` is
+    the torque on it [N m].
     """
     order = np.fft.rfftfreq(turn.size, 1.0 / turn.size)
     bent = np.fft.irfft(-(order**2) * np.fft.rfft(turn), turn.size)
     return float(turning_inertia(reducer) * reducer.design.drive.speed**2 * np.std(bent) / load)
 
 
-def unfollowed(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
-    """Say where the load does not follow, and how far runs were from statics then."""
+def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
+    """Yield a warning if the load cannot follow the transmission error, with the error of the efficiency."""
     share = quantities[INERTIA_SHARE].value
-    if share > FOLLOWS:
-        missed = next(points for most, points in MISSED if share <= most)
+    if share > MAX_INERTIA_SHARE:
+        points = next(points for largest, points in EFFICIENCY_ERRORS if share <= largest)
         yield (
-            f"at {abs(design.drive.speed) / RPM:.0f} rpm the load's inertia alone asks for {share:.3g} times the load "
-            "(rms) to follow the transmission error, and the discs' for more: contacts open and strike where statics "
-            f"keeps them closed, and the efficiency by runs of such drives was up to {missed:g} points off; take "
-            "`cycloid-mj measure efficiency`"
+            f"at {abs(design.drive.speed) / RPM:.0f} rpm, the inertia torque of the load would be {share:.3g} times "
+            "the load (rms) if the output followed the transmission error: contacts open and strike, which is not "
+            f"part of statics; in simulations, the efficiency of such drives differed by up to {points:g} percentage "
+            "points; use `cycloid-mj measure efficiency`"
         )

@@ -1,4 +1,4 @@
-"""Data-sheet figures of a reducer by statics alone, under the keys of the measures."""
+"""Data-sheet figures of a reducer by statics, under the same keys as those of the measures."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,66 +22,74 @@ from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRIES
-from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, unfollowed
+from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, tracking_warnings
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
 from cycloid_mj.statics.windup import GIVING, Windup, windups
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
-"""What makes some figures of a design under a load [N m]."""
+"""A function that yields some figures of a design under a load [N m]."""
 
-SMALL = 1e-4
-"""Torque that presses the parts to their stops, as a share of the load, or of the rated torque if that is larger: under
-less, gaps are pressed by less than their rounding. A line through twice that leads to zero."""
+STOP_TORQUE_SHARE = 1e-4
+"""Torque that moves the parts to their stops, as a share of the larger of load and rated torque.
 
-DRAG = 0.01
-"""Torque of the unloaded transmission error as a share of the rated one, as in `measure te`."""
+Under less, deflections are within the rounding of the gaps. The stop is extrapolated linearly from this torque and
+twice this torque to zero.
+"""
 
-CASES = {"unloaded": DRAG, "loaded": 1.0}
-"""Shares of the load under which the transmission error is solved."""
+UNLOADED_SHARE = 0.01
+"""Torque of the unloaded transmission error as a share of the load, as in `measure te`."""
 
-WAYS = {"forward": 1.0, "reverse": -1.0}
+CASES = {"unloaded": UNLOADED_SHARE, "loaded": 1.0}
+"""Shares of the load for the transmission error, by the name of the case."""
+
+DIRECTIONS = {"forward": 1.0, "reverse": -1.0}
+"""Signs of the crank's speed, by name."""
 
 SHAFTS = ("gear", "output")
-"""What the transmission error is told of."""
+"""Parts with a transmission error."""
 
 PER_MESH_PERIOD = 8
-"""Crank angles in a mesh period over which the transmission error is solved."""
+"""Crank angles per mesh period for the transmission error."""
 
 SEVERAL = (
-    "each disc pulls in its own plane and does not tilt; a ring's pin that moves gives way to each disc as if it "
-    "carried that one alone; bearings hold the discs' forces, without weight and unbalance of their parts"
+    "each disc acts in its own plane and does not tilt; a moving ring pin deflects under each disc as if it carried "
+    "that disc only; bearing forces are those of the discs, without weight and unbalance of other parts"
 )
 
 IDEAL_SHARING = "ideal sharing"
 
 LoadSource = Literal["given", "load.torque_nm", "rated torque"]
-"""Where the load of a sheet is from."""
+"""Origin of the load of a sheet."""
 
-CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
-UNLOADED = "none: the output carries nothing"
+CONFORMAL = "none: the surfaces are conformal, so the contact is not a narrow strip"
+UNLOADED = "none: the output has no load"
 
 PARTS = {
     "output": "output pins",
     "cam": "cam",
     "mesh": "teeth, pins and sockets",
-    "bending": "bent output pins",
-    "carrier": "the twisted carrier",
-    "shaft": "the twisted crank",
-    "housing": "the twisted housing",
+    "bending": "bending of the output pins",
+    "carrier": "torsion of the carrier",
+    "shaft": "torsion of the crank",
+    "housing": "torsion of the housing",
 }
 
 LIMITS = (
     ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
-    ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
+    (
+        "capacity_shakedown",
+        "shakedown limit: largest torque with elastic repeated rolling",
+        SHAKEDOWN_PRESSURE,
+    ),
 )
-"""Key and name of torques that bring a contact to a pressure, over its strength in tension."""
+"""Key and name of torque limits, and their contact pressure over the tensile strength."""
 
 POSES_OF_SEVERAL = 241
-"""Crank angles for the forces of several discs: of few output pins, too, peaks are within 0.1 % of the turn's."""
+"""Crank angles for the forces of several discs: peaks are within 0.1 % of those of a full turn."""
 
-KNOWN = {
+KNOWN_DIFFERENCES = {
     "backlash": 0.001,
     "lost_motion_ideal": 0.004,
     "stiffness_ideal": 0.002,
@@ -91,34 +99,34 @@ KNOWN = {
     "capacity": 0.012,
     "capacity_shakedown": 0.015,
 }
-KNOWN_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
-"""Largest relative differences from the dynamic run, by key, and by the end of the key of each kind of pair.
+KNOWN_DIFFERENCES_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
+"""Largest relative differences from dynamic runs, by key, and by the end of the key for each kind of mating pair.
 
-They are those of pin and nonpin in ``tests/data/measured.json``, rounded up; a test holds this table against them.
+They are those of pin and nonpin in ``tests/data/measured.json``, rounded up; a test compares this table with them.
 """
 
-FIRST = ("backlash", "stiffness_ideal", "efficiency", "capacity")
-"""Keys of the figures that tell of a sheet in a line."""
+SUMMARY_KEYS = ("backlash", "stiffness_ideal", "efficiency", "capacity")
+"""Keys of the figures in the summary line of a sheet."""
 
 COMPARED = "the dynamic runs of the presets pin and nonpin at 36.68 N m and 1640 rpm"
 
 
 @dataclass(frozen=True, repr=False)
 class Sheet(Presented):
-    """The static figures of one design.
+    """The static figures of a design.
 
     Attributes
     ----------
     design
-        Its name.
+        Name of the design.
     condition
         Load and speed.
     load_source
-        Where the load is from.
+        Origin of the load.
     quantities
-        Key -> number, the keys being those of the measures.
+        Quantities by key; keys are those of the measures.
     assumptions
-        What the numbers stand on, a sentence each.
+        Assumptions, a sentence each.
     """
 
     design: str
@@ -129,13 +137,13 @@ class Sheet(Presented):
 
     @property
     def frame(self) -> Frame:
-        """The quantities, a row each."""
+        """The quantities, one per row."""
         return quantity_frame(self.quantities)
 
     @property
     def line(self) -> str:
-        """Design, condition, and what one looks for first."""
-        first = [self.quantities[key] for key in FIRST if key in self.quantities]
+        """Design, condition, and the main figures."""
+        first = [self.quantities[key] for key in SUMMARY_KEYS if key in self.quantities]
         return f"{self.design}, {self.condition}; " + ", ".join(
             f"{one.key} {one.value:.4g} {one.unit if one.unit != '1' else ''}".strip() for one in first
         )
@@ -163,21 +171,21 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     UsageError
         The torque is not positive.
     DesignError
-        The crank does not turn.
+        The crank does not rotate.
     ContactError
-        The load flattens a pin beyond a line contact.
+        The load flattens a pin beyond the range of a line contact.
     RunError
-        No static balance was found, as where friction jams the reducer.
+        There is no static equilibrium, for example because friction jams the reducer.
     """
-    made = _sheet(reducer, load, [_kept(part) for part in PARTS_OF_SHEET])
-    warn(reducer.design.name, unfollowed(reducer.design, made.quantities))
-    return made
+    result = _sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
+    warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
+    return result
 
 
-def glance(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
+def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
+    """Compute the main figures of `sheet` in less than half of the time; errors as there.
 
-    They are the motions, the transmission error forward under the load, the loads up to first yield, and the
+    They are the motions, the forward transmission error under the load, the loads up to first yield, and the
     efficiency.
     """
     return _sheet(reducer, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
@@ -189,7 +197,7 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
     design, quantities = reducer.design, keyed(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
-        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
+        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
         load_source=source,
         quantities=quantities,
         assumptions=_assumptions(reducer),
@@ -197,22 +205,22 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
 
 
 def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
-    """Collect some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
+    """Compute one of `PARTS_OF_SHEET`, in a fraction of the time of `sheet`; errors as there."""
     return dict(_part(*_under(reducer, load), part))
 
 
 @once
 def _part(reducer: Reducer, load: float, part: str) -> Mapping[str, Quantity]:
-    """Compute one of `PARTS_OF_SHEET` of a reducer that is under the load [N m]."""
+    """Compute one of `PARTS_OF_SHEET` for a reducer whose load is that [N m]."""
     return keyed(PARTS_OF_SHEET[part](reducer, load))
 
 
-def _kept(part: str) -> Part:
+def _cached_part(part: str) -> Part:
     return lambda reducer, load: iter(_part(reducer, load, part).values())
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Choose the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
+    """Return the torque on the output [N m]: `load`, else the magnitude of the design's load, else the rated torque."""
     design = reducer.design
     if load is not None:
         return load, "given"
@@ -222,20 +230,20 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
 
 
 def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return a design under a load, by default `load_of` it, and that load."""
+    """Return a design with a load, by default that of `load_of`, and the load [N m]."""
     load, _ = load_of(reducer, load)
     if not load > 0.0:
-        raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
+        raise UsageError(f"the output torque is {load:g} N m; it must be above 0")
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
+        raise DesignError("drive.speed_rpm is 0, but losses require a rotating crank: set another speed, such as 1640")
     return reducer.but(load={"torque": load}).working_at(load), load
 
 
 def known_difference(quantity: Quantity) -> float | None:
-    """Compute the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
-    if math.isnan(quantity.value) or quantity.key in KNOWN:
-        return KNOWN.get(quantity.key)
-    return next((share for end, share in KNOWN_OF_KINDS.items() if quantity.key.endswith(f"_{end}")), None)
+    """Return the largest relative difference of a quantity from the runs `COMPARED`; None if unknown."""
+    if math.isnan(quantity.value) or quantity.key in KNOWN_DIFFERENCES:
+        return KNOWN_DIFFERENCES.get(quantity.key)
+    return next((share for end, share in KNOWN_DIFFERENCES_OF_KINDS.items() if quantity.key.endswith(f"_{end}")), None)
 
 
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -243,13 +251,13 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     evenly = turn_evenly(reducer)
     springs = springs_of(still, evenly, friction=False)
-    ends, small = [], SMALL * max(load, reducer.design.rated_torque)
+    ends, small = [], STOP_TORQUE_SHARE * max(load, reducer.design.rated_torque)
     for way in (-1.0, 1.0):
         near, far = (loads(still, springs, way * times * small, follow=True).output_turn for times in (1.0, 2.0))
         ends.append(2.0 * near - far)
     width = (ends[1] - ends[0]) / ARCMINUTE
     yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
-    yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
+    yield Quantity("backlash_min", "backlash, smallest over the crank angle", float(width.min()), "arcmin")
     yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
     solved = windups(reducer, evenly, load, follow=True)
     ideal = "without friction and weight"
@@ -262,7 +270,7 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         bare = windups(rigid, evenly, load, follow=True)
-        name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
+        name = f"torsional stiffness of the contacts only, 50 to 100 % of the load, {ideal}"
         yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
         give |= {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
     else:
@@ -277,39 +285,49 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 
 
 def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission errors, loaded and unloaded, both ways, with friction."""
+    """Yield the transmission errors, loaded and unloaded, in both directions, with friction."""
     mean: dict[tuple[str, str, str], float] = {}
     for case in CASES:
-        for way in WAYS:
+        for way in DIRECTIONS:
             turns = _turns(reducer, load, case, way)
             mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
             yield from _widths(turns, case, way)
             if (case, way) == ("loaded", "forward"):
                 share = inertia_share(reducer, turns["output"][:-1], load)
-                name = "torque of the load's inertia, were it to follow that error, rms, over the load"
+                name = "inertia torque of the load if it followed that error, rms, relative to the load"
                 yield Quantity(INERTIA_SHARE, name, share, "1")
     for shaft in SHAFTS:
         reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
-        yield Quantity(f"{shaft}_reversal", f"mean of the {shaft}, forward less reverse, unloaded", reversal, "arcsec")
+        yield Quantity(
+            f"{shaft}_reversal",
+            f"mean of the {shaft}, forward minus reverse, unloaded",
+            reversal,
+            "arcsec",
+        )
         wound = mean[shaft, "loaded", "forward"] - mean[shaft, "unloaded", "forward"]
-        yield Quantity(f"{shaft}_wind_up", f"mean of the {shaft}, loaded less unloaded, forward", wound, "arcsec")
+        yield Quantity(
+            f"{shaft}_wind_up",
+            f"mean of the {shaft}, loaded minus unloaded, forward",
+            wound,
+            "arcsec",
+        )
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission error forward under the load alone."""
+    """Yield the forward transmission error under the load."""
     return _widths(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
 def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
-    """Compute the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
-    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.mesh_periods + 1), WAYS[way]
+    """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction."""
+    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.mesh_periods + 1), DIRECTIONS[way]
     turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     contact_loads = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
 def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
-    """Yield how far turns spread."""
+    """Yield peak-to-peak and rms values of rotations."""
     for shaft, turn in turns.items():
         for key, words, value in (
             ("peak_to_peak", "peak to peak", peak_to_peak(turn)),
@@ -320,7 +338,7 @@ def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantit
 
 
 def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
+    """Yield forces, pressures and margins by kind of mating pair, and the torques of the first `limits` of `LIMITS`."""
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(reducer, _angles(reducer))
@@ -337,25 +355,25 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
         yield from reaction_quantities(reactions(reducer, springs, contact_loads))
     for key, name, allowed in LIMITS[:limits]:
         if not spare:
-            yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
+            yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz theory")
             continue
         pressures = {kind: allowed * reducer.contacts[kind].strength for kind in spare}
         reached, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
-        yield Quantity(key, name, abs(reached), "N m", note=f"{weakest} decides")
+        yield Quantity(key, name, abs(reached), "N m", note=f"limited by {weakest}")
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the loads, and the torque at the first of `LIMITS` alone."""
+    """Yield the loads, and only the torque of the first of `LIMITS`."""
     return _loads(reducer, load, limits=1)
 
 
 def _angles(reducer: Reducer) -> Array:
-    """Compute the crank angles for forces [rad], which follow each other."""
+    """Return the crank angles for forces [rad], in order."""
     return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL)
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:
-    """List the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
+    """Yield the share of each of several discs in the output torque, from the shares at crank angles, shape (m, D)."""
     for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
         value = float(one.mean()) if one.size else math.nan
         note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle" if one.size else UNLOADED
@@ -363,15 +381,18 @@ def disc_shares(share: Array) -> Iterator[Quantity]:
 
 
 def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
-    """Yield the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
+    """Yield the figures of a kind of mating pair.
+
+    `spare` is the strength over the pressure; NaN if Hertz theory does not apply.
+    """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
     pressure = 1e-6 * reducer.contacts[kind].strength / spare
     ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))
     yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
-    yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
-    yield Quantity(f"{kind}_carrying", f"{kind}: contacts that carry, on average", carrying, "1")
+    yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the loaded contacts", _mean(force[carries]), "N")
+    yield Quantity(f"{kind}_carrying", f"{kind}: loaded contacts, mean number", carrying, "1")
     yield Quantity(f"{kind}_pressure", f"{kind}: largest Hertz pressure", pressure, "MPa", note=note)
     yield Quantity(f"{kind}_margin", f"{kind}: margin against first yield", YIELD_PRESSURE * spare, "1", note=note)
 
@@ -381,9 +402,9 @@ def _mean(values: Array) -> float:
 
 
 def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses, and those of the reducer driven by its output."""
+    """Yield efficiency and losses, and the figures of back-driving."""
     yield from _efficiency(reducer, load)
-    back, backward = driven(reducer, load)
+    back, backward = back_driving(reducer, load)
     against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
     locked = self_locking(reducer, load) if math.isnan(backward) else ""
     yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", backward, "N m", note=locked)
@@ -393,22 +414,22 @@ def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses of the reducer driven by its crank."""
+    """Yield efficiency and losses of the reducer when the crank drives."""
     design = reducer.design
     mean_powers = powers(reducer, load)
     yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * mean_powers.efficiency, "%")
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
-        note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
+        note = f"including {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
         yield Quantity(f"{kind}_friction_power", f"friction of {kind}", mean_powers.friction[part], "W", note=note)
     yield Quantity("seals_power", "drag of seals and lubricant", mean_powers.friction["seals"], "W")
     yield Quantity("input_power", "input power", mean_powers.supplied, "W")
     yield Quantity("output_power", "output power", mean_powers.delivered, "W")
 
 
-def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Compute the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
+def back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
+    """Compute powers and output torque [N m] when the output drives the crank against its share of a load [N m].
 
-    The latter is a torque on the output [N m]; not a number where the reducer locks itself.
+    The torque is NaN if the reducer is self-locking.
     """
     torque = load
     mean_powers = powers(reducer, -torque)
@@ -421,38 +442,37 @@ def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
 
 
 def self_locking(reducer: Reducer, load: float) -> str:
-    """Say that an output cannot drive the crank's share of a load [N m], and whether it drives a crank without load."""
+    """Describe self-locking against the crank's share of a load [N m], and whether the output drives a free crank."""
     drives, share = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
     return (
-        f"self-locking against {share:.4g} N m on the crank: friction takes all that the output "
-        f"gives; a crank without load is {'driven' if drives else 'not driven either'} by {load:.4g} N m on the output"
+        f"self-locking against {share:.4g} N m on the crank: friction takes all power of the output; "
+        f"{load:.4g} N m on the output {'drives' if drives else 'does not drive'} a crank without load"
     )
 
 
 PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
-"""What makes the figures of a sheet, by name."""
+"""Functions that yield the figures of a sheet, by name."""
 
 
 def _bodies(reducer: Reducer) -> str:
-    """Say what carries the contacts."""
+    """Describe which parts are elastic."""
     if reducer.design.structure == "springs":
-        return "output pins, carrier, shaft and housing give as springs do, other parts are rigid"
+        return "output pins, carrier, shaft and housing are elastic, all other parts are rigid"
     return "parts are rigid"
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     design = reducer.design
     return (
-        f"statics: {_bodies(reducer)}, contacts are springs that only push, with all clearances, manufacturing errors "
-        "and modification; of inertia the gear's centrifugal force alone",
-        f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
+        f"statics: {_bodies(reducer)}, contacts are unilateral springs with all clearances, manufacturing errors and "
+        "modifications; the only inertia force is the disc's centrifugal force",
+        f"Coulomb friction of a rotating crank at any sliding speed; none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
-        f"contacts have the secant stiffness of the load: {reducer.contacts.working_forces_text(design.pair_kinds)}",
-        "flanks of an internal gear carry as one patch with the arc beside them",
+        f"contacts have the secant stiffness at the load: {reducer.contacts.working_forces_text(design.pair_kinds)}",
+        "a flank of an internal gear and the arc next to it form a single contact patch",
         *([SEVERAL] if design.gear.discs > 1 else []),
         *([structure_text(reducer)] if design.structure == "springs" else []),
-        f"forces and losses are over {_angles(reducer).size} crank angles, the transmission error over "
-        f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
-        "out",
+        f"forces and losses cover {_angles(reducer).size} crank angles, the transmission error {PER_MESH_PERIOD} per "
+        f"mesh period, unloaded under {UNLOADED_SHARE:.0%} of the load; the bearings of the shafts are not included",
         *material_limits(design),
     )

@@ -10,8 +10,8 @@ from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.balance import require_balance
-from cycloid_mj.statics.jam import friction_borne
-from cycloid_mj.statics.kernel import Left, state
+from cycloid_mj.statics.jam import friction_limit
+from cycloid_mj.statics.kernel import Residual, state
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
 from cycloid_mj.statics.springs import POSES, turn_evenly
 
@@ -95,10 +95,13 @@ def test_a_wide_play_whose_path_passes_wedged_parts_balances() -> None:
 def test_failed_equilibrium_is_no_jam_if_parts_without_clearance_balance() -> None:
     """The same load with and without friction, as if no balance had been found."""
     rubbing, smooth = (springs_of(Reducer(PRESETS["pin"]), [0.3], friction=one) for one in (True, False))
-    lost = Left(0.25, 0, 1)
+    lost = Residual(0.25, 0, 1)
     for springs, told in (
-        (rubbing, "25.0% of the load is left over; it is not known to jam, as without play 110% of"),
-        (smooth, "25.0% of the load is left over; try a torque"),
+        (
+            rubbing,
+            r"residual is 25.0% of the load; friction does not explain it: .* up to 110% of it",
+        ),
+        (smooth, "residual is 25.0% of the load; try a slightly different torque"),
     ):
         with pytest.raises(RunError, match=told):
             require_balance(lost, springs.contacts, springs.load(36.0))
@@ -109,13 +112,15 @@ def test_failed_equilibrium_near_the_friction_limit_is_a_jam() -> None:
     fixed = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=1.2"])
     whole = springs_of(Reducer(fixed), [0.7])
     load = whole.load(fixed.rated_torque)
-    share = friction_borne(whole.contacts, 0, load[0]) / 1.045
+    share = friction_limit(whole.contacts, 0, load[0]) / 1.045
     less = Reducer(fixed.but(friction={pair: share * fixed.friction_of(pair) for pair in ("pin_gear", "output")}))
-    with pytest.raises(RunError, match=r"too large .* at most 10[3-5]% of the friction, and next to that limit"):
-        require_balance(Left(2.18, 0, 1), springs_of(less, [0.7]).contacts, load)
+    with pytest.raises(
+        RunError, match=r"friction jams the drive .* up to 10[3-5]% of the friction; close to this limit"
+    ):
+        require_balance(Residual(2.18, 0, 1), springs_of(less, [0.7]).contacts, load)
 
 
 def test_a_jam_is_told_with_the_friction_that_is_borne() -> None:
     design = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=0.9"])
-    with pytest.raises(RunError, match=r"too large for the crank to turn under this load, whatever .* crank .*% of"):
+    with pytest.raises(RunError, match=r"friction jams the drive under this load, whatever .* crank .*% of"):
         loads(Reducer(design), springs_of(Reducer(design)), design.rated_torque)

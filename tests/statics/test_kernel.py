@@ -22,7 +22,7 @@ from cycloid_mj.statics.kernel import (
     FOLLOWED,
     PATHS,
     KernelSprings,
-    Left,
+    Residual,
     Rubbing,
     State,
     balance,
@@ -294,13 +294,13 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
         assert -turn == pytest.approx(0.01 * contacts.cam_stiffness * depth, rel=1e-6)
 
 
-def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Left:
+def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
     z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_place
     return search.balance_briefly(contacts, load, z, force, True, None, system_of(contacts))
 
 
-def balanced(name: str, follow: bool, friction: bool) -> Left:
+def balanced(name: str, follow: bool, friction: bool) -> Residual:
     """Balance the rated torque at three crank angles, from where the cams are."""
     contacts = springs(name, crank=TURN, friction=friction)
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
@@ -323,10 +323,10 @@ def test_a_balance_that_is_lost_is_searched_for_anew_along_paths(monkeypatch: py
     """From where the search began: what is compiled without paths leaves departures where it was lost."""
     searched = []
 
-    def lost_without_paths(_: KernelSprings, load: Array, z: Array, *__: object) -> Left:
+    def lost_without_paths(_: KernelSprings, load: Array, z: Array, *__: object) -> Residual:
         searched.append(float(z[0, 0]))
         z += 1.0
-        return Left(0.0 if len(searched) > 1 else 0.3, 0, 1)
+        return Residual(0.0 if len(searched) > 1 else 0.3, 0, 1)
 
     monkeypatch.setattr(search, "balance_briefly", lost_without_paths)
     monkeypatch.setattr(search, "balance_by_all", lost_without_paths)
@@ -347,7 +347,7 @@ def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
     np.testing.assert_array_equal(*ends)
 
 
-def followed(contacts: KernelSprings, torque: float) -> Left:
+def followed(contacts: KernelSprings, torque: float) -> Residual:
     """Balance crank angles that follow each other under a torque on the output."""
     load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
     load[:, -1] = torque / contacts.radius
@@ -433,7 +433,7 @@ LOOPS = {
 """The same for four large steps of a loop with friction that remembers, crank or output held."""
 
 
-def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Left:
+def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Residual:
     """Follow a loop of torque in large steps."""
     found, rubs = rubbed(name, held)
     load = np.concatenate([found.load(share * design_of(name).rated_torque) for share in course])

@@ -26,7 +26,7 @@ def test_the_inertia_follows_by_the_second_derivative() -> None:
 
 def test_a_drive_whose_load_cannot_follow_says_by_how_much_runs_differ() -> None:
     with pytest.warns(
-        CycloidWarning, match=r"1000 rpm the load's inertia alone asks for 0\.59.* was up to 1 points off"
+        CycloidWarning, match=r"1000 rpm, the inertia torque of the load would be 0\.59.* by up to 1 percentage points"
     ):
         sheet(Reducer(unlike(LOOSE)))
     slow = Reducer(unlike(LOOSE)).but(drive={"speed": 0.1 * unlike(LOOSE).drive.speed})

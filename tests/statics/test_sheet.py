@@ -15,7 +15,14 @@ from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.measure import steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, loads, powers, springs_of
-from cycloid_mj.statics.sheet import KNOWN, KNOWN_OF_KINDS, glance, known_difference, sheet, sheet_part
+from cycloid_mj.statics.sheet import (
+    KNOWN_DIFFERENCES,
+    KNOWN_DIFFERENCES_OF_KINDS,
+    known_difference,
+    quick_sheet,
+    sheet,
+    sheet_part,
+)
 from cycloid_mj.statics.springs import Springs, turn_evenly
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import Windup, windups
@@ -37,8 +44,12 @@ def test_known_differences_are_those_of_the_measured_runs(name: str) -> None:
         known = known_difference(found[key])
         assert known is not None, key
         assert found[key].value == pytest.approx(seen_value["value"], rel=known), key
-        seen.add(key if key in KNOWN else next(end for end in KNOWN_OF_KINDS if key.endswith(f"_{end}")))
-    assert seen == {*KNOWN, *KNOWN_OF_KINDS}
+        seen.add(
+            key
+            if key in KNOWN_DIFFERENCES
+            else next(end for end in KNOWN_DIFFERENCES_OF_KINDS if key.endswith(f"_{end}"))
+        )
+    assert seen == {*KNOWN_DIFFERENCES, *KNOWN_DIFFERENCES_OF_KINDS}
 
 
 @pytest.mark.slow
@@ -50,7 +61,7 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
         found = sheet(Reducer(one))
         for key, quantity in found.quantities.items():
             assert math.isfinite(quantity.value) or quantity.note, key
-        for key, quantity in glance(Reducer(one)).quantities.items():
+        for key, quantity in quick_sheet(Reducer(one)).quantities.items():
             assert repr(quantity) == repr(found.quantities[key])
         value = {key: quantity.value for key, quantity in found.quantities.items()}
         assert 0.0 < value["backlash_min"] <= value["backlash"] <= value["backlash_max"]
@@ -144,7 +155,7 @@ def test_a_reducer_that_locks_says_so() -> None:
 
 def test_against_which_torque_it_locks_is_said() -> None:
     """At these coefficients the rated torque drives a crank without load, but none that brakes by its share of it."""
-    for friction, said in ((0.38, "without load is driven"), (0.45, "without load is not driven")):
+    for friction, said in ((0.38, "drives a crank without load"), (0.45, "does not drive a crank without load")):
         found = sheet_part(Reducer(override(FIXED, [f"friction.pin_gear={friction}"])), "losses")[
             "back_driving_efficiency"
         ]
@@ -155,11 +166,11 @@ def test_against_which_torque_it_locks_is_said() -> None:
 
 
 def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
-    with pytest.raises(RunError, match="friction is too large for the crank to turn"):
+    with pytest.raises(RunError, match="friction jams the drive"):
         sheet(Reducer(override(FIXED, ["friction.pin_gear=0.9"])))
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
         sheet(Reducer(override(FIXED, ["drive.speed_rpm=0"])))
-    with pytest.raises(UsageError, match="more than 0"):
+    with pytest.raises(UsageError, match="must be above 0"):
         sheet(Reducer(FIXED), -3.0)
 
 
@@ -183,7 +194,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert told["quantities"]["efficiency"]["value"] == pytest.approx(
         sheet(Reducer(PRESETS["nonpin"]), 20.0).quantities["efficiency"].value
     )
-    assert told["quantities"]["efficiency"]["known_difference"] == KNOWN["efficiency"]
+    assert told["quantities"]["efficiency"]["known_difference"] == KNOWN_DIFFERENCES["efficiency"]
     assert told["figures"]["efficiency_percent"]["value"] == told["quantities"]["efficiency"]["value"]
     assert told["figures"]["mass_kg"]["unit"] == "kg"
     assert main(["statics", "--design", str(design_file("few")), "--set", "errors.pin_position_um=0.4", "--all"]) == 0
@@ -191,7 +202,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert "capacity" in out
     assert "known difference" in out
     for words, said in (
-        (["--load-nm", "0"], "more than 0"),
+        (["--load-nm", "0"], "must be above 0"),
         (["--load-nm", "x"], "load-nm"),
         (["--set", "ring.teeth=3"], "ring.teeth"),
     ):
@@ -199,7 +210,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
         assert said in capsys.readouterr().err
     assert main(["statics", "--design", "pin", "--set", "output.hole_radius_mm=4.5"]) == 1
     assert main(["statics", "--design", "pin", "--set", 'ring.pins="fixed"', "--set", "friction.pin_gear=0.9"]) == 1
-    assert "the friction is too large for the crank to turn" in capsys.readouterr().err
+    assert "friction jams the drive" in capsys.readouterr().err
 
 
 @pytest.mark.slow

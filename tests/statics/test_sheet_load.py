@@ -23,5 +23,5 @@ def test_the_load_is_the_designs_own_where_it_has_one(capsys: pytest.CaptureFixt
 
 def test_what_gives_is_not_called_rigid() -> None:
     found = sheet(Reducer(override(PRESETS["pin"], ["structure=springs"])))
-    assert found.assumptions[0].startswith("statics: output pins, carrier, shaft and housing give")
+    assert found.assumptions[0].startswith("statics: output pins, carrier, shaft and housing are elastic")
     assert sheet(Reducer(PRESETS["pin"])).assumptions[0].startswith("statics: parts are rigid")

@@ -9,7 +9,7 @@ ends at a balance, or at a jam, is in docs/physics.md.
 
 from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_open
 from cycloid_mj.statics.kernel.hysteresis import FINEST, Rubbing, follow_path, state_after
-from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Left
+from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Residual
 from cycloid_mj.statics.kernel.samples import (
     CARRIES,
     FIGURES,
@@ -34,7 +34,7 @@ __all__ = [
     "Curved",
     "Effects",
     "KernelSprings",
-    "Left",
+    "Residual",
     "Rubbing",
     "SampleDeviations",
     "State",

@@ -15,7 +15,7 @@ from cycloid_mj.statics.kernel.newton import (
     FLOATING,
     FOLLOWED,
     ROUNDING,
-    Left,
+    Residual,
     clear,
     copy,
     largest,
@@ -106,7 +106,7 @@ class _Step(NamedTuple):
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def follow_path(
     springs: KernelSprings, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
-) -> tuple[Left, int]:
+) -> tuple[Residual, int]:
     """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
 
     The departures z (rows, u) [m] are filled in, and `when` (rows,) each was, in steps of the path from its first load,
@@ -156,7 +156,7 @@ def follow_path(
                     continue
                 left = _creep(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
                 if not left <= FOLLOWED:
-                    return Left(left, 0, one.work[0]), rows
+                    return Residual(left, 0, one.work[0]), rows
             done += share
             share *= 2.0
             old, new = new, old
@@ -169,7 +169,7 @@ def follow_path(
                 when[rows] = m - 1.0 + done
                 rows += 1
                 spare -= 1
-    return Left(0.0, 0, one.work[0]), rows
+    return Residual(0.0, 0, one.work[0]), rows
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

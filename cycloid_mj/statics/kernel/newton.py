@@ -38,7 +38,7 @@ _ARMIJO, _SOFT = 0.01, 1e-6
 as a share of the cam's."""
 
 
-class Left(NamedTuple):
+class Residual(NamedTuple):
     """How far a search got: the least `force` left over, as a share of the largest load, at an `angle`, by its number.
 
     `work` counts how often the system was put together on the way.

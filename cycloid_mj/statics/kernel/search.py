@@ -8,7 +8,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, largest_play, opened_by
 from cycloid_mj.statics.kernel.continuation import by_continuation
-from cycloid_mj.statics.kernel.newton import BALANCED, Left, copy, largest, newton
+from cycloid_mj.statics.kernel.newton import BALANCED, Residual, copy, largest, newton
 from cycloid_mj.statics.kernel.system import Linearised, system_of
 
 _SHORT, _KEPT = 3, 2
@@ -53,7 +53,7 @@ _WEDGED, _DEEP = 100.0, 100.0
 pressed together."""
 
 
-def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Left:
+def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Residual:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
@@ -80,7 +80,7 @@ def _balance(
     follow: bool,
     paths: bool | None,
     system: Linearised,
-) -> Left:
+) -> Residual:
     """Do what `balance` does, by all paths, or without those of `by_continuation`, where `paths` is None.
 
     For None, numba leaves out what hangs on them, which is half of what there is to compile, and seldom needed.
@@ -104,7 +104,7 @@ def _balance(
         worst, last = max(worst, left), k
         if not left <= BALANCED:
             break
-    return Left(worst, last, system.assembled[0])
+    return Residual(worst, last, system.assembled[0])
 
 
 balance_briefly = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance)
