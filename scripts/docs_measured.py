@@ -16,7 +16,7 @@ from typing import Any
 
 from docs_page import replace_sections
 
-from cycloid_mj.comparison.starts import StartSpread, order
+from cycloid_mj.comparison.starts import StartSpread, compare_order
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
@@ -144,10 +144,10 @@ def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
         cells = (
             label.split(" [")[0],
             f"{loaded['pin'][label] / loaded['nonpin'][label]:.2g}",
-            _rougher(order(pin[label], nonpin[label]), "pin", "nonpin"),
-            _rougher(order(StartSpread(tuple(ratios[key])), StartSpread((1.0,))), "pin", "nonpin"),
-            _rougher(order(nonpin[label], alike[label]), "nonpin", "nonpin like pin"),
-            _rougher(order(pin[label], alike[label]), "pin", "nonpin like pin"),
+            _rougher(compare_order(pin[label], nonpin[label]), "pin", "nonpin"),
+            _rougher(compare_order(StartSpread(tuple(ratios[key])), StartSpread((1.0,))), "pin", "nonpin"),
+            _rougher(compare_order(nonpin[label], alike[label]), "nonpin", "nonpin like pin"),
+            _rougher(compare_order(pin[label], alike[label]), "pin", "nonpin like pin"),
         )
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)

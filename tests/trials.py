@@ -7,7 +7,7 @@ import numpy as np
 from ideal import ideal_mechanism
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.comparison import STARTS, Trial, measure, settled
+from cycloid_mj.comparison import STARTS, Trial, measure_run, settle_run
 from cycloid_mj.design import PRESETS, Design, override
 
 DT = 1e-4
@@ -24,12 +24,12 @@ def designed(preset: str, *changes: str, turns: float = TURNS + 1) -> Design:
 
 
 def motion_of(preset: str = "pin", *changes: str, **added) -> Series:
-    return settled(ideal_mechanism(designed(preset, *changes), **added))
+    return settle_run(ideal_mechanism(designed(preset, *changes), **added))
 
 
 def trial_of(preset: str, *changes: str, **added) -> Trial:
     motion = motion_of(preset, *changes, **added)
-    return Trial(motion.design, measure(motion, f"{preset}.mcap"))
+    return Trial(motion.design, measure_run(motion, f"{preset}.mcap"))
 
 
 def waving(size: float):

@@ -101,7 +101,7 @@ def run(on_progress: Progress, values: Any) -> Download:
     CycloidError
         The run failed, or the crank speed is zero.
     """
-    from cycloid_mj.comparison import settling
+    from cycloid_mj.comparison import settling_time
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.report import report
 
@@ -109,7 +109,7 @@ def run(on_progress: Progress, values: Any) -> Download:
     if design.drive.speed == 0.0:
         raise DesignError("the crank speed is zero: set a speed to simulate the drive")
     started = design.but(drive={"ramp": 0.0})
-    settled, turn = settling(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
+    settled, turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
     short = started.steady(settled, max(MIN_CRANK_TURNS, settled / turn))  # at most half of a hold is not judged
 
     def report_progress(done: int, total: int) -> None:

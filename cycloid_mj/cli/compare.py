@@ -219,8 +219,8 @@ def warn_of_overloads(cases: Iterable[Design]) -> None:
             warn(
                 case.name,
                 [
-                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, at "
-                    "which a contact first yields: its figures under load are those of a damaged drive. Use "
+                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, the "
+                    "torque at which a contact first yields, but the runs assume elastic contacts. Use "
                     f"--load-nm {0.99 * capacity:.3g} or less"
                 ],
             )
@@ -250,14 +250,14 @@ def _first_design(names: Sequence[str]) -> str:
 
 def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
     """Return designs under one load with a hold of whole turns after the slowest has settled, fewer at no load."""
-    from cycloid_mj.comparison import settling
+    from cycloid_mj.comparison import settling_time
 
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turns = TURNS if designs[0].load.torque else IDLE_TURNS
-    settled = max(settling(Reducer(design)) for design in designs)
+    settle_run = max(settling_time(Reducer(design)) for design in designs)
     # a sample more: the last turn shall be whole
-    return [design.steady(settled, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
+    return [design.steady(settle_run, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
 
 
 def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions) -> list[Design]:
@@ -266,7 +266,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
     load: it tells the effect of the design from that of the clearance.
     """
-    from cycloid_mj.comparison import comparable, conditions, under, with_play_of
+    from cycloid_mj.comparison import apply_conditions, comparable, conditions, with_play_of
     from cycloid_mj.dynamics.planar.timestep import for_accelerations
 
     require_distinct(designs)
@@ -275,8 +275,10 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     compared = list(designs)
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
-        compared.append(with_play_of(Reducer(nonpin), Reducer(under(Reducer(pin), shared, rated))))
-    by_load = [[under(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
+        compared.append(with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated))))
+    by_load = [
+        [apply_conditions(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))
+    ]
     cases = [case for each in by_load for case in (each if options.hold_given else _held_for_turns(each))]
     if options.solver == "planar" and not first.settings.timestep:
         step = min(for_accelerations(Reducer(case)) for case in cases)
@@ -298,10 +300,12 @@ class RunPlan:
 
 def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
     """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
-    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, all_started
+    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, independent_starts
 
     count = QUICK_STARTS if options.quick else STARTS
-    starts = {design: (design,) if design.load.torque else all_started(Reducer(design), count) for design in cases}
+    starts = {
+        design: (design,) if design.load.torque else independent_starts(Reducer(design), count) for design in cases
+    }
     variations, assumptions = SWEEP if options.sweep else (), () if options.quick else ASSUMPTIONS
     loaded = [design for design in cases if design.load.torque]
     names = {start: _log_name(start, place) for each in starts.values() for place, start in enumerate(each)}
@@ -362,14 +366,14 @@ def _log_name(design: Design, start: int = 0) -> str:
 
 
 def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
-    from cycloid_mj.comparison import Trial, measure, settled
+    from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
 
     run = read(log)
     if not run.complete:
         raise LogError(f"the run in {log} is incomplete ({run.note}): simulate it again to compare it")
-    motion = settled(run, q)
-    return motion, Trial(motion.design, measure(motion, str(log)))
+    motion = settle_run(run, q)
+    return motion, Trial(motion.design, measure_run(motion, str(log)))
 
 
 def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:

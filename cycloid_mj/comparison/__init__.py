@@ -1,15 +1,22 @@
-"""Designs side by side by the same measures: runs -> `Measures` -> `Comparison`, its tables.
+"""Comparison of designs by equal measures: runs -> `Measures` -> `Comparison` with its tables.
 
-A figure at no load rests on independent starts, whose motion is chaotic. What a paper claims of two designs is for
-that paper to judge, by the same runs (`papers.judged_runs`).
+The motion at no load is chaotic, so its figures come from several independent starts. A paper's claims about two
+designs are judged by the paper's own package on the same runs (`papers.judged_runs`).
 """
 
 from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.comparison import Comparison, comparable, compare
-from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
-from cycloid_mj.comparison.measures import Measures, measure, settled, settling
+from cycloid_mj.comparison.conditions import apply_conditions, conditions, differences, total_play, with_play_of
+from cycloid_mj.comparison.measures import Measures, measure_run, settle_run, settling_time
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities
-from cycloid_mj.comparison.starts import STARTS, StartSpread, all_started, gravity_turn, order, started
+from cycloid_mj.comparison.starts import (
+    STARTS,
+    StartSpread,
+    compare_order,
+    gravity_turn,
+    independent_starts,
+    start_variant,
+)
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.comparison.variation import SWEEP, Variation
 
@@ -23,20 +30,20 @@ __all__ = [
     "StartSpread",
     "Trial",
     "Variation",
-    "all_started",
+    "apply_conditions",
     "comparable",
     "compare",
+    "compare_order",
     "conditions",
     "differences",
     "gravity_turn",
+    "independent_starts",
     "load_words",
-    "measure",
-    "order",
+    "measure_run",
     "sensitivities",
-    "settled",
-    "settling",
-    "started",
+    "settle_run",
+    "settling_time",
+    "start_variant",
     "total_play",
-    "under",
     "with_play_of",
 ]

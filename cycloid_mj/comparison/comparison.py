@@ -1,4 +1,4 @@
-"""Two or more designs side by side: the measures of each under each load."""
+"""Comparison of two or more designs: the measures of each under each load."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,22 +18,22 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Comparison:
-    """Designs side by side.
+    """Comparison of designs.
 
     Attributes
     ----------
     designs
-        Names, in the order they were given.
+        Names, in the order of the call.
     conditions
-        Settings that all runs share, in the words of design files; the duration, `HOLD`, is that of the most loaded.
+        Settings that all runs share, by keys of the design file; the duration, `HOLD`, is that of the largest load.
     differences
-        What differs between the designs: key -> the value of each.
+        Values that differ between the designs: key -> the value of each.
     trials
-        The runs, load by load, each in the order of the designs; at no load with their independent starts.
+        The runs by load, each in the order of the designs; those at no load with their independent starts.
     solver
-        What took the steps of all.
+        Solver of all runs.
     sensitivity
-        How far each dynamic figure of the loaded runs moves with what the contact model assumes.
+        Changes of the dynamic figures of the loaded runs with assumptions of the contact model.
     """
 
     designs: tuple[str, ...]
@@ -45,7 +45,7 @@ class Comparison:
 
     @property
     def loads(self) -> tuple[float, ...]:
-        """Load torques [N m], rising."""
+        """Load torques [N m], in ascending order."""
         return tuple(sorted({trial.load for trial in self.trials}))
 
     def at(self, load: float) -> tuple[Trial, ...]:
@@ -54,7 +54,7 @@ class Comparison:
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The figures under each load, and how far the dynamic ones move with what is assumed, if that was run."""
+        """The figures under each load, and the sensitivity of the dynamic ones, if it was run."""
         tables = [table(self.at(load)) for load in self.loads]
         if self.sensitivity:
             tables.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
@@ -76,18 +76,17 @@ class Comparison:
 
 
 def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) -> Comparison:
-    """Put runs side by side.
+    """Compare runs.
 
     Parameters
     ----------
     trials, sensitivity
-        The runs; how far their figures move with what is assumed.
+        The runs, and the sensitivities of their figures.
 
     Raises
     ------
     UsageError
-        Fewer than two designs; two of one name; a design that lacks a load; or runs under different conditions or by
-        different solvers.
+        Fewer than two designs, two designs of one name, a missing load, or different conditions or solvers.
     DesignError
         A design has massless pins.
     """
@@ -105,19 +104,19 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Return designs by name if runs of these cases, each a design under a load, can be compared; see `compare`."""
+    """Return the designs of cases (a design under a load each) by name; raise the errors of `compare`."""
     by_name: dict[str, Design] = {}
     for case in cases:
         require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
-        # a name stands for one design, whatever its load and how long it runs under it
+        # a name identifies one design, with any load and duration
         first = by_name.setdefault(case.name, case)
         if differing := [key for key in differences([first, case]) if key != HOLD]:
             raise UsageError(
-                f"two designs are called {case.name!r}, but differ in {', '.join(differing[:3])}: "
-                "give each a name of its own in its file"
+                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: "
+                "give each its own name in its file"
             )
     if len(by_name) < 2:
-        raise UsageError(f"a comparison needs two designs, got {', '.join(by_name) or 'none'}: name another one")
+        raise UsageError(f"a comparison requires two designs, got {', '.join(by_name) or 'none'}: add another design")
     _require_every_case(cases, list(by_name))
     _require_same_conditions(cases)
     return by_name
@@ -129,14 +128,14 @@ def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
         for load in sorted({load for _, load in present}):
             count = present.count((name, load))
             if count != 1:
-                what = "is missing" if count == 0 else f"is there {count} times"
+                problem = "is missing" if count == 0 else f"is given {count} times"
                 raise UsageError(
-                    f"the run of {name} at {load_words(load)} {what}: give one run of each design under each load"
+                    f"the run of {name} at {load_words(load)} {problem}: give one run of each design under each load"
                 )
 
 
 def _require_same_conditions(cases: Sequence[Design]) -> None:
-    """Refuse runs under different settings; idle runs may be of another duration than loaded ones."""
+    """Raise UsageError for runs under different settings; idle and loaded runs may differ in duration."""
     for case in cases:
         first = next(each for each in cases if each.load.torque == case.load.torque)
         _require_alike(Reducer(first), Reducer(case), ())
@@ -145,11 +144,11 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
 
 def _same_solver(trials: Sequence[Trial]) -> str:
     """Return the solver of all runs; raise UsageError where there are two."""
-    by = {trial.measures.findings.solver: trial for trial in trials}
-    if len(by) > 1:
-        runs = " and ".join(f"{trial.name} {SOLVERS[solver]}" for solver, trial in by.items())
-        raise UsageError(f"the runs differ in their solver: {runs}; run them by the same")
-    return next(iter(by))
+    by_solver = {trial.measures.findings.solver: trial for trial in trials}
+    if len(by_solver) > 1:
+        runs = " and ".join(f"{trial.name} {SOLVERS[solver]}" for solver, trial in by_solver.items())
+        raise UsageError(f"the runs differ in their solver: {runs}; run all with the same --solver")
+    return next(iter(by_solver))
 
 
 def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
@@ -159,12 +158,12 @@ def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
             raise UsageError(
                 f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.design.name} at "
                 f"{load_words(first.design.load.torque)}, but {shared.get(key)} for {case.design.name} at "
-                f"{load_words(case.design.load.torque)}; run them with the same"
+                f"{load_words(case.design.load.torque)}; run them with equal settings"
             )
 
 
 def _run(trial: Trial) -> dict[str, Any]:
-    """Collect a run: the measures of its first start, and, at no load, how each figure spreads over all of them."""
+    """Convert a run to JSON values: the measures of its first start, and at no load the spreads over all starts."""
     spreads = [
         {"quantity": words, "unit": unit, **spread.as_json()}
         for words, unit, measured in ROWS

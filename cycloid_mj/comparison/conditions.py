@@ -1,9 +1,9 @@
-"""What designs of a comparison share, in what they differ, and what makes them alike; in the words of design files.
+"""Shared conditions and differences of compared designs, by keys of the design file.
 
-Conditions are drive, load, environment and settings, but for the load torque, by which the cases differ, and the
-drive's ratings, which no run depends on. A pin is a two-force body between gear and seat: play and compliance of its
-two contacts add up. At equal play and series stiffness, free pins, fixed pins and an internal gear lose the same at
-equal friction, and what is left to differ is the design itself.
+Conditions are drive, load, environment and settings, except for the load torque, by which the cases differ, and the
+drive's ratings, which do not affect a run. A pin is a two-force body between disc and seat, so the clearances and the
+compliances of its two contacts add up. With equal total clearance and series stiffness, free pins, fixed pins and an
+internal gear have equal losses at equal friction; what still differs is the design.
 """
 
 import tomllib
@@ -18,8 +18,8 @@ HOLD = "drive.hold_s"
 NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 
 
-def values(reducer: Reducer) -> dict[str, Any]:
-    """Collect every value of a design by its key in the file, ``table.key``, but for its name."""
+def design_values(reducer: Reducer) -> dict[str, Any]:
+    """Collect all values of a design except its name, by key of the file, ``table.key``."""
     tables = tomllib.loads(dump(reducer.design))
     single = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
     keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
@@ -27,35 +27,35 @@ def values(reducer: Reducer) -> dict[str, Any]:
 
 
 def conditions(reducer: Reducer) -> dict[str, Any]:
-    """Collect the values of a design that its rivals must share."""
-    entries = values(reducer).items()
+    """Collect the values that compared designs must share."""
+    entries = design_values(reducer).items()
     return {key: value for key, value in entries if key.split(".")[0] in TABLES and key not in NO_CONDITIONS}
 
 
-def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
-    """Return a design under shared conditions and a load torque [N m]."""
+def apply_conditions(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
+    """Return a design with shared conditions and a load torque [N m]."""
     return override(reducer.design, {**shared, "load.torque_nm": load})
 
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
-    """Return what differs between designs, load torque apart: key -> the value of each, None where it has none."""
-    all_values = [values(Reducer(design)) for design in designs]
-    keys = dict.fromkeys(key for values in all_values for key in values if key != "load.torque_nm")
-    each = {key: tuple(values.get(key) for values in all_values) for key in keys}
+    """Return the values that differ between designs, except the load torque: key -> values, None for a missing one."""
+    all_values = [design_values(Reducer(design)) for design in designs]
+    keys = dict.fromkeys(key for design_values in all_values for key in design_values if key != "load.torque_nm")
+    each = {key: tuple(design_values.get(key) for design_values in all_values) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 
 def total_play(reducer: Reducer) -> float:
-    """Compute the clearance between the gear and the housing along a contact's normal [m]."""
+    """Compute the clearance between disc and housing along the normal of a tooth contact [m]."""
     design = reducer.design
     play = getattr(design.clearance, design.tooth_pair)
     return float(play + design.pin_play)
 
 
 def with_play_of(nonpin: Reducer, pin: Reducer) -> Design:
-    """Return an internal gear's design with the total play and the series stiffness of a pin design.
+    """Return an internal gear's design with the total clearance and the series stiffness of a pin design.
 
-    The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
+    The stiffness is that of the pin design at its own load, and the same under all loads.
     """
     alike = {"clearance": {"tooth": total_play(pin)}, "stiffness": {"tooth": pin.contacts.mesh_stiffness}}
     return nonpin.but(name=f"{nonpin.design.name}-like-{pin.design.name}", **alike).design

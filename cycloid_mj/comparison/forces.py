@@ -1,4 +1,4 @@
-"""Which teeth carry force, and how much: forces of the mating pairs along a run."""
+"""Forces of the mating pairs in a run, and the teeth that carry them."""
 
 from dataclasses import dataclass
 
@@ -6,16 +6,16 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
-from cycloid_mj.comparison.fluctuation import turns
+from cycloid_mj.comparison.fluctuation import full_turns
 
 
 @dataclass(frozen=True)
 class ForceSummary:
-    """Teeth that carry force, and forces [N], over whole crank turns.
+    """Numbers of teeth that carry force, and forces [N], over full crank turns.
 
     A tooth is a ring pin, or a lobe of the internal gear with all its contact lines. `tooth_mean_n` is the mean over
-    time of the force on the most loaded tooth; peaks are the largest of any sample. Of several discs teeth are counted
-    on all, and the forces are those of the contact, the cam and the pin that bear most on any of them.
+    time of the force on the most loaded tooth; peaks are the largest of any sample. Teeth are counted on all discs, and
+    forces are those of the most loaded contact, cam and pin of any disc.
     """
 
     teeth_mean: float
@@ -29,21 +29,21 @@ class ForceSummary:
 
 
 def tooth_forces(motion: Series) -> Array:
-    """Size of the force of each tooth of the ring on each of D discs [N], shape (n, D N)."""
-    return _sizes(motion, motion.design.tooth_pair)
+    """Compute the force of each tooth of the ring on each of D discs [N], shape (n, D N)."""
+    return _force_sizes(motion, motion.design.tooth_pair)
 
 
 def cam_force(motion: Series) -> Array:
-    """Size of the force of the cam on the gear that the series follows [N], shape (n,)."""
-    return _sizes(motion, "cam")[:, motion.disc]
+    """Compute the force of the cam on the disc of the series [N], shape (n,)."""
+    return _force_sizes(motion, "cam")[:, motion.disc]
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Measure the forces of a run."""
-    parts = turns(motion)
+    """Compute the force summary of a run."""
+    parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    teeth, cam = tooth_forces(motion)[rows], _sizes(motion, "cam")[rows]
-    output = _sizes(motion, "output")[rows]
+    teeth, cam = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
+    output = _force_sizes(motion, "output")[rows]
     loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded.mean()),
@@ -57,6 +57,6 @@ def forces(motion: Series) -> ForceSummary:
     )
 
 
-def _sizes(motion: Series, kind: str) -> Array:
+def _force_sizes(motion: Series, kind: str) -> Array:
     force = motion.run.forces(kind)
     return np.hypot(force[..., 0], force[..., 1])

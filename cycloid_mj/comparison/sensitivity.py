@@ -1,8 +1,8 @@
-"""Sensitivity of the dynamic figures of a loaded run to unmeasured assumptions of the contact model.
+"""Sensitivity of the dynamic figures of a loaded run to assumptions of the contact model that are not measured.
 
-Friction comes on over a creep speed and contacts lose a share of critical damping; both are choices of the model. Each
-is brought to the other end of its plausible range, and every figure that depends on the motion's detail says how far
-it goes. What is stated holds for the designs, load and speed that were run, and for no others.
+Friction rises over a creep speed, and contacts have a damping ratio; both are choices of the model. Each is set to the
+other end of its plausible range, and the change of each figure that depends on the details of the motion is reported.
+It applies to the designs, load and speed of the runs only.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,12 +20,12 @@ ASSUMPTIONS = (
 """The other end of each range: the presets have 0.2 % of the speed of the gear's centre (0.34 mm/s) and 0.5."""
 
 UNDETERMINED = 2.0
-"""Factor between the smallest and the largest value from which on a figure is not determined by the design."""
+"""Ratio of the largest to the smallest value from which a figure counts as not determined by the design."""
 
 
 @dataclass(frozen=True)
 class SensitivityPoint:
-    """What a figure becomes where one assumption has another value."""
+    """Value of a figure with another value of one assumption."""
 
     parameter: str
     value: str
@@ -34,7 +34,7 @@ class SensitivityPoint:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How one figure of one run answers to each assumption; `figure` is its value as the design has them."""
+    """Response of a figure of one run to each assumption; `figure` is its value with those of the design."""
 
     quantity: str
     unit: str
@@ -45,18 +45,18 @@ class Sensitivity:
 
     @property
     def changes(self) -> tuple[float, ...]:
-        """Relative change with each assumption; infinite where the figure is zero and becomes something else."""
+        """Relative change with each assumption; infinite where the figure is zero and changes."""
         return tuple(_ratio(each.figure, self.figure) - 1.0 for each in self.responses)
 
     @property
     def determined(self) -> bool:
-        """Whether the assumptions leave the figure its sign and its size within a factor `UNDETERMINED`."""
+        """Whether the sign of the figure is certain, and its size within a factor `UNDETERMINED`."""
         ratios = [1.0, *(1.0 + change for change in self.changes)]
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 
 
 def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
-    """Hold each figure of runs against the same runs with one assumption changed, in the same order."""
+    """Compare each figure of runs with the same runs, in the same order, with one assumption changed."""
     return [
         Sensitivity(
             quantity,
@@ -67,11 +67,11 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
             tuple(
                 SensitivityPoint(variation.parameter, variation.value, varied)
                 for variation, others in changed.items()
-                if (varied := measured(others[place].measures)) is not None
+                if (varied := measured(others[index].measures)) is not None
             ),
         )
         for quantity, unit, measured in DYNAMIC
-        for place, trial in enumerate(base)
+        for index, trial in enumerate(base)
         if (figure := measured(trial.measures)) is not None
     ]
 

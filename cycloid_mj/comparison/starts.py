@@ -1,7 +1,7 @@
-"""Independent starts of an idle reducer, and what a quantity spreads over them.
+"""Independent starts of an idle reducer, and the spread of a quantity over them.
 
-The idle motion is chaotic: turns of one run depend on each other, so that no turn more makes its rms values sure. What
-is said of no load is said of several starts.
+The idle motion is chaotic, and the turns of one run are correlated, so a longer run does not yield reliable rms values.
+Figures at no load therefore come from several starts.
 """
 
 import math
@@ -13,15 +13,15 @@ from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
 STARTS = 8
-"""Independent starts over which an idle quantity is given, and from which on two designs are ranked by it."""
+"""Number of independent starts, which is also the smallest number by which two designs are ranked."""
 
-ALIKE = 1.05
-"""Ratio within which two quantities have no order: what the time step alone may change."""
+ORDER_MARGIN = 1.05
+"""Ratio of two quantities up to which they have no order: the time step alone may cause as much."""
 
 
 @dataclass(frozen=True)
 class StartSpread:
-    """One quantity of several independent starts: its `values`."""
+    """Values of a quantity at several independent starts."""
 
     values: tuple[float, ...]
 
@@ -61,35 +61,36 @@ class StartSpread:
 
     @property
     def independent(self) -> int:
-        """Number of different values: starts that agree to the last bit are copies of one."""
+        """Number of different values: starts with identical bits are copies of one start."""
         return len(set(self.values))
 
     def over(self, other: "StartSpread") -> "StartSpread":
-        """Return the ratio to another quantity: of the means, and the least and most that starts of both make."""
+        """Return the ratio to another quantity: of the means, and the smallest and largest of any two starts."""
         pairs = ((self.mean, other.mean), (self.low, other.high), (self.high, other.low))
-        return StartSpread(tuple(one / below if below else math.inf for one, below in pairs))
+        return StartSpread(
+            tuple(numerator / denominator if denominator else math.inf for numerator, denominator in pairs)
+        )
 
 
-def order(start_spread: StartSpread, other: StartSpread) -> int:
-    """Say which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
+def compare_order(start_spread: StartSpread, other: StartSpread) -> int:
+    """Return which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
 
-    Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds
-    what the starts spread.
+    They differ where all starts of one exceed all of the other by more than `ORDER_MARGIN`.
     """
-    if start_spread.low > ALIKE * other.high:
+    if start_spread.low > ORDER_MARGIN * other.high:
         return 1
-    return -1 if other.low > ALIKE * start_spread.high else 0
+    return -1 if other.low > ORDER_MARGIN * start_spread.high else 0
 
 
-def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:
-    """Vary a design into one of several independent starts, the first as it is.
+def start_variant(reducer: Reducer, number: int, count: int = STARTS) -> Design:
+    """Return the design of one of `count` independent starts; number 0 is the design itself.
 
-    Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
-    the same phase of the mesh. A ring of fewer teeth than there are starts has gravity turned by equal parts of a turn.
+    Gravity is rotated by a whole number of tooth pitches, which is equivalent to another initial crank angle at the
+    same phase of the mesh. If the ring has fewer teeth than `count`, gravity is rotated by equal parts of a turn.
     """
     design = reducer.design
     teeth, pull = design.ring.teeth, design.environment
-    turn = 2 * math.pi * round(teeth * number / of) / teeth if teeth >= of else 2 * math.pi * number / of
+    turn = 2 * math.pi * round(teeth * number / count) / teeth if teeth >= count else 2 * math.pi * number / count
     if turn == 0.0:
         return design
     cos, sin = math.cos(turn), math.sin(turn)
@@ -97,12 +98,12 @@ def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:
     return reducer.but(environment={"gravity_x": x, "gravity_y": y}).design
 
 
-def all_started(reducer: Reducer, count: int = STARTS) -> tuple[Design, ...]:
-    """List so many independent starts of a design; a single one where no gravity acts in its plane."""
-    return tuple(dict.fromkeys(started(reducer, number, count) for number in range(count)))
+def independent_starts(reducer: Reducer, count: int = STARTS) -> tuple[Design, ...]:
+    """List `count` independent starts of a design; only one where no gravity acts in its plane."""
+    return tuple(dict.fromkeys(start_variant(reducer, number, count) for number in range(count)))
 
 
 def gravity_turn(reducer: Reducer) -> float:
-    """Compute the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
+    """Compute the rotation of a start's gravity from -y, counter-clockwise [rad], in [0, 2 pi)."""
     pull = reducer.design.environment
     return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)

@@ -1,4 +1,4 @@
-"""The figures of a comparison: name, unit, and where each stands in the measures of a run; and their table."""
+"""Figures of a comparison: name, unit and access to the measures of a run; and their table."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from cycloid_mj.comparison.trial import Trial
 
 
 class ComparedFigure(NamedTuple):
-    """A figure of a run: `of` gives it from the run's measures, None where the run has none."""
+    """A figure of a run; `of` returns it from the run's measures, None where the run has none."""
 
     words: str
     unit: str
@@ -82,16 +82,16 @@ DYNAMIC = (
     *(OUTPUT_ERROR, OUTPUT_SPEED, OUTPUT_VIBRATION, GEAR_ERROR, GEAR_SPEED, CENTRE_VIBRATION, Q_PATH, Q_VELOCITY),
     *(TOOTH_FORCE, ComparedFigure("spin of pin 1, mean", "rad/s", _spin), EFFICIENCY),
 )
-"""Those that depend on the motion's detail."""
+"""Figures that depend on the details of the motion."""
 
 HEADLINE = (OUTPUT_ERROR, GEAR_SPEED, OUTPUT_VIBRATION, CENTRE_VIBRATION, TOOTH_FORCE, EFFICIENCY)
-"""Those that one looks for first."""
+"""Figures of the headline."""
 
 COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", "starts")
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Gather the figures of all runs in `COLUMNS`, a row for each figure of each run, over its starts."""
+    """Collect the figures of all runs, a row of `COLUMNS` for each figure and run, over its starts."""
     rows: list[dict[str, Cell]] = [
         {
             "load_nm": trial.load,
@@ -111,15 +111,15 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
 
 
 def table(trials: Sequence[Trial]) -> Table:
-    """Tabulate the figures of runs under one load: quantity, one column for each design, unit.
+    """Tabulate the figures of runs under one load: quantity, a column for each design, unit.
 
-    A figure of several starts is given as least to largest, and the mean; a row without any value is left out.
+    A figure of several starts is written as range and mean; a row without any value is omitted.
     """
     findings = trials[0].measures.findings
     window, starts = findings.window, min(len(trial.starts) for trial in trials)
     span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
-    over = f", least to largest (mean) of {starts} starts" if starts > 1 else ""
-    of = ", gear and q of gear 1" if any(trial.measures.findings.discs for trial in trials) else ""
+    over = f", range (mean) of {starts} starts" if starts > 1 else ""
+    of = ", disc and q of disc 1" if any(trial.measures.findings.discs for trial in trials) else ""
     rows = []
     for figure in ROWS:
         spreads = [trial.over_starts(figure.of) for trial in trials]

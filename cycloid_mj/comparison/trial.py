@@ -1,4 +1,4 @@
-"""The runs of one design under one load: independent starts, and what each measured."""
+"""Runs of one design under one load: independent starts and their measures."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,16 +10,14 @@ from cycloid_mj.design import Design
 
 @dataclass(frozen=True)
 class Trial:
-    """A design that was run under one load, and what the run measured.
+    """A design under one load, and the measures of its runs.
 
     Attributes
     ----------
-    design
-        Of the first start.
-    measures
-        Of the first start.
+    design, measures
+        Design and measures of the first start.
     others
-        Measures of further independent starts: all that any figure of an idle run rests on.
+        Measures of further independent starts.
     """
 
     design: Design
@@ -42,6 +40,6 @@ class Trial:
         return (self.measures, *self.others)
 
     def over_starts(self, figure: Callable[[Measures], float | None]) -> StartSpread | None:
-        """Return a figure of every start that has it; None where none has."""
+        """Return the values of a figure at all starts that have it; None where none has."""
         values = [value for each in self.starts if (value := figure(each)) is not None]
         return StartSpread.of(values) if values else None

@@ -1,4 +1,4 @@
-"""What is varied for every design of a comparison: contact damping, friction and the pins' freedom, one at a time."""
+"""Variations of all designs of a comparison: contact damping, friction and the pins' freedom, one at a time."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Variation:
-    """One value of a parameter that is varied for every design; `changes` are in the words of design files."""
+    """A value of a parameter that is varied for all designs; `changes` are as for ``--set``."""
 
     parameter: str
     value: str
@@ -17,11 +17,11 @@ class Variation:
 
     @property
     def words(self) -> str:
-        """Parameter and value, as a case of a table is called."""
+        """Parameter and value, the name of the case in tables."""
         return f"{self.parameter} {self.value}"
 
     def of(self, reducer: Reducer) -> Design:
-        """Return the design with the change, or as it is where it does not concern it."""
+        """Return the design with the changes, or unchanged where they do not apply to it."""
         design = reducer.design
         return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
 

@@ -1,4 +1,4 @@
-"""Vibration of the gear's centre and of the output: acceleration about the closed form, and its spectrum."""
+"""Vibration of the disc's centre and of the output: acceleration relative to the closed form, and its spectrum."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.spectrum import density
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import planar_speeds
-from cycloid_mj.comparison.fluctuation import Level, level, turns
+from cycloid_mj.comparison.fluctuation import Level, compute_level, full_turns
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.reducer.bodies import phases
@@ -16,14 +16,15 @@ from cycloid_mj.reducer.bodies import phases
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
 """Centres of the octave bands [Hz], those of IEC 61260."""
 TURNS_PER_SEGMENT = 2
+"""Crank turns of a segment of Welch's method."""
 
 
 @dataclass(frozen=True, eq=False)
 class Acceleration:
-    """Accelerations less their closed form (Eq. 12, Eq. 14 corrected) at the measured crank.
+    """Accelerations minus their closed form (Eq. 12, Eq. 14 corrected) at the measured crank angle.
 
-    Each value is the mean from one sample to the next. `centre` of the gear's centre [m/s^2], (n-1, 2); `output` of
-    the output's rotation [rad/s^2], (n-1,).
+    Each value is the mean from one sample to the next. `centre` is that of the disc's centre [m/s^2], shape (n-1, 2);
+    `output` that of the output's rotation [rad/s^2], shape (n-1,).
     """
 
     centre: Array
@@ -34,9 +35,9 @@ class Acceleration:
 class Spectrum:
     """One-sided power spectral densities at `frequency` [Hz], up to ``spectrum.BAND`` of the log rate.
 
-    Velocities are logged as they are at the sample: what shakes above half of the log rate folds down to f from
-    `rate` - f, weakened by f/(`rate` - f): to two thirds at the end of the band, to a tenth at a quarter of it.
-    `centre` [(m/s^2)^2/Hz], both components together, and `output` [(rad/s^2)^2/Hz].
+    Velocities are instantaneous samples, so vibration above half of the log rate is aliased from `rate` - f to f,
+    reduced by f/(`rate` - f): to two thirds at the end of the band, to a tenth at a quarter of it. `centre`
+    is the sum of both components [(m/s^2)^2/Hz]; `output` in [(rad/s^2)^2/Hz].
     """
 
     frequency: Array
@@ -46,7 +47,7 @@ class Spectrum:
 
 @dataclass(frozen=True)
 class OctaveBand:
-    """The rms acceleration of the gear's centre and of the output in the octave about `centre_hz`."""
+    """Rms accelerations of the disc's centre and of the output in the octave about `centre_hz`."""
 
     centre_hz: float
     gear_centre_m_s2: float
@@ -55,9 +56,9 @@ class OctaveBand:
 
 @dataclass(frozen=True)
 class VibrationLevels:
-    """The rms accelerations about the closed form up to `band_hz`, half the log rate, and by whole octaves.
+    """Rms accelerations relative to the closed form up to `band_hz`, half the log rate, and by full octaves.
 
-    A mean between samples reads what is near half of the log rate 36 % too low; octaves make that good.
+    Means between samples read 36 % too low near half of the log rate; the octaves are corrected for that.
     """
 
     gear_centre_m_s2: Level
@@ -67,9 +68,9 @@ class VibrationLevels:
 
 
 def acceleration(motion: Series) -> Acceleration:
-    """Compute the accelerations of a run about their closed form: differences of the velocities' errors.
+    """Compute the accelerations of a run relative to their closed form, as differences of the velocities' errors.
 
-    The centre is that of the disc which the series follows.
+    The centre is that of the disc of the series.
     """
     run = motion.run
     angle = run["crank_angle"] + phases(motion.design)[motion.disc]
@@ -80,11 +81,11 @@ def acceleration(motion: Series) -> Acceleration:
 
 
 def spectrum(motion: Series) -> Spectrum:
-    """Compute the spectra of `acceleration` over whole crank turns, by Welch's method in segments of two turns.
+    """Compute the spectra of `acceleration` over full crank turns, by Welch's method in segments of two turns.
 
-    What the means between samples lose of high frequencies is made good.
+    The loss of high frequencies by the means between samples is corrected.
     """
-    parts = turns(motion)
+    parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
     accelerations, step = acceleration(motion), _sampling(motion)
     segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(accelerations.output[rows]))
@@ -94,11 +95,11 @@ def spectrum(motion: Series) -> Spectrum:
 
 
 def vibration(motion: Series) -> VibrationLevels:
-    """Measure the vibration of a run."""
-    accelerations, parts = acceleration(motion), turns(motion)
+    """Compute the vibration levels of a run."""
+    accelerations, parts = acceleration(motion), full_turns(motion)
     return VibrationLevels(
-        gear_centre_m_s2=level(accelerations.centre, parts),
-        output_rad_s2=level(accelerations.output, parts),
+        gear_centre_m_s2=compute_level(accelerations.centre, parts),
+        output_rad_s2=compute_level(accelerations.output, parts),
         band_hz=0.5 / _sampling(motion),
         octaves=_octaves(spectrum(motion)),
     )
@@ -109,7 +110,7 @@ def _sampling(motion: Series) -> float:
 
 
 def _octaves(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
-    """List the bands that lie whole within the spectrum."""
+    """List the bands that lie entirely within the spectrum."""
     width = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
     for middle in OCTAVES:

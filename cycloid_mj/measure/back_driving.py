@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import StartSpread, all_started
+from cycloid_mj.comparison import StartSpread, independent_starts
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
@@ -146,7 +146,9 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     that of the parts' own weight and inertia; what is in proportion to the load is in the efficiency of back-driving.
     The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets zero at the torque T0.
     """
-    return BreakAway(tuple(each_in_threads(lambda start: _from_rest(Reducer(start), solver), all_started(reducer))))
+    return BreakAway(
+        tuple(each_in_threads(lambda start: _from_rest(Reducer(start), solver), independent_starts(reducer)))
+    )
 
 
 def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:

@@ -8,7 +8,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import MEGAPASCAL
-from cycloid_mj.comparison import settling
+from cycloid_mj.comparison import settling_time
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
@@ -35,7 +35,7 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
         return design
     rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
     reducer = Reducer(design)
-    return design.steady(settling(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
+    return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 
 
 @once

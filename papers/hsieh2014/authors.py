@@ -15,7 +15,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.names import CAM, SOLVERS
 from cycloid_mj.base.result import Table
-from cycloid_mj.comparison import StartSpread, settled
+from cycloid_mj.comparison import StartSpread, settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.brake_test import braked_run
@@ -68,8 +68,10 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
     progress("runs with IMPACT")
-    base = {design.name: settled(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
-    soft = {design.name: settled(runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]) for design in designs()}
+    base = {design.name: settle_run(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
+    soft = {
+        design.name: settle_run(runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]) for design in designs()
+    }
     progress("output torque with IMPACT")
     torques = {
         design.name: (_settled_torque(design), _settled_torque(IMPACT.of(Reducer(design)))) for design in designs()

@@ -8,7 +8,7 @@ from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Table
-from cycloid_mj.comparison import settled
+from cycloid_mj.comparison import settle_run
 from cycloid_mj.comparison.forces import tooth_forces
 
 RELIEVED = 0.1
@@ -19,7 +19,7 @@ def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
     """Return the table of pin 1's load cycle, for each case with ring pins: name -> runs; loaded runs count."""
     rows: list[tuple[str | float, ...]] = []
     for name, runs in cases.items():
-        for motion in (settled(run) for run in runs):
+        for motion in (settle_run(run) for run in runs):
             if motion.design.ring.kind == "pin" and motion.design.load.torque:
                 rows.append((name, *cycle(motion)))
     head = ("rated load", "loaded from [deg]", "relieved from [deg]", "share of the turn [%]", "loaded pins, mean")

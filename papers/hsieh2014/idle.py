@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import StartSpread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settle_run
 from cycloid_mj.design import Design, override
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.ranking import RANKED
@@ -82,8 +82,8 @@ def nudge_gravity(design: Design) -> Design:
 
 def divergence(run: Run, other: Run) -> Divergence:
     """Compare two runs of the same length by the transmission error of the disc."""
-    motion = settled(run)
-    error, same = motion.gear_angle.error, settled(other).gear_angle.error
+    motion = settle_run(run)
+    error, same = motion.gear_angle.error, settle_run(other).gear_angle.error
     size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)
     turned = np.abs(motion.crank_angle - motion.crank_angle[0]) / (2.0 * math.pi)
     if not (size > SMALL).any():

@@ -8,7 +8,7 @@ import numpy as np
 
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
-from cycloid_mj.comparison import StartSpread, load_words, settled, settling
+from cycloid_mj.comparison import StartSpread, load_words, settle_run, settling_time
 from cycloid_mj.design import Design
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
@@ -44,7 +44,7 @@ NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
 
 def motions(plan: Plan, runs: Runs) -> list[Series]:
     """Return the main runs with their closed form, at every logged sample."""
-    return [settled(run) for run in runs(main_runs(plan))]
+    return [settle_run(run) for run in runs(main_runs(plan))]
 
 
 def _rated_run(compared: Sequence[Series], design: Design) -> Series:
@@ -172,7 +172,7 @@ def _each(
 
 def at_degrees(motion: Series) -> Series:
     """Return a run with one sample per degree, the paper's sampling."""
-    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(motion.reducer))
+    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling_time(motion.reducer))
 
 
 def _load(motion: Series) -> str:

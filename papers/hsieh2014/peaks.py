@@ -26,7 +26,7 @@ from cycloid_mj.base.names import (
     column,
 )
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import gravity_turn, settled
+from cycloid_mj.comparison import gravity_turn, settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -57,7 +57,7 @@ def pairs_on(run: Run, part: str) -> list[str]:
 
 def largest_force(run: Run, among: Sequence[str]) -> float:
     """Return the largest force [N] of some pairs in the settled part of the run."""
-    hold = settled(run).hold
+    hold = settle_run(run).hold
     return max(float(peak(run, pair)[hold].max()) for pair in among)
 
 
@@ -100,7 +100,7 @@ def by_angle(run: Run, among: Sequence[str]) -> Array:
 
 def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
     """Compute the same for several parts, each with the pairs that act on it."""
-    motion = settled(run)
+    motion = settle_run(run)
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
     }

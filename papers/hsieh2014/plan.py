@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from cycloid_mj.base.result import Condition, Range
-from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
+from cycloid_mj.comparison import SWEEP, Variation, independent_starts, settling_time, with_play_of
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.reducer import Reducer
@@ -139,7 +139,7 @@ def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Des
     sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
     sampling = {"timestep": sample / steps, "log_rate": 1.0 / sample}
     design = design.but(drive={"ramp": 0.0}, load={"torque": load}, settings=sampling)
-    slower = max(settling(Reducer(design.but(ring={"kind": kind}))) for kind in ("pin", "nonpin"))
+    slower = max(settling_time(Reducer(design.but(ring={"kind": kind}))) for kind in ("pin", "nonpin"))
     return design.steady(slower, turns, samples=SPARE)
 
 
@@ -157,7 +157,7 @@ def main_runs(plan: Plan) -> list[Design]:
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
     """List the independent starts of a design without load; the first equals its main run."""
-    return list(all_started(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
+    return list(independent_starts(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
 
 
 def equal_play_design() -> Design:
@@ -174,7 +174,7 @@ def rated_runs(plan: Plan) -> list[Design]:
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
     """List some idle starts with half the step, or none."""
     turns, count = plan.finer_turns, plan.varied_starts
-    return list(all_started(Reducer(at_speed(design, 0.0, turns, 2 * plan.steps)), count)) if turns else []
+    return list(independent_starts(Reducer(at_speed(design, 0.0, turns, 2 * plan.steps)), count)) if turns else []
 
 
 def finer_rated_runs(plan: Plan) -> list[Design]:
@@ -221,7 +221,7 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
     changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
-    return list(all_started(Reducer(at_speed(changed, 0.0, plan.varied_turns, plan.steps)), count))
+    return list(independent_starts(Reducer(at_speed(changed, 0.0, plan.varied_turns, plan.steps)), count))
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:

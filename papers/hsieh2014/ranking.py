@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from cycloid_mj.base.result import load_words
-from cycloid_mj.comparison import STARTS, Measures, StartSpread, Trial, order
+from cycloid_mj.comparison import STARTS, Measures, StartSpread, Trial, compare_order
 from cycloid_mj.comparison.fluctuation import Level
-from cycloid_mj.comparison.starts import ALIKE
+from cycloid_mj.comparison.starts import ORDER_MARGIN
 from hsieh2014.stated import FLUCTUATIONS
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
@@ -102,11 +102,11 @@ class Ranking:
     def verdict(self) -> Verdict:
         """Return the verdict on the paper's statement."""
         if self.load_nm == 0.0:
-            ordering = order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
+            ordering = compare_order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
             return ("not determined", "confirmed", "contradicted")[ordering]
         if min(len(self.pin_level.by_turn), len(self.nonpin_level.by_turn)) < FEWEST_TURNS:
             return "undecided"
-        if 1 / ALIKE <= self.ratio <= ALIKE:
+        if 1 / ORDER_MARGIN <= self.ratio <= ORDER_MARGIN:
             return "alike"
         if self.chance > SIGNIFICANCE:
             return "undecided"

@@ -9,7 +9,7 @@ from cycloid_mj.analysis import Series, judge
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
-from cycloid_mj.comparison import measure, settled
+from cycloid_mj.comparison import measure_run, settle_run
 from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
 from hsieh2014.pin_motion import PinMotion, pin_motion
 from hsieh2014.ranking import RANKED
@@ -49,8 +49,8 @@ class RunFigures:
 
 def run_figures(run: Run) -> RunFigures:
     """Compute all figures of a run."""
-    motion = settled(run)
-    measures = measure(motion)
+    motion = settle_run(run)
+    measures = measure_run(motion)
     return RunFigures(
         run.provenance["design"],
         mean_speed(motion),

@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
-from cycloid_mj.comparison import StartSpread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settle_run
 from hsieh2014.cycle import cycle
 from hsieh2014.idle_stress import IdleStress, rated_value, stress_error
 from hsieh2014.over_starts import OverStarts, ruling
@@ -151,7 +151,7 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
         return StartSpread.of(share_near(curve, reach) for curve in evidence.curves(design, PIN_1, changed))
 
     pin, lobe = shares("pin", None), shares("nonpin", None)
-    begins, ends, turn, _ = cycle(settled(rated))
+    begins, ends, turn, _ = cycle(settle_run(rated))
     judged = ruling(
         OverStarts(pin.values, {changed: shares("pin", changed).values for changed in evidence.varied}, tuple(ranges)),
         lambda share: share >= MOSTLY,

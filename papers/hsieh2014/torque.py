@@ -9,7 +9,7 @@ from cycloid_mj.base.engine import Progress as Steps
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Table, Value, Verdict
 from cycloid_mj.base.units import ARCSECOND
-from cycloid_mj.comparison import settled
+from cycloid_mj.comparison import settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.emergency_stop import peaks
@@ -198,7 +198,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
 
 def precision(rated: Sequence[Run]) -> Claim:
     """Judge the output's transmission error under the rated load: pin, nonpin, and nonpin with pin's play."""
-    strays = {run.provenance["design"]: _transmission_error(settled(run)) for run in rated}
+    strays = {run.provenance["design"]: _transmission_error(settle_run(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
     return PRECISION.judged(
         ours=Value(

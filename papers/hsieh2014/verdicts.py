@@ -7,7 +7,7 @@ from statistics import NormalDist, median
 
 from cycloid_mj.base.result import Claim, Value, Verdict
 from cycloid_mj.comparison import StartSpread
-from cycloid_mj.comparison.starts import ALIKE
+from cycloid_mj.comparison.starts import ORDER_MARGIN
 
 SIGNIFICANCE = 0.05
 """Significance level of the rank test of starts."""
@@ -46,7 +46,7 @@ def rank_order(start_spread: StartSpread, other: StartSpread) -> int:
     Medians that differ by less than the effect of the time step count as equal.
     """
     middles = median(start_spread.values), median(other.values)
-    if chance(start_spread, other) >= SIGNIFICANCE or max(middles) <= ALIKE * min(middles):
+    if chance(start_spread, other) >= SIGNIFICANCE or max(middles) <= ORDER_MARGIN * min(middles):
         return 0
     return 1 if middles[0] > middles[1] else -1
 

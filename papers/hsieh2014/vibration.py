@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
-from cycloid_mj.comparison import StartSpread, Variation, settled
+from cycloid_mj.comparison import StartSpread, Variation, settle_run
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
@@ -101,7 +101,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
     from cycloid_mj.plots.comparison import comparison_figures
     from hsieh2014.starts_figure import starts_figure
 
-    drawn = comparison_figures([settled(run) for run in runs(main_runs(plan))])
+    drawn = comparison_figures([settle_run(run) for run in runs(main_runs(plan))])
     for name, (figure, words) in CAPTIONS.items():
         yield PaperFigure(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
     yield PaperFigure(

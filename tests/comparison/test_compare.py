@@ -15,7 +15,7 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
 from cycloid_mj.cli.flags import designed
 from cycloid_mj.cli.verdict import catalogue_table, catalogued, ratio_columns
-from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
+from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle_run, settling_time
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
@@ -241,7 +241,7 @@ def test_default_hold_is_whole_turns_after_settling(here, planned):
     assert design.drive.ramp == 0.0
     turn = 2 * math.pi / design.drive.speed
     assert design.drive.hold == pytest.approx(
-        settling(Reducer(design)) + TURNS * turn, abs=1.5 / design.settings.log_rate
+        settling_time(Reducer(design)) + TURNS * turn, abs=1.5 / design.settings.log_rate
     )
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
 
@@ -482,7 +482,7 @@ def test_curvature_figure_draws_every_line_of_both_designs():
 @pytest.mark.slow
 def test_figures_have_a_panel_for_each_run_and_name_it(compared):
     found, _ = compared
-    motions = [settled(read(run["findings"]["log"])) for run in found["runs"]]
+    motions = [settle_run(read(run["findings"]["log"])) for run in found["runs"]]
     drawn = comparison_figures(motions)
     assert list(drawn) == [f"compare_{name}" for name in NAMES]
     for name, figure in drawn.items():
@@ -517,7 +517,7 @@ def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tup
         own = [case for case in cases if case.load.torque == load]
         assert len(own) >= 2
         (hold,) = {case.drive.hold for case in own}
-        assert hold > max(settling(Reducer(case)) for case in own)
+        assert hold > max(settling_time(Reducer(case)) for case in own)
     found = differences(list(comparable(cases).values())[:2])
     assert None in found["pin_material.name"]
     assert "bearing steel" in found["pin_material.name"]

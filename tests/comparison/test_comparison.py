@@ -27,16 +27,16 @@ from cycloid_mj.comparison import (
     STARTS,
     SWEEP,
     Trial,
-    all_started,
+    apply_conditions,
     compare,
     gravity_turn,
-    measure,
-    settled,
-    settling,
-    under,
+    independent_starts,
+    measure_run,
+    settle_run,
+    settling_time,
 )
 from cycloid_mj.comparison.conditions import conditions, differences
-from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
+from cycloid_mj.comparison.fluctuation import Level, compute_level, full_turns, remove_steady_shifts
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, SensitivityPoint, sensitivities
 from cycloid_mj.comparison.vibration import acceleration, spectrum
@@ -48,28 +48,28 @@ from cycloid_mj.reducer import Reducer
 
 def test_settling_is_the_loads_rise_its_ringing_and_a_turn():
     design = designed("pin")
-    assert settling(Reducer(design)) == pytest.approx(0.005 + 0.005 + 360 * DT)
-    assert settling(Reducer(override(design, ["drive.ramp_s=0.1"]))) == pytest.approx(0.005 + 360 * DT)
+    assert settling_time(Reducer(design)) == pytest.approx(0.005 + 0.005 + 360 * DT)
+    assert settling_time(Reducer(override(design, ["drive.ramp_s=0.1"]))) == pytest.approx(0.005 + 360 * DT)
 
 
 def test_turns_are_whole_and_follow_one_another():
-    parts = turns(motion_of())
+    parts = full_turns(motion_of())
     assert len(parts) == TURNS
     assert [part.stop - part.start for part in parts] == [360] * TURNS
     assert all(one.stop == other.start for one, other in pairwise(parts))
 
 
 def test_a_hold_of_less_than_a_turn_is_one_part():
-    motion = settled(ideal_mechanism(designed("pin", turns=0.5)))
-    (part,) = turns(motion)
+    motion = settle_run(ideal_mechanism(designed("pin", turns=0.5)))
+    (part,) = full_turns(motion)
     assert part == slice(int(np.argmax(motion.hold)), len(motion.run))
 
 
 def test_level_of_parts_and_of_vectors():
     parts = [slice(0, 2), slice(2, 4)]
-    found = level(np.array([3.0, -3.0, 4.0, 4.0, 99.0]), parts)
+    found = compute_level(np.array([3.0, -3.0, 4.0, 4.0, 99.0]), parts)
     assert found == Level(pytest.approx(math.sqrt(12.5)), (pytest.approx(3.0), pytest.approx(4.0)))
-    assert level(np.array([[3.0, 4.0]] * 4), parts) == Level(5.0, (5.0, 5.0))
+    assert compute_level(np.array([[3.0, 4.0]] * 4), parts) == Level(5.0, (5.0, 5.0))
 
 
 def test_steady_shifts_are_no_fluctuation_but_waves_are():
@@ -81,14 +81,14 @@ def test_steady_shifts_are_no_fluctuation_but_waves_are():
     shifts = 2 + 1j - 3j * np.exp(1j * theta) + 0.5 * np.exp(-1j * theta / LOBES)
     wave = 0.01 * np.exp(36j * theta)
     for found, left, tolerance in ((shifts, 0 * wave, 1e-12), (shifts + wave, wave, 0.01 / 36)):
-        result = unshifted(np.stack([found.real, found.imag], axis=1), theta, -theta / LOBES)
+        result = remove_steady_shifts(np.stack([found.real, found.imag], axis=1), theta, -theta / LOBES)
         assert result == pytest.approx(np.stack([left.real, left.imag], axis=1), abs=tolerance)
 
 
 def test_measures_of_known_waves():
     """Each rms value has its closed form; a wave on the gear's angle moves q by its arm."""
     amplitude = 1e-6
-    found = measure(
+    found = measure_run(
         motion_of(
             gear_speed=lambda theta: 0.003 * np.cos(7 * theta),
             gear_angle=lambda theta: amplitude * np.cos(40 * theta),
@@ -104,10 +104,10 @@ def test_measures_of_known_waves():
 
 def test_a_rough_turn_shows():
     def burst(theta):
-        settled_turn = (theta - SPEED * settling(Reducer(designed("pin")))) / (2 * np.pi)
+        settled_turn = (theta - SPEED * settling_time(Reducer(designed("pin")))) / (2 * np.pi)
         return np.where((settled_turn >= 2) & (settled_turn < 3), 0.01, 0.001) * np.cos(10 * theta)
 
-    found = measure(motion_of(gear_speed=burst)).fluctuation.gear_speed_rad_s
+    found = measure_run(motion_of(gear_speed=burst)).fluctuation.gear_speed_rad_s
     calm, rough = 0.001 / math.sqrt(2), 0.01 / math.sqrt(2)
     assert found.by_turn == pytest.approx([calm, calm, rough, calm, calm, calm], rel=0.01)
 
@@ -130,7 +130,7 @@ def test_vibration_of_a_wave_and_its_spectrum():
     order = 36
     omega = order * SPEED
     motion = motion_of(gear_vx=lambda theta: 0.01 * np.sin(order * theta), output_speed=lambda t: 0.2 * np.sin(4 * t))
-    found, density = measure(motion).vibration, spectrum(motion)
+    found, density = measure_run(motion).vibration, spectrum(motion)
     sinc = math.sin(omega * DT / 2) / (omega * DT / 2)
     expected = 0.01 * omega * sinc / math.sqrt(2)
     assert found.gear_centre_m_s2.rms == pytest.approx(expected, rel=1e-3)
@@ -144,7 +144,7 @@ def test_vibration_of_a_wave_and_its_spectrum():
 
 def test_octave_bands_hold_the_wave_that_lies_in_them():
     motion = motion_of(gear_vx=lambda theta: 0.01 * np.sin(36 * theta))
-    found = measure(motion).vibration
+    found = measure_run(motion).vibration
     loudest = max(found.octaves, key=lambda band: band.gear_centre_m_s2)
     assert loudest.centre_hz == 1000.0  # 36 * 27.8 Hz
     assert loudest.gear_centre_m_s2 == pytest.approx(0.01 * 36 * SPEED / math.sqrt(2), rel=0.01)
@@ -162,7 +162,7 @@ def test_forces_of_known_columns():
 
     forces = {"pin_3_force_x": 3.0, "pin_3_force_y": -4.0, "pin_30_force_y": lambda theta: 10.0 * half(theta)}
     motion = motion_of(**forces, cam_force_x=7.0, output_pin_8_force_y=-2.0)
-    found = measure(motion).forces
+    found = measure_run(motion).forces
     assert (found.teeth_mean, found.teeth_least, found.teeth_most) == (1.5, 1, 2)
     assert (found.tooth_mean_n, found.tooth_peak_n) == (pytest.approx(7.5), 10.0)
     assert (found.cam_mean_n, found.cam_peak_n, found.output_pin_peak_n) == (7.0, 7.0, 2.0)
@@ -171,7 +171,7 @@ def test_forces_of_known_columns():
 
 
 def test_forces_of_a_ring_are_those_of_its_lobes():
-    assert measure(motion_of("nonpin", lobe_36_force_y=-9.0)).forces.tooth_peak_n == 9.0
+    assert measure_run(motion_of("nonpin", lobe_36_force_y=-9.0)).forces.tooth_peak_n == 9.0
 
 
 def test_a_run_without_forces_is_refused():
@@ -179,7 +179,7 @@ def test_a_run_without_forces_is_refused():
     columns = {name: values for name, values in run.columns.items() if not name.startswith("cam")}
     bare = replace(run, columns=columns, units={name: run.units[name] for name in columns}, topics={})
     with pytest.raises(LogError, match="no forces of the kind 'cam'"):
-        measure(settled(bare))
+        measure_run(settle_run(bare))
 
 
 # --- conditions
@@ -188,7 +188,7 @@ def test_a_run_without_forces_is_refused():
 def test_under_takes_conditions_and_leaves_the_design():
     first = designed("pin", "settings.timestep_us=3.0", "environment.gravity_y_m_s2=0.0", "load.rise_s=0.01")
     other = override(PRESETS["nonpin"], ["contact.damping_ratio=0.2", "drive.torque_nm=5.0"])
-    found = under(Reducer(other), conditions(Reducer(first)), 12.5)
+    found = apply_conditions(Reducer(other), conditions(Reducer(first)), 12.5)
     assert conditions(Reducer(found)) == conditions(Reducer(first))
     assert found.load.torque == 12.5
     assert found.drive.torque == 5.0
@@ -249,7 +249,7 @@ def with_hold(trial: Trial, hold: float) -> Trial:
 @pytest.mark.parametrize("teeth", [36, STARTS, 5])
 def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
     design = override(PRESETS["pin"], [f"ring.teeth={teeth}"])
-    found = all_started(Reducer(design))
+    found = independent_starts(Reducer(design))
     assert len(found) == STARTS
     assert found[0] == design
     pull = design.environment
@@ -267,7 +267,7 @@ def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
 
 def test_without_gravity_in_its_plane_a_design_has_one_start():
     design = override(PRESETS["pin"], ["environment.gravity_x_m_s2=0.0", "environment.gravity_y_m_s2=0.0"])
-    assert all_started(Reducer(design)) == (design,)
+    assert independent_starts(Reducer(design)) == (design,)
 
 
 def test_json_of_a_comparison_is_plain_and_complete():
@@ -300,13 +300,13 @@ def test_designs_of_one_kind_are_compared():
 @pytest.mark.parametrize(
     ("trials", "words"),
     [
-        (lambda: pair()[:1], "needs two designs"),
+        (lambda: pair()[:1], "requires two designs"),
         (lambda: [*pair(), pair()[0]], "2 times"),
         (lambda: [*pair(0.0), pair(20.0)[0]], "nonpin at 20 N m is missing"),
         (lambda: [pair()[0], trial_of("nonpin", "settings.timestep_us=4.0")], "settings.timestep_us"),
         (lambda: [pair()[0], trial_of("nonpin", "load.rise_s=0.004")], "load.rise_s"),
         (lambda: [pair()[0], by_planar(pair()[1])], "pin by MuJoCo and nonpin by the planar solver"),
-        (lambda: [*pair(), trial_of("pin", "load.torque_nm=5.0", "gear.face_width_mm=9.0")], "two designs are called"),
+        (lambda: [*pair(), trial_of("pin", "load.torque_nm=5.0", "gear.face_width_mm=9.0")], "two designs are named"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(trials, words):

@@ -11,7 +11,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.checks import check, summary
 from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
-from cycloid_mj.comparison.measures import settled
+from cycloid_mj.comparison.measures import settle_run
 from cycloid_mj.design import PRESETS, dump, load, loads, reasons
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
@@ -79,7 +79,7 @@ def at_speed() -> dict[float, Run]:
 def figures(run: Run) -> dict[str, float]:
     """Compute what anyone would report of a run."""
     found: Findings = analyze(run, settle=0.08)
-    pressed = forces(settled(run))
+    pressed = forces(settle_run(run))
     return {
         "transmission error, p-p": found.output_transmission_error.peak_to_peak_arcsec,
         "transmission error, mean": found.output_transmission_error.mean_arcsec,

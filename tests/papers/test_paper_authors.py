@@ -12,7 +12,7 @@ from hsieh2014.plan import IMPACT, at_speed, designs
 from hsieh2014.run import AUTHORS, STEPS
 from hsieh2014.soft_contact import GENERIC, soft_idle
 
-from cycloid_mj.comparison import gravity_turn, settled
+from cycloid_mj.comparison import gravity_turn, settle_run
 from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
@@ -111,7 +111,7 @@ def test_two_solvers_find_the_papers_two_peaks_with_the_soft_contact():
     run = simulate(
         at_speed(IMPACT.of(Reducer(design)).but(friction=dict.fromkeys(("pin_gear", "pin_socket"), 0.0)), 0.0, 1)
     )
-    assert gravity_turn(Reducer(settled(run).design)) == 0.0
+    assert gravity_turn(Reducer(settle_run(run).design)) == 0.0
     curve = by_angle(run, ["cam"])
     assert len(maxima(curve)) == 2
     assert maxima(curve) == pytest.approx((75.0, 255.0), abs=25.0)

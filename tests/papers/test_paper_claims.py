@@ -58,7 +58,7 @@ from hsieh2014.verdicts import (
 from ideal import ideal_run
 
 from cycloid_mj.base.result import Quantity, Value, Verdict
-from cycloid_mj.comparison import StartSpread, gravity_turn, order, started
+from cycloid_mj.comparison import StartSpread, compare_order, gravity_turn, start_variant
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
@@ -75,10 +75,10 @@ FEW = replace(QUICK, varied_starts=6)
 
 def test_an_order_counts_where_the_starts_do_not_overlap():
     low, high, wide = StartSpread((1.0, 1.2)), StartSpread((2.0, 3.0)), StartSpread((1.1, 2.5))
-    assert (order(high, low), order(low, high)) == (1, -1)
-    assert order(wide, low) == order(low, wide) == order(wide, high) == 0
+    assert (compare_order(high, low), compare_order(low, high)) == (1, -1)
+    assert compare_order(wide, low) == compare_order(low, wide) == compare_order(wide, high) == 0
     # a hair apart is alike, by what the step alone may change
-    assert order(StartSpread((1.0, 1.01)), StartSpread((0.98, 0.99))) == 0
+    assert compare_order(StartSpread((1.0, 1.01)), StartSpread((0.98, 0.99))) == 0
 
 
 @pytest.mark.parametrize(
@@ -108,13 +108,17 @@ def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_ope
         assert all(name in found.decided_by for name in unsearched if found != claim)
         return found.verdict
 
-    order, ratio, loaded = statements.stress_of_parts("pin"), statements.gear_speed("pin"), statements.TORQUE_ORDER
-    assert verdict(order) == "disagrees"
-    assert verdict(order, "stiffness", "damping") == "not determined"
+    ordering, ratio, loaded = (
+        statements.stress_of_parts("pin"),
+        statements.gear_speed("pin"),
+        statements.TORQUE_ORDER,
+    )
+    assert verdict(ordering) == "disagrees"
+    assert verdict(ordering, "stiffness", "damping") == "not determined"
     assert (verdict(ratio, "stiffness"), verdict(loaded, "stiffness")) == ("disagrees", "disagrees")
     assert open_parameters(FULL) == ()
     assert open_parameters(QUICK) == ("damping", "creep speed", "stiffness")
-    made = StageResult(claims=(order.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
+    made = StageResult(claims=(ordering.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
     step = replace(STEPS[0], work=lambda *_: made)
     verdicts = [run_step(step, which, ideal_runs, silent).result.claims[0].verdict for which in (QUICK, FULL)]
     assert verdicts == ["not determined", "disagrees"]
@@ -324,7 +328,7 @@ def test_forces_become_the_peaks_between_samples():
 
 @pytest.mark.parametrize("number", [0, 1, 5])
 def test_angles_are_counted_from_gravity(number):
-    design = started(Reducer(at_speed(PRESETS["pin"], 0.0, 1)), number)
+    design = start_variant(Reducer(at_speed(PRESETS["pin"], 0.0, 1)), number)
     run, turn = ideal_run(design), math.degrees(math.atan2(design.environment.gravity_x, -design.environment.gravity_y))
     degrees = np.mod(np.degrees(run["crank_angle"]) - turn, 360.0)
     force = np.where(np.abs(degrees - 95.0) < 4.0, 6.0, 0.0) + np.where(np.abs(degrees - 265.0) < 4.0, 4.0, 0.0)

@@ -31,7 +31,7 @@ from hsieh2014.stated import TORQUES
 from ideal import ideal_run
 
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
-from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
+from cycloid_mj.comparison import STARTS, gravity_turn, settle_run, settling_time, start_variant
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.dynamics.run import schedule
@@ -89,7 +89,7 @@ def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
 
 def test_starts_turn_gravity_by_whole_tooth_pitches():
     design = at_speed(PRESETS["pin"], 0.0, 1)
-    found = [started(Reducer(design), number) for number in range(STARTS)]
+    found = [start_variant(Reducer(design), number) for number in range(STARTS)]
     assert found[0] == design
     assert len(set(found)) == STARTS >= 8
     pitches = [gravity_turn(Reducer(each)) / (2 * np.pi / 36) for each in found]
@@ -139,7 +139,7 @@ def test_figures_show_one_turn_of_360_samples():
 def test_the_ramp_is_the_papers():
     design = ramp_run(FULL, PRESETS["pin"])
     assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
-    assert design.drive.hold > settling(Reducer(design))
+    assert design.drive.hold > settling_time(Reducer(design))
 
 
 # --- stages
@@ -152,7 +152,7 @@ def test_pin_1s_cycle_is_where_its_force_says():
     turned = np.degrees(run["crank_angle"]) % 360.0
     force = np.where((turned > 299.8) | (turned < 59.8), 50.0, 0.0) + np.where(np.abs(turned - 180.0) < 2.0, 20.0, 0.0)
     pressed = replace(run, columns={**run.columns, "pin_1_force_x": force})
-    start, end, share, count = cycle.cycle(settled(pressed))
+    start, end, share, count = cycle.cycle(settle_run(pressed))
     assert (start, end) == (pytest.approx(300.0), pytest.approx(60.0))
     assert share == pytest.approx(100.0 * 123.5 / 360, abs=0.3)
     assert count == pytest.approx(123.5 / 360, abs=0.003)

@@ -21,7 +21,7 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.cli import app
 from cycloid_mj.cli import stress as command
 from cycloid_mj.cli.terminal import say_table
-from cycloid_mj.comparison import settling
+from cycloid_mj.comparison import settling_time
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.figures import figure
@@ -679,7 +679,7 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
     drive = design.drive
     assert design.load.torque == pytest.approx(36.68)
     assert drive.ramp == 0.0
-    assert (drive.hold - settling(Reducer(design))) * drive.speed > 2 * np.pi
+    assert (drive.hold - settling_time(Reducer(design))) * drive.speed > 2 * np.pi
     assert design.settings.log_rate * 2 * np.pi / drive.speed >= 720
     assert for_one_turn(override(PIN, ["load.torque_nm=5.0"]), None).load.torque == 5.0
     assert for_one_turn(PIN, 7.0).load.torque == 7.0
