@@ -219,8 +219,8 @@ def warn_of_overloads(cases: Iterable[Design]) -> None:
             warn(
                 case.name,
                 [
-                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, the "
-                    "torque at which a contact first yields, but the runs assume elastic contacts. Use "
+                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, "
+                    "the torque at which a contact first yields, but the runs assume elastic contacts. Use "
                     f"--load-nm {0.99 * capacity:.3g} or less"
                 ],
             )
