@@ -16,17 +16,16 @@ from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from cycloid_mj.app.limits import LIMITS
+
 LOCAL_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.ASCII | re.IGNORECASE)
 """A ``Host`` header that names this computer, with or without a port."""
-
-MAX_PATH_LENGTH = 2000
-"""Characters of a path and its query; the page's own paths have fewer than 200."""
 
 WRONG_HOST = "This page is served to this computer only. Open it as http://127.0.0.1 or http://localhost.\n"
 NO_TOKEN = (
     "Open the address that `cycloid-mj app` printed in the terminal: it contains the access token of this page.\n"
 )
-LONG_PATH = f"The address is too long: {MAX_PATH_LENGTH} characters are allowed.\n"
+LONG_PATH = f"The address is too long: {LIMITS.path_length} characters are allowed.\n"
 
 
 def is_local(hosts: Sequence[str], origins: Sequence[str]) -> bool:
@@ -58,7 +57,7 @@ class AccessControl:
     def _refusal(self, scope: Scope) -> Response | None:
         """Return the response to a request that is not passed on."""
         headers = Headers(scope=scope)
-        if len(scope["raw_path"]) + len(scope["query_string"]) > MAX_PATH_LENGTH:
+        if len(scope["raw_path"]) + len(scope["query_string"]) > LIMITS.path_length:
             return PlainTextResponse(LONG_PATH, HTTPStatus.REQUEST_URI_TOO_LONG)
         if not is_local(headers.getlist("host"), headers.getlist("origin")):
             return PlainTextResponse(WRONG_HOST, HTTPStatus.FORBIDDEN)

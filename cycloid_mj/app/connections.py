@@ -6,11 +6,7 @@ from typing import Any
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-MAX_CONNECTIONS = 256
-"""Open connections. A browser uses six; each costs one of the 1024 file descriptors a process usually has."""
-
-TIMEOUT_S = 30.0
-"""Time for a request to arrive completely, for a connection to stay idle, and for a response to make progress [s]."""
+from cycloid_mj.app.limits import LIMITS
 
 TIMEOUT_MESSAGE = "The request did not arrive completely in time.\n"
 
@@ -22,20 +18,19 @@ class LimitedConnection(H11Protocol):
     closed. Connections whose request is being answered do not count as waiting.
     """
 
-    timeout = TIMEOUT_S
-    max_connections = MAX_CONNECTIONS
+    limits = LIMITS
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._deadline: asyncio.TimerHandle | None = None
         self._stall: asyncio.TimerHandle | None = None
         self._waiting_since: float | None = None
-        self._idle = True
+        self._idle, self._refused = True, False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start to wait for a request; close another waiting connection if there are too many."""
         super().connection_made(transport)
-        if len(self.connections) > self.max_connections:
+        if len(self.connections) > self.limits.connections:
             self._close_longest_waiting()
         self._wait_for_request()
 
@@ -46,7 +41,9 @@ class LimitedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Parse data; the deadline of a request starts with its first byte."""
+        """Parse data; the deadline of a request starts with its first byte, and after a refusal data is discarded."""
+        if self._refused:
+            return
         if self._idle and self._waiting_since is not None:
             self._wait_for_request()
             self._idle = False
@@ -80,7 +77,7 @@ class LimitedConnection(H11Protocol):
     def _wait_for_request(self) -> None:
         self._stop_waiting()
         self._idle, self._waiting_since = True, self.loop.time()
-        self._deadline = self.loop.call_later(self.timeout, self._expire)
+        self._deadline = self.loop.call_later(self.limits.timeout_s, self._expire)
 
     def _stop_waiting(self) -> None:
         self._waiting_since = None
@@ -105,7 +102,17 @@ class LimitedConnection(H11Protocol):
         if self.cycle is not None:  # the application must not write into a connection that is closed
             self.cycle.disconnected = True
             self.cycle.message_event.set()
-        self.transport.close()
+        self._linger()
+
+    def _linger(self) -> None:
+        """Close the connection when the client has closed its side, or soon; it is the first to give way to others."""
+        self._stop_waiting()
+        if self.transport.is_closing():
+            return
+        self._refused, self._waiting_since = True, 0.0
+        self.transport.write_eof()
+        self.transport.resume_reading()
+        self._deadline = self.loop.call_later(self.limits.linger_s, self.transport.close)
 
     def _close_longest_waiting(self) -> None:
         since = {other: other._waiting_since for other in self.connections if isinstance(other, LimitedConnection)}
@@ -126,7 +133,7 @@ class LimitedConnection(H11Protocol):
                 self.transport.abort()
 
         self._cancel_stall()
-        self._stall = self.loop.call_later(self.timeout, check)
+        self._stall = self.loop.call_later(self.limits.timeout_s, check)
 
     def _cancel_stall(self) -> None:
         if self._stall is not None:

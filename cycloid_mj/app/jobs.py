@@ -112,6 +112,7 @@ class Jobs:
         return job
 
     def _run(self, job: Job, work: Work, args: tuple[Any, ...]) -> None:
+        """Run a job when those before it have ended, unless it was stopped; runs in a thread."""
         with self._turn:
             if job.state == "stopped":
                 return

@@ -48,6 +48,7 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
 
 
 def _row(name: str, stress_mpa: float, yield_mpa: float, definition: str) -> dict[str, Any]:
+    """Return a bulk stress as a row with a bar, judged by the yield strength."""
     return {
         "name": name,
         "text": f"{stress_mpa:.3g} of {yield_mpa:.3g} MPa",

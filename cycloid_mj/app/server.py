@@ -25,8 +25,9 @@ from starlette.types import ASGIApp
 from cycloid_mj.app.access import AccessControl
 from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, job_of, with_load
 from cycloid_mj.app.artifacts import FILES
-from cycloid_mj.app.connections import TIMEOUT_S, LimitedConnection
+from cycloid_mj.app.connections import LimitedConnection
 from cycloid_mj.app.jobs import Jobs
+from cycloid_mj.app.limits import LIMITS
 from cycloid_mj.app.state import values_of
 from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
@@ -35,15 +36,6 @@ from cycloid_mj.base.result import plain
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import PROCESSES
-
-MAX_BODY_BYTES = 1_000_000
-"""Bytes of a question; a design file has some thousand."""
-
-MAX_QUESTIONS = 24
-"""Questions being answered at the same time; further ones are refused, so that no page fills the memory."""
-
-BACKLOG = 256
-"""Connections that wait in the kernel to be accepted."""
 
 CONTENT_SECURITY_POLICY = "default-src 'self'; img-src 'self' data:; base-uri 'none'; frame-ancestors 'none'"
 
@@ -60,7 +52,7 @@ class Page:
 
     def __init__(self, design: Design, workers: Workers) -> None:
         self.workers, self.jobs = workers, Jobs(workers.long)
-        self.slots = threading.BoundedSemaphore(MAX_QUESTIONS)
+        self.slots = threading.BoundedSemaphore(LIMITS.questions)
         self.start = start_values(design)
 
     def answer(self, name: str, content: Mapping[str, Any]) -> Any:
@@ -108,6 +100,7 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(report, media_type="text/html") if report else _gone()
 
     async def send_file(request: Request) -> Response:
+        """Send a file of a job as a download."""
         name = request.path_params["name"]
         try:
             files = page.jobs.get(_job_number(request)).files
@@ -119,12 +112,13 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
     async def ask(request: Request) -> Response:
+        """Read a question, and answer it in a thread."""
         try:
             body = await _body(request)
         except ClientDisconnect:
             return Response(status_code=HTTPStatus.REQUEST_TIMEOUT)
         if body is None:
-            return _error(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the limit of a request is {MAX_BODY_BYTES} bytes")
+            return _error(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the limit of a request is {LIMITS.body_bytes} bytes")
         if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
             return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request is application/json")
         if not page.slots.acquire(blocking=False):
@@ -173,13 +167,11 @@ def open_socket(port: int) -> socket.socket:
     except OSError as error:
         listener.close()
         raise CycloidError(f"port {port} is taken: choose another one with --port") from error
-    listener.listen(BACKLOG)
+    listener.listen(LIMITS.backlog)
     return listener
 
 
-def server_of(
-    app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection, timeout: float = TIMEOUT_S
-) -> uvicorn.Server:
+def server_of(app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection) -> uvicorn.Server:
     """Return a server of an application; it runs until its attribute ``should_exit`` is set."""
     return uvicorn.Server(
         uvicorn.Config(
@@ -188,8 +180,8 @@ def server_of(
             ws="none",
             loop="asyncio",
             lifespan="off",
-            backlog=BACKLOG,
-            timeout_keep_alive=round(timeout),
+            backlog=LIMITS.backlog,
+            timeout_keep_alive=round(connection.limits.timeout_s),
             timeout_graceful_shutdown=1,
             proxy_headers=False,
             server_header=False,
@@ -257,12 +249,12 @@ def _failure(_request: Request | None, error: Exception) -> Response:
 
 async def _body(request: Request) -> bytes | None:
     """Read the body of a request; return None if it is too long."""
-    if int(request.headers.get("content-length", "0")) > MAX_BODY_BYTES:  # h11 has checked that these are digits
+    if int(request.headers.get("content-length", "0")) > LIMITS.body_bytes:  # h11 has checked that these are digits
         return None
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
-        if len(body) > MAX_BODY_BYTES:
+        if len(body) > LIMITS.body_bytes:
             return None
     return bytes(body)
 

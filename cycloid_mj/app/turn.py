@@ -1,5 +1,6 @@
 """Contact forces, displacements and transmission error over one crank turn, for the cross-section and the charts."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,20 +14,24 @@ from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
 
-CRANK_ANGLES = 72
-"""Crank angles per turn at which forces are solved."""
 
-ANGLES_PER_MESH = 12
-"""Crank angles per mesh period of the transmission error over one turn."""
+@dataclass(frozen=True)
+class TurnSettings:
+    """Resolution of the charts over a turn."""
 
-MAX_ORDER = 60.0
-"""Highest order of the spectrum [cycles per crank turn]."""
+    crank_angles: int = 72
+    """Crank angles per turn at which forces are solved."""
+    angles_per_mesh: int = 12
+    """Crank angles per mesh period of the transmission error over one turn."""
+    spectrum_angles_per_mesh: int = 6
+    """Crank angles per mesh period of the spectrum, which covers a full turn of the output."""
+    max_order: float = 60.0
+    """Highest order of the spectrum [cycles per crank turn]."""
+    min_amplitude: float = 2e-3
+    """Amplitude above which an order is drawn, relative to the largest."""
 
-SPECTRUM_ANGLES_PER_MESH = 6
-"""Crank angles per mesh period of the spectrum, which covers a full turn of the output."""
 
-MIN_AMPLITUDE = 2e-3
-"""Amplitude above which an order is drawn, relative to the largest."""
+SETTINGS = TurnSettings()
 
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
@@ -46,7 +51,7 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     """
     reducer, load = _with_load(reducer)
     design = reducer.design
-    shown = 2.0 * np.pi * (turn + np.arange(CRANK_ANGLES + 1) / CRANK_ANGLES)
+    shown = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
     crank = shown / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank)
     solved = loads(reducer, springs, load, follow=True)
@@ -78,16 +83,16 @@ def error(reducer: Reducer) -> dict[str, Any]:
     """
     reducer, load = _with_load(reducer)
     design = reducer.design
-    crank = np.linspace(0.0, reducer.mesh_turn, ANGLES_PER_MESH * design.ring.teeth, endpoint=False)
+    crank = np.linspace(0.0, reducer.mesh_turn, SETTINGS.angles_per_mesh * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of the load", 0.01)):
         angle = _output_error(reducer, crank, share * load)
         curves.append({"name": name, "arcsec": np.round(angle, 4).tolist(), "peak_to_peak": float(np.ptp(angle))})
-    count = SPECTRUM_ANGLES_PER_MESH * design.lobes * design.ring.teeth
+    count = SETTINGS.spectrum_angles_per_mesh * design.lobes * design.ring.teeth
     full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
-    spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, MAX_ORDER)
-    strong = spectrum.amplitude > MIN_AMPLITUDE * spectrum.amplitude.max(initial=0.0)
+    spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
+    strong = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh = float(reducer.mesh_periods)
     pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
     return {

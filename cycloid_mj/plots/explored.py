@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,23 +31,29 @@ from cycloid_mj.plots.style import (
 )
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
-ROW_HEIGHT = 2.2
-"""Height of a row of panels [in]."""
 
-MAX_POINTS = 4000
-"""Points of a panel of a pair plot; of more, evenly spaced ones are drawn."""
 
-MAX_MARKERS = 60
-"""Points of a line up to which each has a marker."""
+@dataclass(frozen=True)
+class SweepStyle:
+    """Sizes and limits of the figures of a sweep."""
 
-TITLE_WIDTH, LABEL_WIDTH = 38, 22
-"""Characters of a line of a title, and of an axis label."""
+    row_height: float = 2.2
+    """Height of a row of panels [in]."""
+    title_width: int = 38
+    """Characters of a line of a title."""
+    label_width: int = 22
+    """Characters of a line of an axis label."""
+    max_points: int = 4000
+    """Points of a panel of a pair plot; of more, evenly spaced ones are drawn."""
+    max_markers: int = 60
+    """Points of a line up to which each has a marker."""
+    max_lines: int = 7
+    """Lines of a panel: as many as there are colours."""
+    max_inputs: int = 6
+    """Inputs of a pair plot: those with the largest rank correlations."""
 
-MAX_LINES = 7
-"""Lines of a panel: as many as there are colours."""
 
-MAX_PAIRED = 6
-"""Inputs of a pair plot: those with the largest rank correlations."""
+SWEEP = SweepStyle()
 
 
 @styled
@@ -68,7 +75,7 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
         return _panels(sweep, quantities, lambda axes, name: _map(axes, sweep, name))
     if len(keys) == 2 and (over := numbers or keys):
         parameter = next(key for key in keys if key != over[0])
-        if len(set(sweep[parameter].tolist())) <= MAX_LINES:
+        if len(set(sweep[parameter].tolist())) <= SWEEP.max_lines:
             return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], parameter, name))
     return _pairs(sweep, quantities)
 
@@ -76,11 +83,11 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
     """Return a figure with a panel for each quantity in two columns."""
     rows = max(1, math.ceil(len(quantities) / 2))
-    figure = NotebookFigure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
     for axes, name in zip(panels, quantities, strict=False):
         draw(axes, name)
-        axes.set_title(wrap_label(_title(sweep, name), TITLE_WIDTH))
+        axes.set_title(wrap_label(_title(sweep, name), SWEEP.title_width))
     for axes in panels[len(quantities) :]:
         axes.remove()
     _head(figure, sweep)
@@ -128,7 +135,7 @@ def _lines(axes: Axes, sweep: Sweep, over: str, parameter: str, name: str) -> No
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
     """Draw a line sorted by x, with markers if there are few points."""
     order = np.argsort(x, kind="stable")
-    marked = len(x) <= MAX_MARKERS
+    marked = len(x) <= SWEEP.max_markers
     axes.plot(x[order], y[order], "o-" if marked else "-", color=colour, markersize=2.8, linewidth=1.1, label=label)
     axes.margins(x=0.03)
 
@@ -182,7 +189,7 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
         triangles = Triangulation(*plane.T).triangles
         contours = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
         axes.figure.colorbar(contours, ax=axes, pad=0.02)
-    if good.sum() <= 10 * MAX_MARKERS:
+    if good.sum() <= 10 * SWEEP.max_markers:
         axes.plot(x[good], y[good], ".", color=BLACK, markersize=1.5)
     axes.plot(x[~good], y[~good], "x", color=VERMILION, markersize=3)
     axes.margins(0.03)
@@ -195,7 +202,7 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
     correlated = rank_correlations(sweep, tuple(quantities))
-    stride = math.ceil(len(sweep) / MAX_POINTS) or 1
+    stride = math.ceil(len(sweep) / SWEEP.max_points) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
@@ -207,20 +214,20 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
                 _positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
             )
             axes.margins(x=0.05)
-            axes.set_xlabel(wrap_label(_title(sweep, key), LABEL_WIDTH) if row == rows - 1 else "", fontsize=7.0)
+            axes.set_xlabel(wrap_label(_title(sweep, key), SWEEP.label_width) if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
-                axes.set_ylabel(wrap_label(_title(sweep, name), LABEL_WIDTH), fontsize=6.5)
+                axes.set_ylabel(wrap_label(_title(sweep, name), SWEEP.label_width), fontsize=6.5)
     _head(figure, sweep)
     return figure
 
 
 def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     """Return the inputs to draw in their order; of too many, those with the largest rank correlations."""
-    if len(sweep.task.keys) <= MAX_PAIRED:
+    if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys
     correlated = rank_correlations(sweep, tuple(quantities))
     rho = np.nan_to_num(np.abs(correlated.rho))
     largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlated.inputs))
-    kept = {correlated.inputs[column] for column in np.argsort(-largest, kind="stable")[:MAX_PAIRED]}
-    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[:MAX_PAIRED]
+    kept = {correlated.inputs[column] for column in np.argsort(-largest, kind="stable")[: SWEEP.max_inputs]}
+    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[: SWEEP.max_inputs]

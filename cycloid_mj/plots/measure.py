@@ -5,6 +5,7 @@ largest value. Bars of several curves are drawn next to each other, coincident p
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,29 +19,37 @@ from cycloid_mj.measure import Measurement
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEORY, VERMILION, sheet, styled, typeset
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
-HEIGHT, POLAR_HEIGHT = 1.9, 3.2
-"""Height of a panel [in]."""
 
-MIN_SPAN = 0.25
-"""Span of a y axis relative to its largest value, at least."""
 
-MAX_FROM_ZERO = 0.75
-"""Smallest over largest value below which the axis of positive values starts at zero."""
+@dataclass(frozen=True)
+class PanelStyle:
+    """Sizes and limits of the panels."""
 
-MARGIN = 0.06
-"""Space above and below the values, relative to the height of a panel."""
+    height: float = 1.9
+    """Height of a panel [in]."""
+    polar_height: float = 3.2
+    """Height of a polar panel [in]."""
+    min_span: float = 0.25
+    """Span of a y axis relative to its largest value, at least."""
+    max_from_zero: float = 0.75
+    """Smallest over largest value below which the axis of positive values starts at zero."""
+    margin: float = 0.06
+    """Space above and below the values, relative to the height of a panel."""
+    bar_width: float = 1.4
+    """Width of a bar [pt]."""
+    min_bar_width: float = 0.3
+    """Width of one of very many bars [pt]."""
+    bars_width: float = 300.0
+    """Total width of the bars of a panel [pt]."""
+    marker_size: float = 5.5
+    """Diameter of the markers of the first curve [pt]."""
+    marker_decrement: float = 1.3
+    """Decrease of the diameter for each further curve [pt]."""
+    max_markers: int = 72
+    """Contacts around a ring up to which each has a marker."""
 
-BAR_WIDTH, MIN_BAR_WIDTH = 1.4, 0.3
-"""Width of a bar, and of one of very many [pt]."""
 
-BARS_WIDTH = 300.0
-"""Total width of the bars of a panel [pt]."""
-
-MARKER_SIZE, MARKER_DECREMENT = 5.5, 1.3
-"""Diameter of the markers of the first curve, and its decrease for each further curve [pt]."""
-
-MAX_MARKERS = 72
-"""Contacts around a ring up to which each has a marker."""
+PANEL = PanelStyle()
 
 
 def measurement_figure(measurement: Measurement) -> Figure:
@@ -55,7 +64,7 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
-    heights = [POLAR_HEIGHT if curves[0].style == "polar" else HEIGHT for curves in panels.values()]
+    heights = [PANEL.polar_height if curves[0].style == "polar" else PANEL.height for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
     for row, (name, shown) in enumerate(panels.items()):
@@ -91,7 +100,7 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
             axes.plot(curve.x, curve.y, **{**THEORY, **tint})
         elif curve.style == "rings":
             ring: dict[str, Any] = {
-                "markersize": MARKER_SIZE + 3.0,
+                "markersize": PANEL.marker_size + 3.0,
                 "markerfacecolor": "none",
                 "markeredgewidth": 2.0,
                 "clip_on": False,
@@ -100,7 +109,7 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
         elif curve.style == "bars":
             _draw_bars(axes, curve, bars, colours[id(curve)])
         elif curve.style == "points":
-            size = max(MARKER_SIZE - MARKER_DECREMENT * points.index(curve), MARKER_DECREMENT)
+            size = max(PANEL.marker_size - PANEL.marker_decrement * points.index(curve), PANEL.marker_decrement)
             # markers on the edge of the panel are not clipped
             look: dict[str, Any] = {"markersize": size, "color": colours[id(curve)], "clip_on": False}
             axes.plot(curve.x, curve.y, "o", label=curve.name, **look)
@@ -110,7 +119,8 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
 
 def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None:
     """Draw the bars of a curve next to those of the other curves of the panel."""
-    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(bar.x) for bar in bars)), MIN_BAR_WIDTH, BAR_WIDTH))
+    count = len(bars) * max(len(bar.x) for bar in bars)
+    width = float(np.clip(0.7 * PANEL.bars_width / count, PANEL.min_bar_width, PANEL.bar_width))
     aside = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
     shifted = axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
     axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted)
@@ -120,7 +130,7 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
     """Draw forces around a ring, clockwise from +y; with a marker for each contact if there are few."""
     for number, curve in enumerate(curves):
         about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
-        if len(curve.x) > MAX_MARKERS:
+        if len(curve.x) > PANEL.max_markers:
             axes.plot(about, curve.y, label=curve.name, color=colour, linewidth=0.9)
             continue
         # no line from contact to contact: there are no forces in between
@@ -140,7 +150,7 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
 
 
 def _limit(axes: Axes, curves: list[Curve]) -> None:
-    """Limit the axes to the values, with the minimal span of `MIN_SPAN`."""
+    """Limit the axes to the values, with the minimal span of `PanelStyle.min_span`."""
     x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
     x, y = x[np.isfinite(x)], y[np.isfinite(y)]
     if not len(x) or not len(y):
@@ -150,10 +160,10 @@ def _limit(axes: Axes, curves: list[Curve]) -> None:
     elif x.min() == x.max() > 0.0:
         axes.set_xlim(0.0, 1.1 * x.max())
     elif np.ptp(x) > 0.0 and all(curve.style in ("points", "rings") for curve in curves):
-        axes.set_xlim(x.min() - MARGIN * np.ptp(x), x.max() + MARGIN * np.ptp(x))
+        axes.set_xlim(x.min() - PANEL.margin * np.ptp(x), x.max() + PANEL.margin * np.ptp(x))
     low, high = float(y.min()), float(y.max())
-    if low >= 0.0 and low < MAX_FROM_ZERO * high:
-        axes.set_ylim(0.0, (1.0 + MARGIN) * high)
+    if low >= 0.0 and low < PANEL.max_from_zero * high:
+        axes.set_ylim(0.0, (1.0 + PANEL.margin) * high)
     elif low < high or low != 0.0:
-        reach = max((0.5 + MARGIN) * (high - low), 0.5 * MIN_SPAN * max(abs(low), abs(high)))
+        reach = max((0.5 + PANEL.margin) * (high - low), 0.5 * PANEL.min_span * max(abs(low), abs(high)))
         axes.set_ylim(0.5 * (low + high) - reach, 0.5 * (low + high) + reach)

@@ -69,6 +69,7 @@ def velocity_figure(motion: Series) -> Figure:
 
 
 def _path(axes: Axes, position: Compared, q: Array) -> None:
+    """Draw the path of q [mm]."""
     axes.plot(*(1e3 * position.theory.T), **THEORY)
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
@@ -115,6 +116,7 @@ def _pointer(axes: Axes, near: Axes, point: Array) -> None:
 
 
 def _path_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
+    """Draw the components and the size of the path error [um], with the largest marked."""
     error, size = 1e6 * position.error, 1e6 * position.error_size
     axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
     axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)

@@ -109,6 +109,7 @@ def _of_loop(loop: MeasuredLoop) -> Figures:
 @figures_of.register
 @styled
 def _of_prediction(prediction: Prediction) -> Figures:
+    """Draw measured and modelled loops next to each other."""
     figure = empty_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
     for axes, loop, turn in zip(panels, prediction.loops, prediction.turns, strict=True):
@@ -188,6 +189,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 @figures_of.register
 @styled
 def _of_answer(answer: Answer) -> Figures:
+    """Draw a bar chart of each figure of the drives."""
     if not answer.drives:
         raise UsageError(f"no drive to draw: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]

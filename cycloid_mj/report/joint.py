@@ -79,6 +79,7 @@ def _numbers(reduced: ReducedJoint) -> dict[str, str]:
 
 
 def _quantities(reduced: ReducedJoint) -> TextTable:
+    """Return the quantities of the joint with their numerical errors."""
     rows = [
         (
             quantity.name,

@@ -376,7 +376,7 @@ def test_forces_of_a_turn_balance_the_load(name: str) -> None:
     assert np.abs(moment) == pytest.approx(carried, rel=0.03)
     teeth = told["teeth"]
     place, way, force = (np.array(teeth[key]) for key in ("place", "way", "force"))
-    assert force.shape == (turn.CRANK_ANGLES + 1, design.gear.discs, design.ring.teeth)
+    assert force.shape == (turn.SETTINGS.crank_angles + 1, design.gear.discs, design.ring.teeth)
     later = turn.forces(Reducer(design), 1)["teeth"]["force"]
     assert force[-1] == pytest.approx(np.array(later)[0], abs=1e-3 * force.max())  # turns follow each other
 

@@ -9,18 +9,19 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib import resources
 from typing import Any
 
 import pytest
 
-from cycloid_mj.app.access import MAX_PATH_LENGTH, is_local
+from cycloid_mj.app.access import is_local
 from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER
 from cycloid_mj.app.connections import LimitedConnection
 from cycloid_mj.app.controls import controls
 from cycloid_mj.app.jobs import Job
-from cycloid_mj.app.server import BACKLOG, MAX_BODY_BYTES, MAX_QUESTIONS, Page, application, open_socket, server_of
+from cycloid_mj.app.limits import LIMITS
+from cycloid_mj.app.server import Page, application, open_socket, server_of
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
@@ -79,8 +80,7 @@ def server() -> Iterator[Running]:
 class FewConnections(LimitedConnection):
     """Small limits, so that the tests are short."""
 
-    timeout = TIMEOUT_S
-    max_connections = FEW
+    limits = replace(LIMITS, timeout_s=TIMEOUT_S, connections=FEW)
 
 
 @pytest.fixture
@@ -273,8 +273,8 @@ def test_sliders_are_written_in_json() -> None:
         ("/ask/draw", b"\xff", {}, 400),
         ("/ask/draw", b"1" * 5000, {}, 400),
         ("/ask/draw", b"{}", {"Content-Type": "text/plain"}, 415),
-        ("/ask/draw", b"", {"Content-Length": str(MAX_BODY_BYTES + 1)}, 413),
-        ("/ask/draw", b" " * (MAX_BODY_BYTES + 1), {}, 413),
+        ("/ask/draw", b"", {"Content-Length": str(LIMITS.body_bytes + 1)}, 413),
+        ("/ask/draw", b" " * (LIMITS.body_bytes + 1), {}, 413),
         ("/ask/look", {"job": 77}, {}, 200),
         ("/ask/look", {"job": 10**30}, {}, 200),
         ("/ask/job", {"kind": "rm"}, {}, 200),
@@ -325,7 +325,7 @@ def test_a_malformed_request_is_answered_with_4xx(
     assert "Traceback" not in capfd.readouterr().err + caplog.text
 
 
-@pytest.mark.parametrize("digits", [10, 300, MAX_PATH_LENGTH - 100])
+@pytest.mark.parametrize("digits", [10, 300, LIMITS.path_length - 100])
 def test_a_job_number_of_any_length_is_answered(server: Running, digits: int) -> None:
     assert request(server, f"/file/{'9' * digits}/x")[0] == 404
     assert request(server, f"/report/{'9' * digits}")[0] == 404
@@ -348,7 +348,8 @@ def test_broken_chunks_and_leaving_clients_print_no_traceback(
 
 
 def test_the_backlog_is_at_least_128() -> None:
-    assert BACKLOG >= 128
+    assert LIMITS.backlog >= 128
+    assert LIMITS.timeout_s == 30.0
 
 
 @pytest.mark.slow
@@ -367,11 +368,11 @@ def test_two_thousand_requests_of_64_clients_are_answered(server: Running) -> No
 
 
 def test_too_many_questions_at_the_same_time_are_refused(server: Running) -> None:
-    assert all(server.page.slots.acquire(timeout=60.0) for _ in range(MAX_QUESTIONS))
+    assert all(server.page.slots.acquire(timeout=60.0) for _ in range(LIMITS.questions))
     try:
         assert request(server, "/ask/draw", {"design": {}})[0] == 503
     finally:
-        for _ in range(MAX_QUESTIONS):
+        for _ in range(LIMITS.questions):
             server.page.slots.release()
     assert request(server, "/ask/draw", {"design": {}})[0] == 200
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from cycloid_mj.base.result import Curve
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
-from cycloid_mj.plots.measure import MAX_MARKERS, MIN_SPAN, measurement_figure
+from cycloid_mj.plots.measure import PANEL, measurement_figure
 
 X = np.linspace(0.0, 360.0, 37)
 
@@ -27,7 +27,7 @@ def test_a_ripple_of_a_percent_looks_like_one():
     for style in ("line", "points"):
         axes = drawn(curve(100.0 + 0.3 * np.sin(X), style=style)).axes[0]
         low, high = axes.get_ylim()
-        assert high - low >= MIN_SPAN * 100.0
+        assert high - low >= PANEL.min_span * 100.0
         assert low < 99.0 < 101.0 < high
 
 
@@ -95,8 +95,8 @@ def test_points_at_one_place_are_shown_from_zero():
 def test_contacts_round_a_ring_are_marked_where_they_can_be_told_apart(count):
     about = 360.0 / count * np.arange(count + 1)
     axes = drawn(replace(curve(np.ones(count + 1), "simulated", "polar", about), x_label="")).axes[0]
-    assert (axes.lines[0].get_marker() == "o") == (count < MAX_MARKERS)
-    assert (axes.lines[0].get_linestyle() == "None") == (count < MAX_MARKERS)
+    assert (axes.lines[0].get_marker() == "o") == (count < PANEL.max_markers)
+    assert (axes.lines[0].get_linestyle() == "None") == (count < PANEL.max_markers)
     assert axes.get_rmin() == 0.0
 
 

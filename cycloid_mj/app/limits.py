@@ -1,0 +1,27 @@
+"""Limits of the page's server: they bound what any client can make it store, open or wait for."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ServerLimits:
+    """Limits of the page's server."""
+
+    path_length: int = 2000
+    """Characters of a path and its query; the page's own paths have fewer than 200."""
+    body_bytes: int = 1_000_000
+    """Bytes of a question; a design file has some thousand."""
+    questions: int = 24
+    """Questions being answered at the same time; further ones are refused, so that no page fills the memory."""
+    backlog: int = 256
+    """Connections that wait in the kernel to be accepted."""
+    connections: int = 256
+    """Open connections. A browser uses six; each costs one of the 1024 file descriptors a process usually has."""
+    timeout_s: float = 30.0
+    """Time for a request to arrive completely, for a connection to stay idle, and for a response to make progress."""
+    linger_s: float = 2.0
+    """Time for which data is discarded after a refusal: closing at once would reset the connection before the client
+    has read the refusal."""
+
+
+LIMITS = ServerLimits()
