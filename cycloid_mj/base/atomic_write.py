@@ -65,7 +65,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
                 as_own(target)
     except OSError as problem:
         raise CycloidError(
-            f"cannot write {at}: {reason(problem)}; give a file in a folder that exists, can be written and has room"
+            f"cannot write {at}: {reason(problem)}; choose a file in a folder that exists, is writable and has space"
         ) from problem
     finally:
         with unbroken():
@@ -96,7 +96,7 @@ def hidden_beside(path: Path) -> Path:
 def _claimed(path: Path, called: Path) -> Path:
     """Make a hidden file beside `path`, which the user calls otherwise."""
     if path.suffix.lower() == LOG:
-        raise UsageError(f"cannot write {called}: {LOG} is the ending of logs; give a name with another")
+        raise UsageError(f"cannot write {called}: the ending {LOG} is reserved for logs; choose another ending")
     require_replaceable(called)
     if path.exists() and not path.is_file():
         raise CycloidError(f"cannot write {called}: it is not a regular file; choose the name of a file")

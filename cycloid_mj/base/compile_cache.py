@@ -121,14 +121,14 @@ def say_compiling(why: str) -> None:
 
 
 def _say_damaged(folder: str) -> None:
-    say_compiling(f"the compile cache in {folder} is damaged: compiling anew what it held; this takes some seconds")
+    say_compiling(f"the compile cache in {folder} is damaged: compiling again, which takes some seconds")
 
 
 def _say_not_kept(folder: str, problem: str) -> None:
     _say_once(
         "kept",
-        f"compiled code cannot be kept in {folder} ({problem}), and is for this run only: "
-        "make room, or set NUMBA_CACHE_DIR to a folder that can be written",
+        f"compiled code cannot be stored in {folder} ({problem}) and is used for this run only: free "
+        "disk space, or set NUMBA_CACHE_DIR to a writable folder",
     )
 
 

@@ -115,8 +115,8 @@ class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
             say_compiling("compiling the contact code, once per installation; this takes some seconds")
         else:
             say_compiling(
-                "compiling the contact code, for this run only, since there is no folder to keep it in: "
-                "set NUMBA_CACHE_DIR to one that can be written"
+                "compiling the contact code for this run only, because no cache folder is writable: set "
+                "NUMBA_CACHE_DIR to a writable folder"
             )
 
     def on_end(self, event: Any) -> None:

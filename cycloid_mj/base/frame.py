@@ -157,7 +157,7 @@ def write_parquet(
         try:
             database.execute(f"COPY (SELECT * FROM frame) TO {_quoted(str(at))} ({options})")
         except duckdb.Error as problem:
-            raise error(f"cannot write {path}: {problem}; choose another place for it") from problem
+            raise error(f"cannot write {path}: {problem}; choose another file") from problem
         if at != beside:
             shutil.copyfile(at, beside)
 

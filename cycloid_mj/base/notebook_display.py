@@ -49,7 +49,9 @@ class Presented(Drawn):
         """Return the figures as a ``DataFrame`` of pandas, else of polars; raise CycloidError where neither is."""
         package = next((name for name in ("pandas", "polars") if find_spec(name)), None)
         if package is None:
-            raise CycloidError("a data frame needs pandas or polars: pip install pandas, or take .frame.columns")
+            raise CycloidError(
+                "a data frame requires pandas or polars: pip install pandas, or use the arrays of .frame.columns"
+            )
         return import_module(package).DataFrame({name: one.tolist() for name, one in self.frame.columns.items()})
 
     def __repr__(self) -> str:

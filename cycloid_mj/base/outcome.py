@@ -98,4 +98,4 @@ class Outcome:
     def __post_init__(self) -> None:
         """Refuse a headline that is longer than what one looks for first."""
         if len(self.headline) > MOST_FIGURES:
-            raise ValueError(f"a headline has at most {MOST_FIGURES} figures, not {len(self.headline)}")
+            raise ValueError(f"a headline has at most {MOST_FIGURES} figures, but {len(self.headline)} are given")

@@ -153,11 +153,11 @@ def require_replaceable(path: Path) -> None:
         return
     if (source := command.read.get(_identity(path))) is not None:
         same = "itself" if source == path else f"{source}, which is the same file"
-        raise TakenError(f"cannot write {path} over {same}: this command reads it; give another file")
+        raise TakenError(f"cannot write {path} over {same}: this command reads that file; choose another name")
     real = _real(path)
     if command.replaceable.isdisjoint((real, *real.parents)):
         raise TakenError(
-            f"{path} exists already ({standing(path)}): give another name or --out, or replace it with --force"
+            f"{path} already exists ({standing(path)}): choose another name (--out), or overwrite it with --force"
         )
     _require_own_kind(path)
 
@@ -166,7 +166,9 @@ def require_ending(path: Path, ending: str) -> None:
     """Raise UsageError for a name with the ending of another kind of file than `ending`."""
     suffix = path.suffix.lower()
     if suffix in KINDS and suffix != ending:
-        raise UsageError(f"cannot write {path}: {suffix} is the ending of {KINDS[suffix].name}; take {ending}")
+        raise UsageError(
+            f"cannot write {path}: {suffix} is the ending of {KINDS[suffix].name}; use the ending {ending}"
+        )
 
 
 def standing(path: Path) -> str:
@@ -186,7 +188,9 @@ def _require_own_kind(path: Path) -> None:
     if not head or (wanted.start and _begins(head, wanted)):
         return
     if (kind := _kind(head)) or wanted.start:
-        raise TakenError(f"cannot write {path}: it is {kind or f'not {wanted.name}'}; give another name")
+        raise TakenError(
+            f"cannot write {path}: the existing file is {kind or f'not {wanted.name}'}; choose another name"
+        )
 
 
 def _own_kind(path: Path) -> Kind:

@@ -100,9 +100,9 @@ def load(path: Path) -> Design:
     except FileNotFoundError as error:
         raise UsageError(_unknown_design(path)) from error
     except IsADirectoryError as error:
-        raise UsageError(f"{path} is a folder: give a design, a TOML text file") from error
+        raise UsageError(f"{path} is a folder: choose a design file (TOML)") from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the design file {path}: {reason(error)}; give a TOML text file") from error
+        raise DesignError(f"cannot read the design file {path}: {reason(error)}; choose a TOML text file") from error
     return loads(text, str(path))
 
 
@@ -165,13 +165,13 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
-            raise UsageError(f"{where} {path!r}: expected table.key, e.g. load.torque_nm")
+            raise UsageError(f"{where} {path!r} is not a key: give table.key, e.g. load.torque_nm")
         if len(keys) == 1:
             tables[path] = value
         elif isinstance(tables.get(keys[0], {}), dict):
             changed.setdefault(keys[0], {})[keys[1]] = value
         else:
-            raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table")
+            raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table; give {keys[0]} alone")
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).changed(tables.get(name, {}), change)
@@ -218,7 +218,7 @@ def _pair(change: str) -> tuple[str, Any]:
     """Take a ``table.key=value`` apart."""
     path, equals, value = change.partition("=")
     if not equals or not _keys(path.strip()):
-        raise UsageError(f"--set {change!r}: expected table.key=value, e.g. --set load.torque_nm=36")
+        raise UsageError(f"--set {change!r} is not a change: give table.key=value, e.g. --set load.torque_nm=36")
     return path.strip(), _parsed(value.strip())
 
 
@@ -239,9 +239,9 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     `reasons` tell why a value is as it is, by ``table.name`` as in the model, or by the name of a value in no table.
     """
     reasons = reasons or {}
-    lines = ["# cycloid_mj design file. Units stand in the key names."]
+    lines = ["# cycloid_mj design file. Each key ends in its unit."]
     lines += [
-        "# (assumed): not given in the paper (Hsieh 2014) and chosen here. Another name: where the default is from.",
+        ("# (assumed): not given in the paper (Hsieh 2014) and assumed here. Any other name: source of the default."),
         "",
     ]
     for name, field, value in _fields(design):
@@ -332,7 +332,7 @@ def _to_si(
         inner, table_of = field.annotation, section_of(field)
         if table_of:
             if not isinstance(value, Mapping):
-                raise DesignError(f"{where}: {key} is a table; write [{key}] and its keys below")
+                raise DesignError(f"{where}: {key} is a table, not a value: write [{key}] and its keys below")
             values[name] = _to_si(table_of, value, where, f"{prefix}{key}.", root)
         elif get_origin(inner) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
@@ -387,7 +387,7 @@ def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> 
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:
         if part not in parts:
-            raise DesignError(f"{where}: there is no part {part:.40}; they are numbered from 1 to {len(parts)}")
+            raise DesignError(f"{where}: there is no part {part:.40}; parts are numbered from 1 to {len(parts)}")
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 
@@ -410,7 +410,7 @@ def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Desi
     meant = other_unit or same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)
     if meant:
         return f"did you mean {' or '.join(meant)}?"
-    return "known keys here: " + ", ".join(prefix + name for name in known)
+    return "available keys: " + ", ".join(prefix + name for name in known)
 
 
 def _unknown_design(path: Path) -> str:
@@ -418,8 +418,8 @@ def _unknown_design(path: Path) -> str:
     folder = path.parent if path.parent.is_dir() else Path()
     files = [str(folder / name) for name in sorted(item.name for item in folder.glob("*.toml"))]
     near = difflib.get_close_matches(str(path), [*PRESETS, *files], n=1)
-    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design new my` makes a file to start from"
-    return f"no design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
+    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design new my` writes a design file to start from"
+    return f"unknown design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
 
 
 def _parsed(value: str) -> Any:

@@ -70,7 +70,7 @@ def grade_width(grade: int, size: float) -> float:
         There is no such grade, or the size is not in (0, 0.5].
     """
     if grade not in GRADES:
-        raise ValueError(f"grades go from IT{GRADES[0]} to IT{GRADES[-1]}")
+        raise ValueError(f"tolerance grades are IT{GRADES[0]} to IT{GRADES[-1]}")
     return 1e-6 * float(_GRADES.splitlines()[1 + _step(_SIZES, size)].split()[grade - 1])
 
 
@@ -84,7 +84,9 @@ def limits(zone: str, size: float) -> tuple[float, float]:
     """
     match = re.fullmatch(r"([a-z]+|[A-Z]+)(\d+)", zone)
     if not match or match[1].lower() not in LETTERS:
-        raise ValueError(f"{zone!r} is no zone: the letters are {', '.join(LETTERS)}, in capitals for a hole")
+        raise ValueError(
+            f"{zone!r} is not a tolerance zone: its letter must be one of {', '.join(LETTERS)}, in capitals for a hole"
+        )
     letter, grade = match[1].lower(), int(match[2])
     width = grade_width(grade, size)
     if letter == "js":
@@ -110,7 +112,7 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
     """
     hole, slash, shaft = fit.strip().partition("/")
     if not (slash and hole[:1].isupper() and shaft[:1].islower()):
-        raise ValueError("a fit is a hole's zone and a shaft's, as in H7/g6")
+        raise ValueError("a fit is the zone of a hole and that of a shaft, e.g. H7/g6")
     (hole_low, hole_high), (shaft_low, shaft_high) = limits(hole, size), limits(shaft, size)
     return hole_low - shaft_high, hole_high - shaft_low
 
@@ -138,5 +140,7 @@ def _deviation(letter: str, grade: int, size: float) -> float:
 def _step(ends: tuple[int, ...], size: float) -> int:
     """Find the step of nominal sizes that a size [m] is in."""
     if not 0.0 < size <= 1e-3 * ends[-1]:
-        raise ValueError(f"the size is {1e3 * size:g} mm, and ISO 286-1 is known here up to {ends[-1]} mm")
+        raise ValueError(
+            f"the size {1000.0 * size:g} mm is out of range: fits of ISO 286-1 are available up to {ends[-1]} mm"
+        )
     return bisect_left(ends, round(1e3 * size, 9))

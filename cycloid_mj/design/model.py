@@ -49,50 +49,52 @@ PARTNERS = {
 
 
 class Section(BaseModel):
-    """One table of the design file."""
+    """Base class of the tables of the design file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=False)
 
     @classmethod
     def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-        """Collect the values of a table with some of them changed."""
+        """Return the values of a table with some of them changed."""
         return {**values, **change}
 
 
 class Ring(Section):
-    """The ring that the cycloid gear rolls in: free pins in a pinwheel, or a double-enveloping internal gear."""
+    """The ring around the discs: free pins in a pinwheel, or a double-enveloping internal gear."""
 
     kind: Literal["pin", "nonpin"] = choice("pin", "pin: free pins in a pinwheel; nonpin: internal gear", PAPER)
-    teeth: int = quantity(36, "ring teeth N (the gear has N - 1 lobes, the ratio is N - 1)", source=PAPER, ge=4, le=400)
+    teeth: int = quantity(
+        36, "number of ring teeth N (a disc has N - 1 lobes, the ratio is N - 1)", source=PAPER, ge=4, le=400
+    )
     pin_circle_radius: float = quantity(40.75, "pin-circle radius E", u.MILLIMETRE, PAPER, ge=0.001, le=5000.0)
     pin_radius: float = quantity(2.25, "pin radius rho", u.MILLIMETRE, PAPER, ge=0.001, le=1000.0)
     pins: Literal["free", "fixed", "sleeved", "massless", "massless_sleeved"] = choice(
         "free",
-        "free: they float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each in a turning sleeve; "
-        "massless, massless_sleeved: as free and sleeved, but without inertia, for loaded means alone",
+        "free: the pins float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each "
+        "with a turning sleeve; massless, massless_sleeved: as free and sleeved without inertia, for "
+        "means under load only",
         PAPER,
     )
     socket: Literal["half_open", "closed"] = choice(
         "half_open",
-        "socket of a free or massless pin: half_open, as drawn, open towards the gear, which keeps the pin from "
-        "falling out; closed, a whole circle, as of round bores in two end plates (not drawn)",
+        "socket of a free or massless pin: half_open, as drawn, open towards the disc, which retains "
+        "the pin; closed, a full circle, such as round bores in two end plates (not drawn)",
     )
     sleeve_thickness: float = quantity(
-        0.75, "wall of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
+        0.75, "wall thickness of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
     )
     halves: int = quantity(
         1,
-        "1: a ring in one piece; 2: two halves side by side, each under half of every disc, turned against each other "
-        "to take up the play",
+        "1: ring in one piece; 2: two halves next to each other, each under half of every disc, turned "
+        "against each other to remove the backlash",
         ge=1,
         le=2,
     )
-    preload: float = quantity(
-        0.0, "angle by which one half of the ring is turned from the other", u.ARCMINUTE, ge=0.0, le=600.0
-    )
+    preload: float = quantity(0.0, "angle between the two halves of the ring", u.ARCMINUTE, ge=0.0, le=600.0)
     preload_torque: float = quantity(
         0.0,
-        "in its place: torque of the spring that turns them, before they are fixed; a command finds the angle",
+        "instead of preload_arcmin: torque of the spring that turns the halves before they are fixed; "
+        "commands compute the angle",
         u.NEWTON_METRE,
         ge=0.0,
         le=1e6,
@@ -100,34 +102,34 @@ class Ring(Section):
 
     @model_validator(mode="after")
     def _preload_needs_halves(self) -> Self:
-        """Refuse halves that are turned against each other where the ring is in one piece, or by two measures."""
+        """Refuse a preload of a ring in one piece, and a preload that is set twice."""
         named = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
         given = [key for key, value in named.items() if value]
         if given and self.halves == 1:
-            raise ValueError(f"{given[0]} turns two halves of a ring against each other: set halves = 2 as well")
+            raise ValueError(f"{given[0]} applies to two halves of a ring only: set halves = 2 as well")
         if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} both say how far the halves are turned: set one of them to 0")
+            raise ValueError(f"{' and '.join(given)} both set the angle between the halves: set one of them to 0")
         return self
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """How far the ring, or each of its halves, is turned counter-clockwise from its place [rad].
+        """Counter-clockwise rotation of the ring, or of each of its halves, from its nominal position [rad].
 
         Raises
         ------
         DesignError
-            That is told by a torque, from which `statics.preloaded` finds it.
+            The preload is set as a torque; `statics.preloaded` converts it to an angle.
         """
         if self.preload_torque:
             raise DesignError(
-                "ring.preload_torque_nm: the angle to which that turns the halves is found where a command reads its "
-                "design, or by cm.preloaded(design); vary ring.preload_arcmin"
+                "ring.preload_torque_nm cannot be used here, because commands convert it to an angle first: "
+                "vary ring.preload_arcmin, or call cm.preloaded(design)"
             )
         return (0.5 * self.preload, -0.5 * self.preload) if self.halves == 2 else (0.0,)
 
     @property
     def mates(self) -> int:
-        """How many pins or lobes meet the gear: N, of a ring in two halves 2 N, those of the second after the first."""
+        """Number of pins or lobes that mesh with the discs: N, or 2 N for a ring in two halves (second half last)."""
         return self.teeth * self.halves
 
     @property
@@ -142,72 +144,71 @@ class Ring(Section):
 
     @property
     def has_moving_pins(self) -> bool:
-        """Whether what the gear rolls on moves in its seat: free pins, or the sleeves of pressed-in ones."""
+        """Whether the parts on which the discs roll move in their seats: free pins, or sleeves on pressed-in pins."""
         return self.has_sockets or self.has_sleeves
 
     @property
     def has_massless_pins(self) -> bool:
-        """Whether what moves so is without inertia: it is part of the contact between gear and housing."""
+        """Whether these parts have no inertia, and so are part of the contact between disc and housing."""
         return self.kind == "pin" and self.pins.startswith("massless")
 
     @property
     def has_pin_bodies(self) -> bool:
-        """Whether what moves so are bodies of their own in the simulation, with a place and a spin."""
+        """Whether these parts are bodies of the simulation, with position and spin."""
         return self.has_moving_pins and not self.has_massless_pins
 
     @property
     def sleeve_bore_radius(self) -> float:
-        """Radius of the bore of a sleeve [m]; the pin in it is smaller by the clearance."""
+        """Bore radius of a sleeve [m]; the pin in it is smaller by the clearance."""
         return self.pin_radius - self.sleeve_thickness
 
 
 class Gear(Section):
-    """The cycloid gear."""
+    """The cycloid discs."""
 
     eccentricity: float = quantity(1.0, "eccentricity c of the cam", u.MILLIMETRE, PAPER, ge=0.001, le=500.0)
     discs: int = quantity(
         1,
-        "discs on the crank, each with its own cam, spaced evenly round it; disc 1 is next to the motor",
+        "number of discs on the crank, each with its own cam, equally spaced; disc 1 is next to the motor",
         source=PAPER,
         ge=1,
         le=4,
     )
-    disc_gap: float = quantity(
-        2.0, "gap between neighbouring discs, where there are several", u.MILLIMETRE, ge=0.001, le=1000.0
-    )
+    disc_gap: float = quantity(2.0, "gap between neighbouring discs", u.MILLIMETRE, ge=0.001, le=1000.0)
     face_width: float = quantity(
         10.0, "face width of each disc; pins and ring span all of them", u.MILLIMETRE, ge=0.001, le=1000.0
     )
     bore_radius: float = quantity(
-        15.0, "radius of the cam (the gear's bore adds the clearance)", u.MILLIMETRE, ge=0.001, le=5000.0
+        15.0, "radius of the cam (the bore of the disc adds the clearance)", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     bearing: Literal["rolling", "plain"] = choice(
-        "rolling", "bearing of the cam in the bore: rolling (its rollers share the load), or plain (it slides)"
+        "rolling", "bearing of the cam in the bore: rolling (rollers share the load), or plain (sliding)"
     )
 
     @property
     def disc_spacing(self) -> float:
-        """Distance between the middles of neighbouring discs [m]."""
+        """Distance between the mid-planes of neighbouring discs [m]."""
         return self.face_width + self.disc_gap
 
     @property
     def stack_width(self) -> float:
-        """Width of all discs with the gaps between them [m]: that of pins and ring."""
+        """Width of all discs with the gaps between them [m], which is the length of pins and ring."""
         return self.face_width + (self.discs - 1) * self.disc_spacing
 
     @property
     def disc_planes(self) -> tuple[float, ...]:
-        """Where the middle of each disc is along z [m]: 0 is the middle of all, the output is beyond their +z end."""
+        """Position of the mid-plane of each disc along z [m]; 0 is the middle of all, the output is at their +z end."""
         return tuple((disc - (self.discs - 1) / 2.0) * self.disc_spacing for disc in range(self.discs))
 
 
 class Output(Section):
-    """The output disc, its pins and the holes of the gear that they run in; or what holds them, if the ring turns."""
+    """The output carrier with its pins, and the holes of the discs."""
 
     member: Literal["carrier", "ring"] = choice(
         "carrier",
-        "what the load is on: carrier, the disc with the output pins, and the ring is held (ratio N - 1, against the "
-        "crank); ring, the ring with its housing, and that disc is held (ratio N, with the crank)",
+        "output member: carrier, the plate with the output pins, while the ring is fixed (ratio N - 1, "
+        "opposite to the crank); ring, the ring with its housing, while the carrier is fixed (ratio N, "
+        "with the crank)",
         PAPER,
     )
     pins: int = quantity(8, "number of output pins and holes", ge=2, le=100)
@@ -216,11 +217,11 @@ class Output(Section):
         26.0, "radius of the circle of output pins and holes", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     hole_radius: float = quantity(
-        5.0, "radius of a hole without its clearance: output pin + eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
+        5.0, "radius of a hole without its clearance: output pin plus eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
     )
-    rollers: bool = switch(True, "true: the output pins carry rollers; false: they slide in their holes")
+    rollers: bool = switch(True, "true: rollers on the output pins; false: the pins slide in their holes")
     roller_bearing: Literal["needles", "plain"] = choice(
-        "needles", "what a roller turns on its core pin by: needles, or plain, a sleeve that slides on it"
+        "needles", "bearing of a roller on its core pin: needles, or plain (a sliding sleeve)"
     )
     core_radius: float = quantity(
         0.0,
@@ -235,30 +236,31 @@ class Output(Section):
     disc_thickness: float = quantity(8.0, "thickness of the output disc", u.MILLIMETRE, ge=0.001, le=5000.0)
     support: Literal["cantilever", "both_ends"] = choice(
         "cantilever",
-        "what holds the output pins: cantilever, the output disc alone; both_ends, a second disc beyond the gear, too",
+        "support of the output pins: cantilever, by the output disc only; both_ends, also by a second "
+        "disc beyond the cycloid discs",
     )
 
     @property
     def turns_ring(self) -> bool:
-        """Whether the ring turns, and the carrier of the output pins is held."""
+        """Whether the ring is the output and the carrier of the output pins is fixed."""
         return self.member == "ring"
 
     @property
     def has_needles(self) -> bool:
-        """Whether the pins carry rollers that roll on needles, not plain sleeves that slide on their cores."""
+        """Whether the pins carry rollers on needles, not plain sleeves that slide on their cores."""
         return self.rollers and self.roller_bearing == "needles"
 
     @property
     def has_roller_parts(self) -> bool:
-        """Whether the rollers are parts of their own: where the core pins that they turn on are given.
+        """Whether the rollers are separate parts, because the radius of their core pins is set.
 
-        Where they are not, pin and roller are drawn and weighed as one cylinder of ``pin_radius``.
+        Otherwise pin and roller are drawn and weighed as one cylinder of ``pin_radius``.
         """
         return self.rollers and self.core_radius > 0.0
 
     @property
     def root_radius(self) -> float:
-        """Radius of a pin at its root in the disc [m]: of the core under its roller, or of the solid pin."""
+        """Radius of a pin at its root in the carrier [m]: of the core under its roller, or of the solid pin."""
         if not self.rollers:
             return self.pin_radius
         return self.core_radius or CORE_SHARE * self.pin_radius
@@ -273,13 +275,13 @@ class Shaft(Section):
     """The eccentric input shaft with its counterweight."""
 
     radius: float = quantity(8.0, "radius of the input shaft", u.MILLIMETRE, ge=0.001, le=5000.0)
-    length: float = quantity(30.0, "length of the input shaft before the gear", u.MILLIMETRE, ge=0.001, le=5000.0)
+    length: float = quantity(30.0, "length of the input shaft before the discs", u.MILLIMETRE, ge=0.001, le=5000.0)
     counterweight_radius: float = quantity(
         30.0, "outer radius of the half-disc counterweight", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     mounting: Literal["overhang", "straddle"] = choice(
         "overhang",
-        "overhang: both bearings before the counterweight; straddle: one there, one in the output's hub",
+        "overhang: both bearings before the counterweight; straddle: one of them in the hub of the output",
     )
     bearing_width: float = quantity(
         0.0, "width of each bearing; 0: the shaft's radius, or less on a short journal", u.MILLIMETRE, ge=0.0, le=5000.0
@@ -289,7 +291,7 @@ class Shaft(Section):
     )
     bearing_spacing: float = quantity(
         0.0,
-        "overhang: distance between the middles of the two bearings; 0: the outer one stands at the end of the journal",
+        "overhang: distance between the two bearing centres; 0: the outer bearing is at the end of the journal",
         u.MILLIMETRE,
         ge=0.0,
         le=5000.0,
@@ -305,79 +307,91 @@ class Shaft(Section):
 
 
 class Housing(Section):
-    """The housing that carries the pinwheel or is the internal gear."""
+    """The housing that holds the pins or forms the internal gear."""
 
     outer_radius: float = quantity(
         50.0, "outer radius of the pinwheel or internal gear", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     support: Literal["bolts", "rim"] = choice(
-        "bolts", "what holds the ring: bolts, clamped round each of them; rim, a rigid seat all round outside"
+        "bolts", "support of the ring: bolts, clamped around each bolt; rim, a rigid seat around the outside"
     )
-    bolts: int = quantity(6, "bolts on the bolt circle, the first on +y, where support is bolts", ge=2, le=400)
+    bolts: int = quantity(6, "number of bolts on the bolt circle, the first on +y, if support is bolts", ge=2, le=400)
     bolt_circle_radius: float = quantity(
-        0.0, "radius of the bolt circle; 0: the middle of the wall behind the teeth", u.MILLIMETRE, ge=0.0, le=5000.0
+        0.0, "radius of the bolt circle; 0: middle of the wall behind the teeth", u.MILLIMETRE, ge=0.0, le=5000.0
     )
     bolt_radius: float = quantity(
-        0.0, "radius that a bolt clamps; 0: a quarter of the wall behind the teeth", u.MILLIMETRE, ge=0.0, le=1000.0
+        0.0,
+        "radius of the area that a bolt clamps; 0: a quarter of the wall behind the teeth",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=1000.0,
     )
 
 
 class Clearance(Section):
     """Normal clearance of each mating pair (the paper's tolerance of 0.001 mm)."""
 
-    pin_gear: float = quantity(1.0, "between a centred pin and the gear", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
+    pin_gear: float = quantity(1.0, "between a centred pin and the disc", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     pin_socket: float = quantity(1.0, "between a free pin and its socket", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     pin_sleeve: float = quantity(1.0, "between a pressed-in pin and its sleeve", u.MICROMETRE, gt=0.0, le=1000.0)
-    tooth: float = quantity(1.0, "between the gear and the internal gear", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
-    cam: float = quantity(1.0, "between the cam and the gear's bore", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
+    tooth: float = quantity(1.0, "between the disc and the internal gear", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
+    cam: float = quantity(1.0, "between the cam and the bore of the disc", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     output: float = quantity(1.0, "between an output pin and its hole", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
 
 
 class Errors(Section):
-    """Manufacturing errors, drawn at random with a seed; a list replaces the draw, as in [5, 0, ...] or {1 = 5}."""
+    """Manufacturing errors, drawn at random with a seed; a list such as [5, 0, ...] or {1 = 5} replaces the draw."""
 
     seed: int = quantity(0, "seed of the random draws", ge=0, le=2**53)
     pin_position: float = quantity(
-        0.0, "standard deviation of a ring pin's place, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+        0.0, "standard deviation of the position of a ring pin, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
     )
     pin_radius: float = quantity(
-        0.0, "standard deviation of a ring pin's radius (its socket stays)", u.MICROMETRE, ge=0.0, le=1000.0
+        0.0, "standard deviation of the radius of a ring pin (its socket is unchanged)", u.MICROMETRE, ge=0.0, le=1000.0
     )
     hole_position: float = quantity(
-        0.0, "standard deviation of a gear hole's place, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+        0.0, "standard deviation of the position of a disc hole, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
     )
     disc_size: float = quantity(
         0.0,
-        "standard deviation of how far a disc's flanks stand out beyond their drawing",
+        "standard deviation of the offset of a disc's flanks from the drawing, outwards positive",
         u.MICROMETRE,
         ge=0.0,
         le=1000.0,
     )
     cam_position: float = quantity(
-        0.0, "standard deviation of a cam's place on the crank, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+        0.0,
+        "standard deviation of the position of a cam on the crank, along x and along y",
+        u.MICROMETRE,
+        ge=0.0,
+        le=1000.0,
     )
     eccentricity: float = quantity(
-        0.0, "by how much the cam is more eccentric than the teeth are cut for", u.MICROMETRE, ge=-1000.0, le=1000.0
+        0.0, "eccentricity of the cam minus that for which the teeth are cut", u.MICROMETRE, ge=-1000.0, le=1000.0
     )
-    pin_x: Offsets = listed("each ring pin's place along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth")
-    pin_y: Offsets = listed("each ring pin's place along y", u.MICROMETRE, "ring.teeth")
-    pin_dr: Offsets = listed("each ring pin's radius", u.MICROMETRE, "ring.teeth")
+    pin_x: Offsets = listed("position of each ring pin along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth")
+    pin_y: Offsets = listed("position of each ring pin along y", u.MICROMETRE, "ring.teeth")
+    pin_dr: Offsets = listed("radius of each ring pin", u.MICROMETRE, "ring.teeth")
     hole_x: Offsets = listed(
-        "each gear hole's place along x, hole 1 on +y, clockwise, disc after disc",
+        "position of each disc hole along x, hole 1 on +y, clockwise, disc after disc",
         u.MICROMETRE,
         "output.pins gear.discs",
     )
-    hole_y: Offsets = listed("each gear hole's place along y, disc after disc", u.MICROMETRE, "output.pins gear.discs")
-    disc_dr: Offsets = listed("how far each disc's flanks stand out beyond their drawing", u.MICROMETRE, "gear.discs")
+    hole_y: Offsets = listed(
+        "position of each disc hole along y, disc after disc", u.MICROMETRE, "output.pins gear.discs"
+    )
+    disc_dr: Offsets = listed(
+        "offset of each disc's flanks from the drawing, outwards positive", u.MICROMETRE, "gear.discs"
+    )
     profile_cos: Offsets = listed(
-        "waves of the gear's profile, orders 1, 2, ... in a turn: how far its flanks stand back, times cos(k t) at the "
-        "angle t clockwise from the valley on +y",
+        "waves of the disc profile, orders 1, 2, ... per turn: offset of the flanks into the disc, "
+        "coefficients of cos(k t) at the angle t clockwise from the valley on +y",
         u.MICROMETRE,
         "ring.teeth",
     )
-    profile_sin: Offsets = listed("the same, times sin(k t)", u.MICROMETRE, "ring.teeth")
-    cam_x: Offsets = listed("each cam's place along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
-    cam_y: Offsets = listed("each cam's place along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
+    profile_sin: Offsets = listed("the same, coefficients of sin(k t)", u.MICROMETRE, "ring.teeth")
+    cam_x: Offsets = listed("position of each cam along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
+    cam_y: Offsets = listed("position of each cam along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
 
 
 def _zone(what: str) -> Any:
@@ -385,71 +399,75 @@ def _zone(what: str) -> Any:
 
 
 class Tolerance(Section):
-    """How much samples of the design may differ from it, for `cycloid-mj tolerance` alone; empty: not at all.
+    """Tolerances of the samples of `cycloid-mj tolerance`; empty: no variation.
 
-    ``normal 2``, ``uniform 5`` and ``between -1 4`` are micrometres about the design's value; ``IT6`` is a grade at the
-    part's size; a clearance may be a fit, ``H7/g6`` (ISO 286-1).
+    ``normal 2``, ``uniform 5`` and ``between -1 4`` are micrometres about the value of the design; ``IT6`` is a grade
+    at the size of the part; a clearance can be a fit, ``H7/g6`` (ISO 286-1).
     """
 
-    mesh: str = _zone('clearance of the gear on its ring: "normal 2", "uniform 5", "between -1 4" [um], or "H7/g6"')
-    seat: str = _zone("clearance of pins or sleeves that move in their seats")
+    mesh: str = _zone('clearance between discs and ring: "normal 2", "uniform 5", "between -1 4" [um], or "H7/g6"')
+    seat: str = _zone("clearance of pins or sleeves in their seats")
     cam: str = _zone("clearance of the cam")
     output: str = _zone("clearance of the output pins")
-    pin_position: str = _zone("each ring pin's (or lobe's) place, along x and along y")
-    pin_radius: str = _zone('each ring pin\'s radius, or a grade, "IT5"')
-    pin_circle: str = _zone("the radius on which all pins stand")
-    hole_position: str = _zone("each gear hole's place, along x and along y")
-    eccentricity: str = _zone("the cam's eccentricity")
-    disc_size: str = _zone("how far each disc's flanks stand out beyond their drawing")
-    cam_position: str = _zone("each cam's place on the crank, along x and along y")
+    pin_position: str = _zone("position of each ring pin (or lobe), along x and along y")
+    pin_radius: str = _zone('radius of each ring pin, or a grade, "IT5"')
+    pin_circle: str = _zone("radius of the pin circle")
+    hole_position: str = _zone("position of each disc hole, along x and along y")
+    eccentricity: str = _zone("eccentricity of the cam")
+    disc_size: str = _zone("offset of each disc's flanks from the drawing")
+    cam_position: str = _zone("position of each cam on the crank, along x and along y")
     profile: str = _zone(
-        'amplitudes of waves of the gear\'s profile by order, in a turn of the gear, "2: normal 1, 35: uniform 2"; '
-        "each begins anywhere"
+        'amplitudes of waves of the disc profile by order, per turn of the disc, "2: normal 1, 35: '
+        'uniform 2"; phases are random'
     )
 
 
 class Modification(Section):
-    """How the gear's flanks depart, by intent, from the profile that is conjugate to the ring."""
+    """Intended deviation of the disc flanks from the profile that is conjugate to the ring."""
 
     equidistant: float = quantity(
-        0.0, "the flanks lie this much deeper in the gear (more clearance)", u.MICROMETRE, ge=-1000.0, le=1000.0
+        0.0, "offset of the flanks into the disc (more clearance)", u.MICROMETRE, ge=-1000.0, le=1000.0
     )
     pin_circle: float = quantity(
-        0.0, "the gear is generated with a pin circle of E + this", u.MICROMETRE, ge=-1000.0, le=1000.0
+        0.0, "the disc is generated with a pin circle of E plus this value", u.MICROMETRE, ge=-1000.0, le=1000.0
     )
     rotation: float = quantity(
-        0.0, "each flank is turned this much towards the middle of its lobe", u.ARCSECOND, ge=0.0, le=3600.0
+        0.0, "rotation of each flank towards the middle of its lobe", u.ARCSECOND, ge=0.0, le=3600.0
     )
 
 
 class Friction(Section):
-    """Coulomb friction coefficient of each mating pair, at the surface where the two parts of the model meet.
+    """Coulomb friction coefficient of each mating pair, at the surface where its two parts meet.
 
-    Catalogues give a rolling bearing's torque as 0.5 mu P d with its bore d, and mu = 0.0020 for needle rollers with a
-    cage (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
-    0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the cam's radius and at the rim of an
-    output pin's roller, as if those were the bore: the most that it can cost. Where ``output.core_radius`` is given,
-    the rollers have theirs there, and at their rim as much less as the core is smaller. A roller that is a plain sleeve
+    Catalogues give the torque of a rolling bearing as 0.5 mu P d with its bore d, and mu = 0.0020 for caged needle
+    rollers (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
+    0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the radius of the cam and at the rim
+    of the rollers of output pins, as if these were the bore, which is an upper bound. If ``output.core_radius`` is
+    set, the coefficient of the rollers acts there, and at their rim in proportion. A plain roller
     (``output.roller_bearing``) slides on its core, with the coefficient of a sliding pin there.
     """
 
-    pin_gear: float = quantity(0.05, "pin on gear (lubricated steel)", ge=0.0, le=2.0)
+    pin_gear: float = quantity(0.05, "pin on disc (lubricated steel)", ge=0.0, le=2.0)
     pin_socket: float = quantity(0.05, "pin in its socket", ge=0.0, le=2.0)
     pin_sleeve: float = quantity(0.05, "sleeve on its pin (lubricated steel, sliding)", ge=0.0, le=2.0)
-    tooth: float = quantity(0.05, "gear on internal gear", ge=0.0, le=2.0)
-    cam: float = quantity(0.05, "cam that slides in the bore, where gear.bearing is plain", ge=0.0, le=2.0)
+    tooth: float = quantity(0.05, "disc on internal gear", ge=0.0, le=2.0)
+    cam: float = quantity(0.05, "sliding cam in the bore, if gear.bearing is plain", ge=0.0, le=2.0)
     cam_rolling: float = quantity(
-        0.002, "cam on rollers, at the cam's radius, where gear.bearing is rolling", source=u.CATALOGUE, ge=0.0, le=2.0
+        0.002,
+        "cam on rollers, at the radius of the cam, if gear.bearing is rolling",
+        source=u.CATALOGUE,
+        ge=0.0,
+        le=2.0,
     )
     output: float = quantity(
         0.05,
-        "output pin that slides in its hole without output.rollers, or in its roller, where that is plain",
+        "output pin sliding in its hole (without output.rollers), or in its plain roller",
         ge=0.0,
         le=2.0,
     )
     output_rolling: float = quantity(
         0.002,
-        "output pin with a roller on needles, at output.core_radius, or at the roller's rim where that is 0",
+        "output pin with a roller on needles, at output.core_radius, or at the rim of the roller if that is 0",
         source=u.CATALOGUE,
         ge=0.0,
         le=2.0,
@@ -457,17 +475,17 @@ class Friction(Section):
 
 
 class Drag(Section):
-    """Torque of seals and lubricant, which neither load nor speed changes (Coulomb); 0: none."""
+    """Torque of seals and lubricant, independent of load and speed (Coulomb); 0: none."""
 
-    crank: float = quantity(0.0, "on the crank, against its turning", u.NEWTON_METRE, ge=0.0, le=1e5)
-    output: float = quantity(0.0, "on the output, against its turning", u.NEWTON_METRE, ge=0.0, le=1e6)
+    crank: float = quantity(0.0, "drag torque on the crank", u.NEWTON_METRE, ge=0.0, le=1e5)
+    output: float = quantity(0.0, "drag torque on the output", u.NEWTON_METRE, ge=0.0, le=1e6)
 
 
 class ContactLaw(Section):
     """Stiffness and damping of the contacts.
 
     With ``law = "impact"`` every contact follows the function IMPACT of motion solvers such as ADAMS or SolidWorks
-    Motion, F = k d^e + c step(d) v with the depth d and the closing speed v, in place of line contacts of steel; the
+    Motion, F = k d^e + c step(d) v with the depth d and the closing speed v, instead of line contacts of steel; the
     defaults are those of such a program where no material is chosen ("Contact Parameters for Parts with Small Mass",
     Adams View help).
     """
@@ -479,11 +497,9 @@ class ContactLaw(Section):
         1e5, "impact: k, the force at a depth of 1 mm (N/mm^e)", u.NEWTON_AT_MILLIMETRE, gt=0.0, le=1e12
     )
     impact_exponent: float = quantity(2.2, "impact: e, exponent of the depth", ge=1.0, le=4.0)
-    impact_damping: float = quantity(
-        10.0, "impact: c, damping at the depth where it is whole", u.DAMPING, ge=0.0, le=1e6
-    )
+    impact_damping: float = quantity(10.0, "impact: c, damping at the full depth", u.DAMPING, ge=0.0, le=1e6)
     impact_depth: float = quantity(
-        0.1, "impact: depth from which on damping is whole; a cubic step leads up to it", u.MILLIMETRE, gt=0.0, le=100.0
+        0.1, "impact: depth of full damping; a cubic step leads up to it", u.MILLIMETRE, gt=0.0, le=100.0
     )
     stiffness_law: Literal["local", "uniform"] = choice(
         "local", "local: follows the relative curvature along the tooth; uniform: a pin on a flat everywhere"
@@ -492,29 +508,35 @@ class ContactLaw(Section):
         0.0, "stiffness of a pin on a flat; 0: from material and working force", u.NEWTON_PER_METRE, ge=0.0, le=1e12
     )
     working_force: float = quantity(
-        0.0, "force at which every line contact has its secant stiffness; 0: each pair's own", u.NEWTON, ge=0.0, le=1e6
+        0.0,
+        "force at which every line contact has its secant stiffness; 0: that of each pair",
+        u.NEWTON,
+        ge=0.0,
+        le=1e6,
     )
     working_load: float = quantity(
         0.0,
-        "torque on the output whose ideal sharing gives each pair's working force; 0: load.torque_nm",
+        "output torque whose ideal sharing gives the working force of each pair; 0: load.torque_nm",
         u.NEWTON_METRE,
         ge=0.0,
         le=1e6,
     )
-    cam_rollers: int = quantity(20, "rollers of the cam's bearing, which share its load (Stribeck)", ge=3, le=1000)
+    cam_rollers: int = quantity(
+        20, "number of rollers of the cam bearing, which share its load (Stribeck)", ge=3, le=1000
+    )
     damping_ratio: float = quantity(
-        0.5, "damping of a contact as a share of critical (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
+        0.5, "damping of a contact as a share of critical damping (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
     )
     creep_speed: float = quantity(
         0.0,
-        "sliding speed at which friction is whole under the working force; 0: 0.2 % of the speed of the gear's centre",
+        "sliding speed of full friction under the working force; 0: 0.2 % of the speed of the disc centre",
         u.MILLIMETRE_PER_SECOND,
         ge=0.0,
         le=1e4,
     )
     max_penetration: float = quantity(
         0.0,
-        "a contact deeper than this ends the run; 0: 50 um, or ten times what working forces press, if that is more",
+        "penetration at which the run ends; 0: 50 um, or ten times that of the working forces if that is more",
         u.MICROMETRE,
         ge=0.0,
         le=1000.0,
@@ -526,13 +548,13 @@ def _of_flat(pair: str) -> Any:
 
 
 class Stiffness(Section):
-    """Stiffness of each mating pair where it is given; 0: from material, curvature and working force."""
+    """Stiffness of each mating pair; 0: from material, curvature and working force."""
 
-    pin_gear: float = _of_flat("pin on gear, as on a flat (it follows contact.stiffness_law)")
+    pin_gear: float = _of_flat("pin on disc, as on a flat (contact.stiffness_law applies)")
     pin_socket: float = _of_flat("pin in its socket")
     pin_sleeve: float = _of_flat("sleeve on its pin")
-    tooth: float = _of_flat("gear on internal gear, as a pin on a flat (it follows contact.stiffness_law)")
-    cam: float = _of_flat("cam in the gear's bore")
+    tooth: float = _of_flat("disc on internal gear, as a pin on a flat (contact.stiffness_law applies)")
+    cam: float = _of_flat("cam in the bore of the disc")
     output: float = _of_flat("output pin in its hole")
 
 
@@ -541,7 +563,7 @@ def _of_structure(part: str) -> Any:
 
 
 def _of_wind_up(what: str) -> Any:
-    return quantity(0.0, f"{what}, for calibrate and reduce alone", u.NEWTON_METRE, ge=0.0, le=1e6)
+    return quantity(0.0, f"{what}, for calibrate and reduce only", u.NEWTON_METRE, ge=0.0, le=1e6)
 
 
 def _travel(what: str) -> Any:
@@ -549,18 +571,19 @@ def _travel(what: str) -> Any:
 
 
 class StructureSprings(Section):
-    """What stands between contacts and foundation: its torsional stiffness, where structure is springs, and friction.
+    """Torsional stiffness of the structure between contacts and foundation, used if structure is springs, and friction.
 
-    What the output pins bend by follows from their shape. Friction, of a wind-up at a locked crank, is what loops show.
+    The bending of the output pins follows from their shape. Friction resists wind-up with the crank locked, as in
+    loops.
     """
 
     carrier: float = _of_structure("of the output disc, from its pins to the driven machine")
     shaft: float = _of_structure("of the crank, from the motor to its cams")
     housing: float = _of_structure("of the ring, from its pins or lobes to the foundation")
-    friction: float = _of_wind_up("friction that holds the output's turn at a locked crank")
-    friction_travel: float = _travel("turn of the output over which springs.friction comes on")
-    hysteresis: float = _of_wind_up("a second such friction, as of seats that slip little by little")
-    hysteresis_travel: float = _travel("turn of the output over which springs.hysteresis comes on")
+    friction: float = _of_wind_up("friction against rotation of the output with the crank locked")
+    friction_travel: float = _travel("rotation of the output over which springs.friction develops")
+    hysteresis: float = _of_wind_up("a second friction, such as of seats that slip gradually")
+    hysteresis_travel: float = _travel("rotation of the output over which springs.hysteresis develops")
 
 
 def _ratio(pair: str) -> Any:
@@ -568,13 +591,13 @@ def _ratio(pair: str) -> Any:
 
 
 class Damping(Section):
-    """Damping of each mating pair as a share of critical where it is given; 0: contact.damping_ratio."""
+    """Damping of each mating pair as a share of critical damping; 0: contact.damping_ratio."""
 
-    pin_gear: float = _ratio("pin on gear")
+    pin_gear: float = _ratio("pin on disc")
     pin_socket: float = _ratio("pin in its socket")
     pin_sleeve: float = _ratio("sleeve on its pin")
-    tooth: float = _ratio("gear on internal gear")
-    cam: float = _ratio("cam in the gear's bore")
+    tooth: float = _ratio("disc on internal gear")
+    cam: float = _ratio("cam in the bore of the disc")
     output: float = _ratio("output pin in its hole")
 
 
@@ -583,25 +606,25 @@ def _force(pair: str) -> Any:
 
 
 class WorkingForce(Section):
-    """Force at which each mating pair has its secant stiffness where it is given; 0: by contact.working_*."""
+    """Force at which each mating pair has its secant stiffness; 0: by contact.working_*."""
 
-    pin_gear: float = _force("pin on gear")
+    pin_gear: float = _force("pin on disc")
     pin_socket: float = _force("pin in its socket")
     pin_sleeve: float = _force("sleeve on its pin")
-    tooth: float = _force("gear on internal gear")
-    cam: float = _force("whole force of the cam")
+    tooth: float = _force("disc on internal gear")
+    cam: float = _force("total force of the cam")
     output: float = _force("output pin in its hole")
 
 
 class Material(Section):
-    """What parts are made of: a name of the library, and the numbers that it stands for unless they are given.
+    """Material of the parts: a name of the library, and values that replace those of the library.
 
     The default is the steel of the paper's Table 1, which is the "Alloy Steel" of SolidWorks' material library. Yield
     strength 620.422 MPa and shear modulus 79 000 MPa are that entry's; Poisson's ratio and density, which the paper
     does not print, are taken from it too.
     """
 
-    name: str = choice(DEFAULT, "entry of the library of materials; empty: the numbers below are its own", source="")
+    name: str = choice(DEFAULT, "name of the material library; empty: the values below are used", source="")
     youngs_modulus: float = quantity(210000.0, "Young's modulus", u.MEGAPASCAL, PAPER, ge=100.0, le=2e6)
     poisson: float = quantity(0.28, "Poisson's ratio", source=u.ALLOY_STEEL, ge=0.0, lt=0.5)
     density: float = quantity(7700.0, "density", u.DENSITY, u.ALLOY_STEEL, gt=100.0, le=25000.0)
@@ -613,7 +636,7 @@ class Material(Section):
     )
     endurance_pressure: float = quantity(
         0.0,
-        "Hertz's pressure that a surface bears 10^7 times without pits; 0: of steel by its tensile strength",
+        "Hertz pressure that a surface withstands 10^7 times without pitting; 0: of steel, from its tensile strength",
         u.MEGAPASCAL,
         u.ALLOY_STEEL,
         ge=0.0,
@@ -622,18 +645,18 @@ class Material(Section):
 
     @property
     def surface_strength(self) -> float:
-        """Yield strength of the surface [Pa], which may be hardened."""
+        """Yield strength of the surface [Pa], which can be hardened."""
         return self.surface_yield or self.yield_strength
 
     @property
     def surface_tensile_strength(self) -> float:
-        """Tensile strength of the surface [Pa]: of a hardened one about its yield strength."""
+        """Tensile strength of the surface [Pa]; of a hardened surface approximately its yield strength."""
         return max(self.surface_yield, self.tensile_strength)
 
     @model_validator(mode="before")
     @classmethod
     def _named(cls, value: Any) -> Any:
-        """Take what is not given from the library."""
+        """Fill values that are not set from the library."""
         if not isinstance(value, Mapping):
             return value
         numbers = [key for key in cls.model_fields if key != "name"]
@@ -656,7 +679,7 @@ class Material(Section):
 
     @classmethod
     def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-        """Collect the values of a table with some of them changed; a new name brings its own numbers."""
+        """Return the values of a table with some of them changed; a new name replaces all values."""
         return dict(change) if "name" in change else super().changed(values, change)
 
 
@@ -665,7 +688,7 @@ def _part_material(part: str) -> Any:
 
 
 class Bearing(Section):
-    """Ratings of rolling bearings by their catalogue, and how sure their life is to be; for `cycloid-mj rate` alone."""
+    """Catalogue ratings of rolling bearings, and the required reliability, for `cycloid-mj rate` only."""
 
     dynamic_capacity: float = quantity(
         0.0, "of the cam's bearing; 0: ISO 281 with contact.cam_rollers side by side", u.NEWTON, ge=0.0, le=1e9
@@ -680,18 +703,18 @@ class Bearing(Section):
     )
     output_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
     reliability: float = quantity(0.9, "share of bearings, and of parts, that last", ge=0.5, le=0.9999)
-    service_factor: float = quantity(1.0, "on the loads of bearings, for shocks", ge=0.1, le=10.0)
+    service_factor: float = quantity(1.0, "factor on the loads of bearings, for shocks", ge=0.1, le=10.0)
 
 
 class Service(Section):
-    """What fatigue, wear and heat depend on beside the loads, and how long the drive is to last."""
+    """Conditions of fatigue, wear and heat besides the loads, and the required life."""
 
-    life: float = quantity(
-        6000.0, "hours that the rated torque is to be borne for (robot reducers: 6000)", u.HOUR, gt=0.0, le=1e9
+    life: float = quantity(6000.0, "required life at the rated torque (robot reducers: 6000)", u.HOUR, gt=0.0, le=1e9)
+    surface: Literal["ground", "machined", "forged"] = choice(
+        "machined", "surface of shaft and pins: ground, machined or forged"
     )
-    surface: Literal["ground", "machined", "forged"] = choice("machined", "shaft and pins: ground, machined, forged")
     endurance_limit: float = quantity(
-        0.0, "endurance limit of every part; 0: by tensile strength, surface, size", u.MEGAPASCAL, ge=0.0, le=1e5
+        0.0, "endurance limit of every part; 0: from tensile strength, surface and size", u.MEGAPASCAL, ge=0.0, le=1e5
     )
     notch_factor: float = quantity(
         0.0, "fatigue notch factor at the root of an output pin; 0: from its fillet", ge=0.0, le=10.0
@@ -700,17 +723,17 @@ class Service(Section):
         1e-9, "volume worn per force and sliding distance (mixed lubrication)", u.WEAR, ge=0.0, le=1.0
     )
     ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
-    film_coefficient: float = quantity(12.0, "heat given to still air", u.FILM, gt=0.0, le=1e4)
+    film_coefficient: float = quantity(12.0, "heat transfer coefficient to still air", u.FILM, gt=0.0, le=1e4)
     grease_temperature: float = quantity(
-        100.0, "up to which the grease lasts; 500: there is none that ends first", u.CELSIUS, ge=0.0, le=500.0
+        100.0, "maximum temperature of the grease; 500: no limit", u.CELSIUS, ge=0.0, le=500.0
     )
     seal_temperature: float = quantity(
-        100.0, "up to which the seals last; 500: there are none that end first", u.CELSIUS, ge=0.0, le=500.0
+        100.0, "maximum temperature of the seals; 500: no limit", u.CELSIUS, ge=0.0, le=500.0
     )
 
 
 class Drive(Section):
-    """The motor and the law of the crank: a linear ramp, then constant speed."""
+    """The motor and its speed: a linear ramp, then constant speed."""
 
     power: float = quantity(0.18, "rated input power", u.KILOWATT, PAPER, gt=0.0, le=1e5)
     torque: float = quantity(1.048, "rated input torque", u.NEWTON_METRE, PAPER, gt=0.0, le=1e6)
@@ -721,28 +744,28 @@ class Drive(Section):
 
 
 class Load(Section):
-    """The load on the output disc."""
+    """The load on the output."""
 
-    torque: float = quantity(0.0, "constant torque against the output's rotation", u.NEWTON_METRE, ge=-1e6, le=1e6)
-    rise: float = quantity(0.005, "time over which the load comes on, without a jolt", u.SECOND, gt=0.0, le=1000.0)
+    torque: float = quantity(0.0, "constant torque against the rotation of the output", u.NEWTON_METRE, ge=-1e6, le=1e6)
+    rise: float = quantity(0.005, "time over which the load is applied smoothly", u.SECOND, gt=0.0, le=1000.0)
 
 
 class Environment(Section):
-    """What acts on every part."""
+    """Gravity."""
 
     gravity_x: float = quantity(0.0, "gravity along x", u.ACCELERATION, PAPER, ge=-1000.0, le=1000.0)
     gravity_y: float = quantity(-9.8, "gravity along y", u.ACCELERATION, PAPER, ge=-1000.0, le=1000.0)
 
 
 class Settings(Section):
-    """How the design is simulated and logged."""
+    """Settings of simulation and log."""
 
     timestep: float = quantity(
-        0.0, "time step; 0: the longest at which the design's figures hold", u.MICROSECOND, ge=0.0, le=1000.0
+        0.0, "time step; 0: the longest step at which the results are accurate", u.MICROSECOND, ge=0.0, le=1000.0
     )
     log_rate: float = quantity(10000.0, "samples of every signal per second", u.HERTZ, gt=0.0, le=1e6)
     scene_rate: float = quantity(
-        60.0, "least 3-D frames per second; a run has one every 10 deg of crank", u.HERTZ, gt=0.0, le=1e5
+        60.0, "minimum number of 3-D frames per second; a run has one every 10 deg of crank", u.HERTZ, gt=0.0, le=1e5
     )
 
 
@@ -776,7 +799,7 @@ class Design(Section, Presented):
     )
     structure: Literal["rigid", "springs"] = choice(
         "rigid",
-        "what carries the contacts: rigid; springs: output pins bend, and carrier, shaft and housing twist",
+        "structure behind the contacts: rigid; springs: output pins bend, and carrier, shaft and housing twist",
         PAPER,
     )
     ring: Ring = Ring()
@@ -1015,8 +1038,8 @@ class Design(Section, Presented):
         set_keys += ['structure = "springs"'] * (self.structure == "springs")
         if set_keys:
             raise ValueError(
-                f'contact.law = "impact" has its own stiffness and damping, and {", ".join(set_keys)} is set: leave it '
-                "out, or set contact.impact_stiffness_n_mm and contact.impact_damping_n_s_mm"
+                f'contact.law = "impact" has its own stiffness and damping, but {", ".join(set_keys)} is set: '
+                "remove it, or set contact.impact_stiffness_n_mm and contact.impact_damping_n_s_mm"
             )
         return self
 
@@ -1031,13 +1054,13 @@ class Design(Section, Presented):
                 several = {part: count for part, count in counts.items() if count > 1} or counts
                 of = " times ".join(".".join(part) for part in several)
                 raise ValueError(
-                    f"{key} has {len(value)} values, but {of} is {number}: "
-                    "give one for each, or only those that are not 0, as in {1 = 5.0}"
+                    f"{key} has {len(value)} values, but {of} is {number}: give one value for each, or only those "
+                    f"other than 0, as in {{1 = 5.0}}"
                 )
             if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if counts else value):
                 raise ValueError(
-                    f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: "
-                    "leave it out, or take ring.kind = 'pin'"
+                    f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: remove it, or set "
+                    "ring.kind = 'pin'"
                 )
         return self
 
@@ -1057,6 +1080,6 @@ def material_limits(design: Design) -> tuple[str, ...]:
         entry = MATERIALS.get(material.name)
         if material.youngs_modulus < SOFTEST_METAL:
             what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
-            hottest = f" and holds up to {entry.hottest:g} °C ({entry.source})" if entry else ""
-            limits.append(f"{what} creeps{hottest}: stiffness and strength here are those of a short load at 23 °C")
+            hottest = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
+            limits.append(f"{what} creeps{hottest}: its stiffness and strength are those of a short load at 23 °C")
     return tuple(limits)

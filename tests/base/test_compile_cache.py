@@ -89,9 +89,7 @@ def test_damaged_file_is_passed_over_said_once_and_replaced(damage, kernels, tmp
         path.write_bytes(DAMAGES[damage](path.read_bytes()))
     hits, said = kernels()
     assert hits == (0, 0)
-    assert said == [
-        f"the compile cache in {files[0].parent} is damaged: compiling anew what it held; this takes some seconds"
-    ]
+    assert said == [f"the compile cache in {files[0].parent} is damaged: compiling again, which takes some seconds"]
     assert kernels() == ((1, 1), [])
 
 
@@ -157,7 +155,7 @@ def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
     assert hits == (0, 0)
     assert len(said) == 1
-    assert "cannot be kept" in said[0]
+    assert "cannot be stored" in said[0]
     assert "File too large" in said[0]
     assert kept(tmp_path) == []
 

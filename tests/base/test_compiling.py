@@ -104,7 +104,7 @@ def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_pat
     assert done.returncode == 0, done.stderr
     told = [line for line in done.stderr.splitlines() if "compiling" in line]
     assert len(told) == 1
-    assert "no folder to keep it in: set NUMBA_CACHE_DIR" in told[0]
+    assert "no cache folder is writable: set NUMBA_CACHE_DIR" in told[0]
     assert "Traceback" not in done.stderr
 
 

@@ -151,8 +151,8 @@ def test_what_stands_there_is_told_and_not_replaced(name: str, here: Path) -> No
     code, err = called(*words.replace('"', "").split())
     assert code == 1, err
     last = err.splitlines()[-1]
-    assert last.startswith(f"error: {file} exists already (")
-    assert "replace it with --force" in last
+    assert last.startswith(f"error: {file} already exists (")
+    assert "overwrite it with --force" in last
     assert KINDS.get(Path(file).suffix, KINDS[".csv"]).name in last or Path(file).suffix not in KINDS
     assert contents(here) == before
 
@@ -174,7 +174,7 @@ def test_kinds_that_begin_alike_are_told_by_their_names(tmp_path: Path) -> None:
         path = tmp_path / name
         path.write_bytes(b'<?xml version="1.0"?> another')
         with one_command():
-            with pytest.raises(CycloidError, match=rf"exists already \({kind} of"):
+            with pytest.raises(CycloidError, match=rf"already exists \({kind} of"):
                 claim(path, force=False)
             claim(path, force=True)
             write_whole({path: b"new"})
@@ -238,7 +238,7 @@ def test_no_input_is_replaced_even_by_force(words: str, file: str, here: Path) -
     before = contents(here)
     code, err = called(*words.split(), "--force")
     assert code == 1, err
-    assert "this command reads it" in err.splitlines()[-1]
+    assert "this command reads that file" in err.splitlines()[-1]
     assert contents(here) == before
 
 
@@ -249,7 +249,7 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
     before = contents(here)
     for words in ("report run.mcap --out page.html", "design profile --design pin --csv table.csv"):
         code, err = called(*words.split(), "--force")
-        assert (code, "it is a log" in err) == (1, True), err
+        assert (code, "the existing file is a log" in err) == (1, True), err
     for words in (
         "design profile --design pin --csv my.toml",
         "report run.mcap --out my.csv",
@@ -264,12 +264,12 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
 def test_a_command_that_claims_nothing_replaces_nothing(tmp_path: Path) -> None:
     old = tmp_path / "old.csv"
     write_whole({old: b"old"})
-    with one_command(), pytest.raises(CycloidError, match="exists already"):
+    with one_command(), pytest.raises(CycloidError, match="already exists"):
         write_whole({old: b"new"})
     with one_command():
         write_whole({tmp_path / "new.csv": b"first"})
         write_whole({tmp_path / "new.csv": b"second"})
-    with pytest.raises(UsageError, match="ending of logs"):
+    with pytest.raises(UsageError, match="is reserved for logs"):
         write_whole({tmp_path / "new.mcap": b"no log"})
     assert contents(tmp_path) == {"old.csv": b"old", "new.csv": b"second"}
 
@@ -281,7 +281,7 @@ def test_a_sweep_goes_on_in_its_folder_and_begins_anew_by_force(here: Path) -> N
     assert called(*words)[0] == 0
     assert Path("d/sweep.rows.jsonl").read_bytes() == first
     code, err = called(*[word.replace("1,2", "3,4") for word in words])
-    assert (code, "replace it with --force" in err) == (2, True)
+    assert (code, "overwrite it with --force" in err) == (2, True)
     assert called(*[word.replace("1,2", "3,4") for word in words], "--force")[0] == 0
     assert b"3.0" in Path("d/sweep.csv").read_bytes()
 

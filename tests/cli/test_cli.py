@@ -282,7 +282,7 @@ def test_log_in_a_named_folder_is_replaced_only_by_force(here, two_samples):
     before = Path("mine/pin.mcap").read_bytes()
     code, message = rejected(*argv, "--load-nm", "1")
     assert code == 1
-    assert "mine/pin.mcap exists already" in message
+    assert "mine/pin.mcap already exists" in message
     assert "--force" in message
     assert Path("mine/pin.mcap").read_bytes() == before
     assert told(*argv, "--load-nm", "1", "--force")[0] == 0

@@ -100,7 +100,7 @@ def test_results_replace_no_others_without_force(tmp_path: Path, capsys: pytest.
     argv = ("statics", "pin", "--out", str(tmp_path), "--quiet", "--json")
     assert main(list(argv)) == 0
     assert main(list(argv)) == 1
-    assert "pin-statics.json exists already" in capsys.readouterr().err
+    assert "pin-statics.json already exists" in capsys.readouterr().err
     assert main([*argv, "--force"]) == 0
 
 
@@ -144,7 +144,7 @@ def test_commands_that_write_files_or_lists_take_the_same_flags(
     assert (err, isinstance(json.loads(out), dict)) == ("", True)
     assert Path("page.html").read_text().startswith("<!doctype html")
     assert main([*words, "--json", "--quiet", "--html", "page.html"]) == 1
-    assert "exists already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
 
 
 def test_columns_are_json_where_no_file_is_named_and_ranges_with_all(

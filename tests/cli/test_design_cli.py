@@ -42,8 +42,8 @@ def test_new_leaves_an_existing_file_alone(here):
     Path("my.toml").write_text("mine")
     code, out, err = told("design", "new", "my")
     assert (code, out) == (1, "")
-    assert err.startswith("error: my.toml exists already (a design file of ")
-    assert err.endswith("): give another name or --out, or replace it with --force\n")
+    assert err.startswith("error: my.toml already exists (a design file of ")
+    assert err.endswith("): choose another name (--out), or overwrite it with --force\n")
     assert Path("my.toml").read_text() == "mine"
 
 

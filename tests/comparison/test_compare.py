@@ -294,7 +294,7 @@ def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undraw
     before = Path("mine/pin-no-load.mcap").read_bytes()
     code, message = rejected(*argv)
     assert code == 1
-    assert "mine/pin-no-load.mcap exists already" in message
+    assert "mine/pin-no-load.mcap already exists" in message
     assert Path("mine/pin-no-load.mcap").read_bytes() == before
     assert told(*argv, "--force")[0] == 0
     assert Path("mine/pin-no-load.mcap").read_bytes() != before

@@ -255,8 +255,8 @@ def test_a_design_is_a_frozen_value() -> None:
         ("eccentricity_mm = 1", r"unknown key eccentricity_mm; did you mean gear\.eccentricity_mm\?"),
         ("[gear]\npin_radius_mm = 1", r"did you mean ring\.pin_radius_mm or output\.pin_radius_mm\?"),
         ("[load]\nspeed_rpm = 1", r"unknown key load\.speed_rpm; did you mean drive\.speed_rpm\?"),
-        ("[environment]\nqqqq = 1", r"known keys here: environment\.gravity_x_m_s2, environment\.gravity_y_m_s2$"),
-        ("zzzz = 1", r"known keys here: name, structure, ring, gear, "),
+        ("[environment]\nqqqq = 1", r"available keys: environment\.gravity_x_m_s2, environment\.gravity_y_m_s2$"),
+        ("zzzz = 1", r"available keys: name, structure, ring, gear, "),
     ],
 )
 def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None:
@@ -299,7 +299,7 @@ def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None
         ("gear.eccentricity_mm=[1.0]", "it must be a number"),
         ("gear.eccentricity_mm={mm=1.0}", "it must be a number"),
         ("gear.eccentricity_mm=2020-01-01", "it must be a number"),
-        ("gear=3", r"gear is a table; write \[gear\]"),
+        ("gear=3", r"gear is a table, not a value: write \[gear\]"),
         ("name=../pin", '"../pin" is not allowed'),
         ('name=""', '"" is not allowed'),
         ('name="a\\nb"', "not allowed"),
@@ -342,7 +342,7 @@ def test_all_wrong_values_are_told_at_once() -> None:
     "change", ["load.torque_nm", "load.torque_nm:36", "=36", "load.=36", ".torque_nm=36", "a.b.c=1", "", "name.x=1"]
 )
 def test_a_change_that_is_no_assignment_shows_the_syntax(change: str) -> None:
-    with pytest.raises(UsageError, match=r"expected table\.key=value, e\.g\. |name is a value, not a table"):
+    with pytest.raises(UsageError, match=r"give table\.key=value, e\.g\. |name is a value, not a table"):
         override(PRESETS["pin"], [change])
 
 
@@ -375,7 +375,7 @@ def test_a_file_that_is_no_toml_says_so(tmp_path, content: bytes) -> None:
     path = tmp_path / "bad.toml"
     path.write_bytes(content)
     with pytest.raises(
-        DesignError, match=r"bad\.toml.*(is not valid TOML|is nested too deeply|give a TOML text file)"
+        DesignError, match=r"bad\.toml.*(is not valid TOML|is nested too deeply|choose a TOML text file)"
     ) as error:
         load(path)
     assert "\n" not in str(error.value)
@@ -398,7 +398,7 @@ def test_a_missing_file_names_the_nearest(tmp_path) -> None:
         UsageError, match=r"neither a preset \(pin, nonpin, printed.*\) nor a file; did you mean nonpin\?"
     ):
         resolve("nopin")
-    with pytest.raises(UsageError, match="makes a file to start from"):
+    with pytest.raises(UsageError, match="writes a design file to start from"):
         resolve("0123456789")
 
 

@@ -30,8 +30,8 @@ def test_override_takes_lists_and_numbers_of_numpy():
         ({"load.torqe_nm": 3.0}, DesignError, "did you mean load.torque_nm"),
         ({"load.torque_nm": "much"}, DesignError, 'load.torque_nm = "much" is not allowed'),
         ({"load": 3.0}, DesignError, "load is a table"),
-        ({"a.b.c": 3.0}, UsageError, "expected table.key"),
-        ({"": 3.0}, UsageError, "expected table.key"),
+        ({"a.b.c": 3.0}, UsageError, "give table.key"),
+        ({"": 3.0}, UsageError, "give table.key"),
         ({"name.x": 3.0}, UsageError, "a value, not a table"),
     ],
 )

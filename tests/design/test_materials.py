@@ -151,7 +151,7 @@ def test_the_weaker_part_decides_and_the_remedy_names_its_table() -> None:
 def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
     assert material_limits(PIN) == ()
     (limit,) = summary(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
-    assert "POM (gear) creeps and holds up to 90 °C" in limit
+    assert "POM (gear) creeps and is usable up to 90 °C" in limit
     (own,) = material_limits(unlike("printed"))
     assert own.startswith("a plastic (gear, housing, pin, output, shaft) creeps:")
 
@@ -174,7 +174,7 @@ def test_stress_takes_each_part_for_what_it_is_made_of() -> None:
 def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None:
     printed = PRESETS["printed"]
     (limit,) = material_limits(printed)
-    assert "Onyx (gear, housing) creeps and holds up to 80 °C" in limit
+    assert "Onyx (gear, housing) creeps and is usable up to 80 °C" in limit
     assert material_limits(PIN) == ()
     assert sheet(Reducer(printed)).assumptions[-1] == limit
     assert rate(printed, duty_of(printed, 10.0)).assumptions[-1] == limit

@@ -107,9 +107,9 @@ def test_what_goes_into_a_preset_comes_out_is_lost_or_is_stored(name: str, at_sp
     design = PRESETS[name]
     loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})
     found = balance(at_speed[1.0] if name == "printed" else simulate(loaded))
-    assert found.supplied == pytest.approx(found.accounted, rel=0.01)
+    assert found.supplied == pytest.approx(found.total_output, rel=0.01)
     assert found.friction > 0.01 * found.supplied
-    assert found.supplied - found.friction != pytest.approx(found.accounted, rel=0.01)
+    assert found.supplied - found.friction != pytest.approx(found.total_output, rel=0.01)
 
 
 def test_rollers_roll_on_a_core_that_is_given() -> None:

@@ -31,7 +31,7 @@ def test_drag_power_is_torque_times_speed(dragged):
 def test_balance_closes_with_drag_and_bearings(dragged):
     # 0.01 % of the input, at the log's own rate; without the drag's columns it is off by the drag's 6 %
     found = balance(dragged)
-    assert found.accounted == pytest.approx(found.supplied, rel=1e-4)
+    assert found.total_output == pytest.approx(found.supplied, rel=1e-4)
     assert abs(mean_powers(dragged).residual) < 1e-4
     losses = mean_powers(dragged).friction
     assert set(losses) == {"tooth", "cam", "output", "crank_drag", "output_drag"}

@@ -190,7 +190,7 @@ def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
         ({"speed": 1e7}, "the speed is .* to be from 0.1 to 50000 rpm"),
         ({"clearance": 0.1}, "the clearance is 100000 um; it is to be from 0.1 to 1000 um"),
         ({"backlash": math.nan}, "the backlash is nan arcmin"),
-        ({"fit": "H7"}, "a fit is a hole's zone and a shaft's, as in H7/g6"),
+        ({"fit": "H7"}, "a fit is the zone of a hole and that of a shaft"),
         ({"fit": "H7/p6"}, "the fit H7/p6 jams"),
         ({"fit": "H7/g6", "clearance": 1e-5}, "leave one of them out"),
     ],

@@ -647,7 +647,7 @@ def test_the_command_runs_a_design(told, tmp_path):
     assert not [path for path in tmp_path.iterdir() if path.suffix in (".png", ".svg")]  # none was asked for
     code, out, err = told("--design", "pin", "--out", str(tmp_path), "--quick")
     assert (code, out) == (1, "")
-    assert "pin.mcap exists already" in err
+    assert "pin.mcap already exists" in err
 
 
 @pytest.mark.slow

@@ -43,9 +43,11 @@ def on_cluster(
                 theirs, result = future.result()
                 require_same(theirs, f"a worker of {scheduler}")
             elif future.status == "error" and isinstance(future.exception(), KilledWorker):
-                why = "each worker of the cluster that worked on it died"
+                why = "every worker of the cluster that computed it died"
                 if lost is None:
-                    raise RunError(f"item {place + 1}: {why}; is there enough memory?") from future.exception()
+                    raise RunError(
+                        f"item {place + 1}: {why}; it may need more memory: use fewer workers per machine"
+                    ) from future.exception()
                 result = lost(place, why)
             else:
                 raise _failure(future, scheduler)
@@ -62,18 +64,18 @@ def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
 def _client(scheduler: str) -> Iterator[Any]:
     """Connect with a scheduler; what is under way is cancelled when the block ends."""
     if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
-        raise UsageError(f"--scheduler {scheduler!r}: expected HOST:PORT, such as 10.0.0.1:8786")
+        raise UsageError(f"--scheduler {scheduler!r} is not an address: expected HOST:PORT, e.g. 10.0.0.1:8786")
     try:
         from distributed import Client
     except ImportError as problem:
-        raise UsageError(f"--scheduler needs Dask ({problem}): pip install 'cycloid-mj[cluster]'") from problem
+        raise UsageError(f"--scheduler requires Dask ({problem}): pip install 'cycloid-mj[cluster]'") from problem
     with _silent_loggers():
         try:
             client = Client(scheduler, timeout=SECONDS_TO_CONNECT, set_as_default=False)
         except (OSError, ValueError) as problem:
             raise RunError(
-                f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or work here "
-                "with --workers"
+                f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or use "
+                "local processes with --workers"
             ) from problem
         try:
             yield client
@@ -108,7 +110,9 @@ def _connected(scheduler: str) -> Iterator[None]:
 
 
 def _lost(scheduler: str) -> RunError:
-    return RunError(f"the connection with the scheduler {scheduler} was lost: start it again, then the same command")
+    return RunError(
+        f"the connection to the scheduler {scheduler} was lost: restart it, then run the same command again"
+    )
 
 
 def _require_workers(client: Any, scheduler: str) -> None:
@@ -122,7 +126,7 @@ def _require_workers(client: Any, scheduler: str) -> None:
     except Exception as problem:  # whatever a worker fails with, such as a missing package
         local = dict(versions())["cycloid_mj"]
         raise RunError(
-            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {local} on all of them"
+            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {local} on all workers"
         ) from problem
     for address, theirs in worker_versions.items():
         require_same(theirs, f"the worker {address}")

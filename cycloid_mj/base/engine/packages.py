@@ -30,4 +30,7 @@ def require_same(theirs: Versions, whose: str) -> None:
         if ours.get(name) != others.get(name)
     ]
     if differing:
-        raise RunError(f"{whose}: {'; '.join(differing)}; install the same versions, so that the figures are the same")
+        raise RunError(
+            f"{whose} has other package versions: {'; '.join(differing)}. Install the same versions, so that "
+            "results are the same"
+        )

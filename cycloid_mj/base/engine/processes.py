@@ -34,9 +34,9 @@ def in_processes(
                 yield place, result
         except TerminatedWorkerError as death:
             if alone is not None:
-                why = f"the process that worked on it died {deaths[alone] + 1} times, at last while it did nothing else"
+                why = f"its worker process died {deaths[alone] + 1} times, the last time while it was the only one"
                 if lost is None:
-                    raise RunError(f"item {alone + 1}: {why}; is there enough memory?") from death
+                    raise RunError(f"item {alone + 1}: {why}; it may need more memory: use fewer --workers") from death
                 del waiting[alone]
                 yield alone, lost(alone, why)
             deaths.update(begun & waiting.keys())
